@@ -1,0 +1,48 @@
+# Every target builds .venv by itself on first use.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+# One BLAS thread each: the work is spread over the service's own pool.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: help setup demo test bench lint lock clean
+help:  ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+
+setup: $(STAMP)  ## build .venv from requirements.lock, with every extra
+
+$(STAMP): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed; name one with: make PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || \
+	  { echo "python3 has no venv module; on Debian: apt-get install python3-venv"; exit 1; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@echo "compiling the kernels (once)"
+	@$(BIN)/python -m voa_core.warmup
+	@touch $@
+
+demo: setup  ## the main job, end to end, told in the terminal
+	@$(BIN)/voa demo --out build/demo
+
+test: setup  ## all tests
+	$(BIN)/python -m pytest -n 2 tests
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q tests/voa_core
+	$(BIN)/python -m coverage report --show-missing --skip-covered --fail-under=100
+
+lint: setup  ## ruff and mypy, strict
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy voa_core service clients assets tests
+
+bench: setup  ## the ratios, as a table and in build/bench.json
+	@$(BIN)/python -m tests.benchmarks --out build/bench.json
+
+lock: setup  ## requirements.lock from pyproject.toml
+	$(BIN)/uv pip compile pyproject.toml --quiet --universal --generate-hashes --no-emit-index-url \
+	  --all-extras --python-version 3.11 --custom-compile-command "make lock" -o requirements.lock
+
+clean:  ## remove what the targets built
+	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

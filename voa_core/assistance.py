@@ -1,0 +1,158 @@
+"""Value of Assistance: how much a look is expected to raise the probability of a successful grasp.
+
+`posterior` (equations 2 and 3 of the preliminary paper):
+    VOA(a, b) = sum_p s[p] Qbar*(b_p) - Qbar*(b),                b_p = tau(b, o~(p, a))
+`executed` (equation 4 of the longer paper):
+    VOA(a, b) = sum_p s[p] (Q[x*(b_p), p] - Q[x*(b), p])
+
+with s the belief of the sensor agent (equation 3 of the longer paper), the gripper agent's own b by default.
+A VOA may be negative and is never clamped.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voa_core.checks import Floats
+from voa_core.errors import InvalidInput
+from voa_core.filtering import Belief, condition
+from voa_core.grasps import TIE, GraspTable, best_grasp, choose
+from voa_core.kernels import Array
+from voa_core.updating import UpdatePolicy, nearest
+from voa_core.weights import Weigher
+
+Definition = Literal["posterior", "executed"]
+
+_BLOCK_BYTES = 64 * 2**20
+_GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
+_LEAST_NORM = {"float64": 1e-200, "float32": 1e-20}
+_TIE = {"float64": TIE, "float32": 1e-6}
+
+
+@dataclass(frozen=True, eq=False)
+class Assistance:
+    """What one look is worth.
+
+    Attributes:
+        voa: expected gain in success probability.
+        expected_score_after: expected success probability after the look.
+        outcomes: (k,) indices of the poses that the sensor agent thinks possible.
+        best_grasps: (k,) the grasp chosen after the scan predicted for each; -1 for none.
+        scores: (k,) what that grasp promises then, Qbar*(b_p).
+    """
+
+    voa: float
+    expected_score_after: float
+    outcomes: NDArray[np.intp]
+    best_grasps: NDArray[np.intp]
+    scores: Floats
+
+
+def value_of_assistance(
+    weigher: Weigher,
+    belief: Belief,
+    table: GraspTable,
+    policy: UpdatePolicy,
+    *,
+    definition: Definition = "posterior",
+    sensor_belief: Belief | None = None,
+) -> Assistance:
+    """The VOA of the sensor configuration that `weigher` is for.
+
+    Args:
+        weigher: weights between the scans predicted there.
+        belief: of the gripper agent, (n,).
+        table: the grasps that are reachable.
+        policy: what an impossible scan does.
+        definition: see the module's page.
+        sensor_belief: of the sensor agent; None: the gripper agent's.
+    """
+    if definition not in get_args(Definition):
+        raise InvalidInput("definition", " or ".join(map(repr, get_args(Definition))), repr(definition))
+    outer = (belief if sensor_belief is None else sensor_belief).p
+    outcomes = np.flatnonzero(outer > 0.0)
+    shares = outer[outcomes]
+    chosen, scores = _after_each(weigher, outcomes, belief, table, policy)
+    before = best_grasp(table, belief.p)
+    if definition == "posterior":
+        after = float(shares @ scores)
+        return Assistance(after - before.expected_score, after, outcomes, chosen, scores)
+    after = float(shares @ _scored_at(table, chosen, outcomes))
+    kept = np.full(len(outcomes), -1 if before.index is None else before.index)
+    return Assistance(after - float(shares @ _scored_at(table, kept, outcomes)), after, outcomes, chosen, scores)
+
+
+def _scored_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
+    """Q[x, p] pair by pair; no grasp scores 0."""
+    return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
+
+
+def _after_each(
+    weigher: Weigher, outcomes: NDArray[np.intp], belief: Belief, table: GraspTable, policy: UpdatePolicy
+) -> tuple[NDArray[np.intp], Floats]:
+    """Best grasp (-1: none) and its expected score after the scan predicted for each of `outcomes`.
+
+    One matrix product per block: with B = [b * Q^T | b], row q of W B holds sum_p W[q, p] b[p] Q[x, p] for every
+    grasp, and its last entry the normaliser.
+    """
+    columns = np.flatnonzero(belief.p > 0.0)
+    if weigher.matrix is not None and len(columns) >= _GATHER_BELOW * len(belief.p):
+        columns = np.arange(len(belief.p))
+    masses = belief.p[columns]
+    right = np.ascontiguousarray(
+        np.concatenate([masses * table.scores[:, columns], masses[None, :]]).T.astype(weigher.dtype)
+    )
+    chosen = np.zeros(len(outcomes), dtype=np.intp)
+    scores = np.zeros(len(outcomes))
+    rows_at_once = max(1, _BLOCK_BYTES // (weigher.dtype.itemsize * len(columns)))
+    if weigher.matrix is not None and len(columns) == len(outcomes) == len(belief.p):
+        rows_at_once = len(outcomes)  # the kept matrix itself: nothing is copied
+    for start in range(0, len(outcomes), rows_at_once):
+        block = slice(start, start + rows_at_once)
+        product = weigher.weights(outcomes[block], columns) @ right
+        chosen[block], scores[block] = _choose_each(product)
+        for row in np.flatnonzero(product[:, -1] < _LEAST_NORM[weigher.dtype.name]):
+            chosen[start + row], scores[start + row] = _after_one(
+                weigher, int(outcomes[start + row]), belief, table, policy
+            )
+    return chosen, scores
+
+
+def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats]:
+    """`grasps.choose` for every row of (k, m + 1) unnormalised expected scores with the normaliser last."""
+    norm = product[:, -1]
+    best = product[:, :-1].max(axis=1)
+    slack = norm * norm.dtype.type(_TIE[norm.dtype.name])
+    first = np.argmax(product[:, :-1] >= (best - slack)[:, None], axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scores = best.astype(np.float64) / norm.astype(np.float64)
+    return np.where(best > 0.0, first, -1), scores
+
+
+def _after_one(
+    weigher: Weigher, outcome: int, belief: Belief, table: GraspTable, policy: UpdatePolicy
+) -> tuple[int, float]:
+    """The same for one outcome in logarithms: its weights all but vanish where the belief has mass."""
+    posterior = condition(belief, weigher.log_row(outcome))
+    if posterior is not None:
+        after = posterior.belief
+    else:
+        after = nearest(weigher.distances(outcome)) if policy.on_no_match == "nearest" else belief
+    choice = choose(table.expected_scores(after.p))
+    return (-1 if choice.index is None else choice.index), choice.expected_score
+
+
+def executed_value(before: Belief, after_each: list[Belief], table: GraspTable) -> float:
+    """AECD: sum_p b[p] Qbar*(b after the scan that was measured at p) - Qbar*(b).
+
+    The posterior form over scans really measured: what the look was worth, where VOA says what it should be.
+
+    Args:
+        before: (n,).
+        after_each: one belief per pose, after the scan measured at that pose.
+        table: the grasps that are reachable.
+    """
+    after = [best_grasp(table, belief.p).expected_score for belief in after_each]
+    return float(before.p @ np.array(after)) - best_grasp(table, before.p).expected_score

@@ -1,0 +1,85 @@
+"""Checks that every value passes on its way in: shapes, finiteness, signs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from voa_core.errors import InvalidInput, UnknownName
+
+Floats = NDArray[np.float64]
+
+
+def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """A read-only float64 array of `shape` (None: any length) with finite entries.
+
+    Raises:
+        InvalidInput: not numeric, another shape, or an entry is NaN or infinite.
+    """
+    wanted = "x".join("n" if size is None else str(size) for size in shape) or "a number"
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(field, f"numbers of shape {wanted}", type(values).__name__) from error
+    if array.ndim != len(shape) or any(
+        want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
+    ):
+        raise InvalidInput(field, f"shape {wanted}", f"shape {'x'.join(map(str, array.shape)) or '()'}")
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise InvalidInput(field, "finite numbers", f"{array[where]} at {list(where)}")
+    array.setflags(write=False)
+    return array
+
+
+def number(
+    field: str,
+    value: float,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+) -> float:
+    """`value` as a float within the limits; raises InvalidInput otherwise."""
+    value = float(value)
+    limits = [
+        (above is None or value > above, f"a number above {above}"),
+        (at_least is None or value >= at_least, f"a number of at least {at_least}"),
+        (below is None or value < below, f"a number below {below}"),
+        (np.isfinite(value), "a finite number"),
+    ]
+    for holds, expected in limits:
+        if not holds:
+            raise InvalidInput(field, expected, repr(value))
+    return value
+
+
+def unique_names(what: str, names: Sequence[str]) -> tuple[str, ...]:
+    """`names` as a tuple: at least one, none empty, none twice; raises InvalidInput otherwise."""
+    names = tuple(names)
+    if not names:
+        raise InvalidInput(what, "at least one", "none")
+    seen: set[str] = set()
+    for name in names:
+        if not name:
+            raise InvalidInput(what, "names that are not empty", "an empty name")
+        if name in seen:
+            raise InvalidInput(what, "names that differ", f"{name!r} twice")
+        seen.add(name)
+    return names
+
+
+def indices(what: str, names: Sequence[str], known: Sequence[str]) -> NDArray[np.intp]:
+    """Where each of `names` stands in `known`; raises UnknownName or InvalidInput (empty, twice)."""
+    position = {name: index for index, name in enumerate(known)}
+    for name in unique_names(what, names):
+        if name not in position:
+            raise UnknownName(what, name, known)
+    return np.array([position[name] for name in names], dtype=np.intp)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """`array` itself, made read-only."""
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,96 @@
+"""Bayes' rule over a finite set of poses, in logarithms; the only contact with filterpy.
+
+`filterpy.discrete_bayes.update` multiplies a prior by a likelihood and divides by the sum. It does so without
+guards (an impossible observation gives NaN), so the guards stand here, before it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from filterpy import discrete_bayes
+from numpy.typing import NDArray
+
+from voa_core.checks import Floats, finite_array, frozen
+from voa_core.errors import InvalidInput
+
+SUM_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Probabilities over the poses, and their logarithms.
+
+    The logarithms are the state: a pose whose probability is too small for a float64 is improbable, not
+    impossible, and later scans can bring it back. So observations commute.
+
+    Attributes:
+        p: (n,) finite, at least 0, sums to 1.
+        log_p: (n,) natural logarithms, -inf where a pose is impossible.
+    """
+
+    p: Floats
+    log_p: Floats
+
+    @classmethod
+    def of(cls, probabilities: object, field: str = "belief", length: int | None = None) -> "Belief":
+        """From numbers that sum to 1 within 1e-6, then made to sum to 1.
+
+        Raises:
+            InvalidInput: another length, not finite, negative, or another sum.
+        """
+        p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
+        if (p < 0.0).any():
+            raise InvalidInput(field, "numbers of at least 0", f"{p.min():g} at {int(p.argmin())}")
+        total = float(p.sum())
+        if abs(total - 1.0) > SUM_TOLERANCE:
+            raise InvalidInput(field, "a sum within 1e-6 of 1", f"a sum of {total:.9g}")
+        p = p / total
+        with np.errstate(divide="ignore"):
+            return cls(frozen(p), frozen(np.log(p)))
+
+    @classmethod
+    def uniform(cls, n: int) -> "Belief":
+        """Every pose equally probable."""
+        return cls.of(np.full(n, 1.0 / n))
+
+    @property
+    def entropy_nats(self) -> float:
+        """Shannon entropy, in nats."""
+        held = self.p > 0.0
+        return max(0.0, -float(self.p[held] @ self.log_p[held]))
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """A belief after an observation, and the logarithm of the observation's probability under the prior."""
+
+    belief: Belief
+    log_evidence: float
+
+
+def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
+    """b'[p] proportional to b[p] w[p]; None where every pose that was possible has weight 0.
+
+    The product is formed in logarithms and shifted by its maximum before filterpy normalises it: unlike either
+    factor, the shifted product always fits a float64.
+
+    Args:
+        prior: (n,).
+        log_weights: (n,) log w, -inf for a weight of 0; never NaN or +inf.
+
+    Returns:
+        The posterior, and ln sum_p b[p] w[p].
+    """
+    joint = prior.log_p + log_weights
+    highest = float(joint.max())
+    if highest == -np.inf:
+        return None
+    shifted = np.exp(joint - highest)
+    posterior = np.asarray(discrete_bayes.update(shifted, np.ones_like(shifted)))
+    log_evidence = highest + float(np.log(shifted.sum()))
+    return Posterior(Belief(frozen(posterior), frozen(joint - log_evidence)), log_evidence)
+
+
+def share_equally(chosen: NDArray[np.bool_]) -> Belief:
+    """Equal probabilities over the poses where `chosen` (n,) is true."""
+    return Belief.of(chosen / np.count_nonzero(chosen))

@@ -1,0 +1,22 @@
+"""The one place that touches numba: kernels are compiled on first use, cached on disk, and release the GIL."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel(function: F) -> F:
+    """Compile a function whose floating-point operations keep their order."""
+    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def sum_kernel(function: F) -> F:
+    """Compile a function whose sums may be reordered, so that they run in vector registers.
+
+    Only reassociation and fused multiply-add are allowed: NaN and infinity keep their meaning.
+    """
+    fast = {"reassoc", "contract"}
+    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fast)(function))

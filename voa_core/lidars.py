@@ -1,0 +1,137 @@
+"""The planar lidar: where its beams point, how far it sees, what its zeros mean, how it errs."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from voa_core.checks import Floats, number
+from voa_core.errors import InvalidInput
+
+Zero = Literal["missing", "no_return"]
+"""What a range of exactly 0 says: the driver lost the beam, or nothing came back."""
+
+GRID_TOLERANCE_RAD = 1e-4
+
+
+@dataclass(frozen=True)
+class BeamGrid:
+    """Directions of the beams: `angle_min + i * angle_increment`, counter-clockwise from the sensor's +x.
+
+    A negative increment is a lidar that turns clockwise.
+    """
+
+    beams: int
+    angle_min: float
+    angle_increment: float
+
+    def __post_init__(self) -> None:
+        if self.beams < 1:
+            raise InvalidInput("beams", "at least 1", str(self.beams))
+        number("angle_min", self.angle_min)
+        if number("angle_increment", self.angle_increment) == 0.0:
+            raise InvalidInput("angle_increment", "a number other than 0", "0")
+
+    @property
+    def angles(self) -> Floats:
+        """Shape (beams,), radians."""
+        return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
+
+    def agrees_with(self, other: "BeamGrid") -> bool:
+        """Whether the beams are as many and none points elsewhere by more than 1e-4 rad (whole turns aside)."""
+        if self.beams != other.beams:
+            return False
+        apart = np.remainder(self.angles - other.angles + np.pi, 2.0 * np.pi) - np.pi
+        return bool(np.abs(apart).max() <= GRID_TOLERANCE_RAD)
+
+
+@dataclass(frozen=True)
+class LidarModel:
+    """A planar lidar.
+
+    Attributes:
+        grid: directions of the beams.
+        range_min: metres; a shorter measurement is not to be trusted.
+        range_max: metres; beyond it there is no return.
+        height_m: height of the scan plane over the table, or None where every sensor configuration has its own.
+        zero: what a range of 0 says.
+        noise_m: standard deviation of a range close by, metres.
+        noise_ratio: standard deviation of a range far away, as a share of it.
+        dropout: share of beams that come back empty from a surface in range.
+    """
+
+    grid: BeamGrid
+    range_min: float
+    range_max: float
+    height_m: float | None
+    zero: Zero
+    noise_m: float
+    noise_ratio: float
+    dropout: float
+
+    def __post_init__(self) -> None:
+        number("range_min", self.range_min, at_least=0.0)
+        number("range_max", self.range_max, above=self.range_min)
+        if self.height_m is not None:
+            number("height_m", self.height_m)
+        if self.zero not in get_args(Zero):
+            raise InvalidInput("zero", " or ".join(map(repr, get_args(Zero))), repr(self.zero))
+        number("noise_m", self.noise_m, above=0.0)
+        number("noise_ratio", self.noise_ratio, at_least=0.0)
+        number("dropout", self.dropout, at_least=0.0, below=1.0)
+
+
+@dataclass(frozen=True)
+class SensorConfiguration:
+    """Where the lidar itself stands in the world frame, and what it costs to get there.
+
+    Attributes:
+        x, y: metres.
+        yaw_rad: direction of beam angle 0, counter-clockwise from the world's +x.
+        height_m: height of the scan plane; None: the lidar's.
+        cost: in success probability.
+    """
+
+    name: str
+    x: float
+    y: float
+    yaw_rad: float
+    height_m: float | None = None
+    cost: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in ("x", "y", "yaw_rad"):
+            number(field, getattr(self, field))
+        if self.height_m is not None:
+            number("height_m", self.height_m)
+        number("cost", self.cost, at_least=0.0)
+
+
+@dataclass(frozen=True)
+class SensorUncertainty:
+    """Standard deviations of a sensor pose that is only roughly known: each of x and y, and the yaw."""
+
+    xy_m: float
+    yaw_rad: float
+
+    def __post_init__(self) -> None:
+        number("xy_m", self.xy_m, at_least=0.0)
+        number("yaw_rad", self.yaw_rad, at_least=0.0)
+
+    def sigma_points(self, sensor: SensorConfiguration) -> list[SensorConfiguration]:
+        """Equally weighted sensor poses with this mean and covariance; the first is the mean itself.
+
+        Per uncertain axis the offsets 0 and +-sqrt(3/2) standard deviations, whose mean square is 1: at most
+        27 points, all of weight 1/27.
+        """
+        step = np.sqrt(1.5)
+
+        def offsets(std: float) -> list[float]:
+            return [0.0, -step * std, step * std] if std > 0.0 else [0.0]
+
+        return [
+            SensorConfiguration(sensor.name, sensor.x + dx, sensor.y + dy, sensor.yaw_rad + turn, sensor.height_m)
+            for dx in offsets(self.xy_m)
+            for dy in offsets(self.xy_m)
+            for turn in offsets(self.yaw_rad)
+        ]

@@ -1,0 +1,71 @@
+"""The object to be grasped: a triangle mesh in metres."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from voa_core.checks import Floats, finite_array, frozen
+from voa_core.errors import InvalidInput
+
+
+@dataclass(frozen=True, eq=False)
+class Object:
+    """A triangle mesh in metres, in its own frame; equal corners are one vertex.
+
+    Attributes:
+        vertices: (v, 3) float64, in metres.
+        faces: (f, 3) int32, indices of vertices, counter-clockwise seen from outside.
+    """
+
+    vertices: Floats
+    faces: NDArray[np.int32]
+
+    @classmethod
+    def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, scale: float = 1.0) -> "Object":
+        """Build an object from raw arrays; `scale` turns the file's unit into metres.
+
+        Raises:
+            InvalidInput: no faces, an index out of range, or a number that is not finite.
+        """
+        points = finite_array("vertices", vertices, (None, 3))
+        corners = np.asarray(faces)
+        if corners.ndim != 2 or corners.shape[1:] != (3,) or corners.shape[0] == 0:
+            raise InvalidInput("faces", "at least one triangle, shape nx3", f"shape {corners.shape}")
+        if not np.issubdtype(corners.dtype, np.integer):
+            raise InvalidInput("faces", "integers", str(corners.dtype))
+        if corners.min() < 0 or corners.max() >= len(points):
+            raise InvalidInput("faces", f"indices from 0 to {len(points) - 1}", f"{corners.min()} to {corners.max()}")
+        merged, index = np.unique(finite_array("scale", points * scale, (None, 3)), axis=0, return_inverse=True)
+        return cls(frozen(merged), frozen(index.reshape(-1)[corners].astype(np.int32)))
+
+    @cached_property
+    def digest(self) -> str:
+        """A name for the content: SHA-256 over vertices and faces, hexadecimal."""
+        hasher = hashlib.sha256()
+        for array in (self.vertices, self.faces):
+            hasher.update(np.ascontiguousarray(array).tobytes())
+        return hasher.hexdigest()
+
+    @cached_property
+    def extents(self) -> Floats:
+        """Size of the bounding box in its own frame, (3,), metres."""
+        corners = self.vertices[self.faces.reshape(-1)]
+        return frozen(corners.max(axis=0) - corners.min(axis=0))
+
+    @cached_property
+    def edges(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Unique edges (e, 2), lower vertex first, and the three edges of each face (f, 3)."""
+        sides = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        key = sides[:, 0].astype(np.int64) * len(self.vertices) + sides[:, 1]
+        unique, index = np.unique(key, return_inverse=True)
+        ends = np.stack(np.divmod(unique, len(self.vertices)), axis=1).astype(np.int32)
+        return frozen(ends), frozen(index.reshape(-1, 3).astype(np.int32))
+
+    @cached_property
+    def watertight(self) -> bool:
+        """Whether every edge belongs to exactly two faces."""
+        ends, of_face = self.edges
+        return bool((np.bincount(of_face.reshape(-1), minlength=len(ends)) == 2).all())

@@ -1,0 +1,128 @@
+"""Observation prediction: the scan that the mesh at each pose would give at a sensor configuration.
+
+Definition 5 of the paper, by an exact cut instead of a depth camera: `cutting` and `rasterising` do the work.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voa_core.checks import Floats, frozen
+from voa_core.cutting import Contours, cut_poses
+from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.rasterising import rasterise
+from voa_core.scans import NO_RETURN
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The predicted scans of all poses from one sensor configuration.
+
+    Few beams ever meet the object, so only their columns are kept.
+
+    Attributes:
+        grid: the beams that the prediction is for.
+        columns: (c,) ascending indices of the beams on which some pose returns.
+        ranges: (n, c) float64 metres, inf for a no-return; every other beam is a no-return for every pose.
+    """
+
+    grid: BeamGrid
+    columns: NDArray[np.intp]
+    ranges: Floats
+
+    @classmethod
+    def of_dense(cls, grid: BeamGrid, ranges: Floats) -> "Prediction":
+        """From ranges (n, r) of every beam."""
+        columns = np.flatnonzero(np.isfinite(ranges).any(axis=0))
+        return cls(grid, frozen(columns), frozen(np.ascontiguousarray(ranges[:, columns])))
+
+    def dense(self) -> Floats:
+        """Ranges (n, r) of every beam."""
+        ranges = np.full((len(self.ranges), self.grid.beams), NO_RETURN)
+        ranges[:, self.columns] = self.ranges
+        return ranges
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, in bytes."""
+        return self.columns.nbytes + self.ranges.nbytes
+
+
+ContoursAt = Callable[[float], Contours]
+"""The cuts of all poses at a height: a function, so that a caller can keep them."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObservationPredictor:
+    """Predicts scans from a mesh, from data, or from both: data for the sensors that it names, else the mesh.
+
+    Attributes:
+        poses: the poses that the predictions are for.
+        lidar: whose beams and `range_max` hold.
+        data: predicted ranges (n, r) by sensor name; inf for a no-return.
+        contours_at: the cuts of the mesh by height; None: there is no mesh.
+    """
+
+    poses: PoseSet
+    lidar: LidarModel
+    data: Mapping[str, Floats] = field(default_factory=dict)
+    contours_at: ContoursAt | None = None
+
+    def __post_init__(self) -> None:
+        shape = (len(self.poses), self.lidar.grid.beams)
+        for name, ranges in self.data.items():
+            if ranges.shape != shape:
+                raise InvalidInput(f"predictions of {name!r}", f"shape {shape}", f"shape {ranges.shape}")
+            if not (ranges >= 0.0).all():
+                raise InvalidInput(f"predictions of {name!r}", "ranges of at least 0, or none", "a negative one")
+
+    def predict(self, sensor: SensorConfiguration, grid: BeamGrid | None = None, *, listed: bool = False) -> Prediction:
+        """The predicted scans of all poses, geometry alone: no workspace, nothing beyond `range_max`.
+
+        Args:
+            sensor: where the lidar stands.
+            grid: the beams wanted; None: the lidar's.
+            listed: the sensor is the scenario's own configuration of that name, so its data hold.
+
+        Raises:
+            BeamGridMismatch: other beams than the lidar's are wanted, and only data are there.
+            NoMesh: neither data nor a mesh; or no height to cut at.
+        """
+        own_grid = grid is None or self.lidar.grid.agrees_with(grid)
+        wanted = self.lidar.grid if grid is None or own_grid else grid
+        given = self.data.get(sensor.name) if listed else None
+        if given is not None and own_grid:
+            return Prediction.of_dense(wanted, np.where(given <= self.lidar.range_max, given, NO_RETURN))
+        if self.contours_at is None and given is not None:
+            raise BeamGridMismatch(
+                f"the scan's beams differ from the lidar's ({self.lidar.grid.beams} from "
+                f"{self.lidar.grid.angle_min:g} rad by {self.lidar.grid.angle_increment:g} rad), and the "
+                f"predictions of {sensor.name!r} are data: send scans on the lidar's beams, or give a mesh"
+            )
+        if self.contours_at is None:
+            raise NoMesh(
+                f"there are no predictions for sensor {sensor.name!r} and no mesh to make them from: "
+                f"predictions are given for {sorted(self.data)}"
+            )
+        height = self.lidar.height_m if sensor.height_m is None else sensor.height_m
+        if height is None:
+            raise NoMesh(f"sensor {sensor.name!r} has no height_m, nor has the lidar: one must say where to cut")
+        ranges = rasterise(self.contours_at(height), sensor, wanted, self.lidar.range_max)
+        return Prediction.of_dense(wanted, ranges)
+
+
+def predictor_of_mesh(object_: Object, poses: PoseSet, lidar: LidarModel) -> ObservationPredictor:
+    """A predictor from a mesh alone, which keeps the cuts of every height that it meets."""
+    kept: dict[float, Contours] = {}
+
+    def contours_at(height_m: float) -> Contours:
+        if height_m not in kept:
+            kept[height_m] = cut_poses(object_, poses, height_m)
+        return kept[height_m]
+
+    return ObservationPredictor(poses, lidar, contours_at=contours_at)

@@ -1,0 +1,89 @@
+"""Which look first, or none: sensor configurations ranked by what they are worth less what they cost."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from voa_core.assistance import Assistance, Definition, value_of_assistance
+from voa_core.filtering import Belief
+from voa_core.grasps import Choice, GraspTable, best_grasp
+from voa_core.lidars import SensorConfiguration
+from voa_core.updating import UpdatePolicy
+from voa_core.weights import Weigher
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+SAME_VALUE_DIGITS = 12
+WORTH_A_LOOK = 1e-9
+
+
+class Spread(Protocol):
+    """Applies a function to items, in order: `map`, or the same over a thread pool."""
+
+    def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterable[B]:
+        """The results, in the order of the items."""
+
+
+@dataclass(frozen=True, eq=False)
+class RankedLook:
+    """A sensor configuration with what it is worth; `net_value` = VOA - cost."""
+
+    sensor: SensorConfiguration
+    assistance: Assistance
+    net_value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking:
+    """Looks by net value, the best first, and the best grasp without any.
+
+    Attributes:
+        before: best grasp and its expected score under the belief as it is.
+        looks: ordered by net value rounded to 1e-12, ties as listed.
+    """
+
+    before: Choice
+    looks: tuple[RankedLook, ...]
+
+    @property
+    def worth_looking(self) -> bool:
+        """Whether the first look's net value exceeds 1e-9; else it is time to grasp."""
+        return self.looks[0].net_value > WORTH_A_LOOK
+
+
+def rank(
+    sensors: Sequence[SensorConfiguration],
+    weigher_of: Callable[[SensorConfiguration], Weigher],
+    belief: Belief,
+    table: GraspTable,
+    policy: UpdatePolicy,
+    *,
+    definition: Definition = "posterior",
+    sensor_belief: Belief | None = None,
+    spread: Spread = map,
+) -> Ranking:
+    """Rank sensor configurations.
+
+    Args:
+        sensors: at least one.
+        weigher_of: the weights between the scans predicted at a sensor configuration.
+        belief: of the gripper agent.
+        table: the grasps that are reachable.
+        policy: what an impossible scan does.
+        definition: of VOA.
+        sensor_belief: of the sensor agent, if another.
+        spread: `map`, or the same over threads.
+    """
+
+    def worth(sensor: SensorConfiguration) -> RankedLook:
+        assistance = value_of_assistance(
+            weigher_of(sensor), belief, table, policy, definition=definition, sensor_belief=sensor_belief
+        )
+        return RankedLook(sensor, assistance, assistance.voa - sensor.cost)
+
+    looks = list(spread(worth, sensors))
+    order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")
+    return Ranking(best_grasp(table, belief.p), tuple(looks[index] for index in order))

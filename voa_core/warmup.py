@@ -1,0 +1,43 @@
+"""Compile every kernel for the types that the service uses: `python -m voa_core.warmup`.
+
+The compiled code is kept beside the sources, or in NUMBA_CACHE_DIR.
+"""
+
+import numpy as np
+
+from voa_core.evidence import evidence_of_scan
+from voa_core.filtering import Belief
+from voa_core.grasps import GraspTable
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.prediction import predictor_of_mesh
+from voa_core.ranking import rank
+from voa_core.rules import RULES, rule_of
+from voa_core.scans import Scan
+from voa_core.updating import UpdatePolicy
+from voa_core.weights import Weigher
+
+
+def warm_up() -> None:
+    """Run every kernel once, on a tetrahedron at two poses."""
+    corners = 0.1 * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    object_ = Object.from_arrays(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    poses = PoseSet.from_arrays(["A", "B"], np.zeros((2, 3)), [[1, 0, 0, 0], [0, 0, 0, 1]])
+    lidar = LidarModel(BeamGrid(8, 0.0, np.pi / 4), 0.1, 2.0, 0.02, "missing", 0.01, 0.02, 0.05)
+    sensor = SensorConfiguration("a", -0.3, 0.03, 0.0)
+    predictor = predictor_of_mesh(object_, poses, lidar)
+    prediction = predictor.predict(sensor)
+    scan = Scan(prediction.dense()[0], lidar.grid)
+    table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
+    for name in RULES:
+        rule = rule_of(name, lidar)
+        evidence_of_scan(scan, sensor, predictor, rule)
+        for dtype in (np.float32, np.float64):
+            for keep in (False, True):
+                weigher = Weigher.of(rule, prediction, dtype, keep=keep)
+                rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), table, UpdatePolicy())
+
+
+if __name__ == "__main__":
+    warm_up()
