@@ -132,7 +132,9 @@ class InverseRmsd(_ByDistance):
     floor_m: float = 0.001
 
     def log_weights(self, statistic: Array, beams: int, /) -> Array:
-        return -np.log(np.maximum(np.sqrt(statistic / beams), statistic.dtype.type(self.floor_m)))
+        rmsd = np.sqrt(statistic / statistic.dtype.type(beams))
+        log_weights: Array = -np.log(np.maximum(rmsd, statistic.dtype.type(self.floor_m)))
+        return log_weights
 
 
 @dataclass(frozen=True)
