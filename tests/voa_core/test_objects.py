@@ -42,7 +42,7 @@ def test_equal_corners_are_one_vertex_and_the_scale_gives_metres() -> None:
 
 
 def test_a_vertex_at_minus_zero_is_the_one_at_zero() -> None:
-    sheet = Object.from_arrays([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, 0, -0.0]], [[0, 1, 2], [3, 2, 1]])
+    sheet = Object.from_arrays(np.array([*TRIANGLE, [-0.0, 0.0, -0.0]]), [[0, 1, 2], [3, 2, 1]])
     assert len(sheet.vertices) == 3
 
 
