@@ -41,13 +41,11 @@ def propose_stable_poses(object_: Object) -> list[StablePose]:
     mesh = trimesh.Trimesh(object_.vertices, object_.faces, process=False)
     try:
         hull = mesh.convex_hull
-        centre = mesh.center_mass if object_.watertight else hull.center_mass
+        centre = _centre_of_mass([mesh, hull] if object_.watertight else [hull], hull)
         transforms, probabilities = trimesh.poses.compute_stable_poses(hull, center_mass=centre, seed=0)
+        ups = np.array(transforms)[:, 2, :3]
     except Exception as error:  # scipy's Qhull raises several kinds
         raise InvalidInput("object", "a mesh with a volume", "one without a convex hull") from error
-    if len(transforms) == 0:
-        raise InvalidInput("object", "a mesh that can rest on a face", "one that cannot")
-    ups = np.array([transform[2, :3] for transform in transforms])
     corners = np.asarray(hull.vertices) - centre
     heights = _centre_heights(ups, corners)
     home = _basins(ups, heights, corners, _PUSH * float(np.linalg.norm(np.ptp(corners, axis=0))))
@@ -57,6 +55,20 @@ def propose_stable_poses(object_: Object) -> list[StablePose]:
         for root in np.unique(home)
     ]
     return sorted(poses, key=lambda pose: -pose.probability)
+
+
+def _centre_of_mass(candidates: list[trimesh.Trimesh], hull: trimesh.Trimesh) -> Floats:
+    """That of the first whose faces all point outwards, told by its lying inside the hull.
+
+    Outside, trimesh would look for a way to rest for ever.
+    """
+    for candidate in candidates:
+        with np.errstate(divide="ignore", invalid="ignore"):  # no volume
+            centre: Floats = candidate.center_mass
+        depths = np.einsum("fi,fi->f", hull.triangles_center - centre, hull.face_normals)
+        if (depths > 0.0).all():
+            return centre
+    raise ValueError("the hull has no inside")
 
 
 def _centre_heights(ups: Floats, corners: Floats) -> Floats:
