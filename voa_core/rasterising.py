@@ -59,6 +59,7 @@ _ATAN = (
     -0.05872662369410048,
     0.030635630925872032,
 )
+_EDGE_ON_BEAMS = 1e-9  # a segment that spans less has its nearer end in front; where a beam meets it is rounding
 _TAN_EIGHTH = math.tan(math.pi / 8.0)
 
 
@@ -137,7 +138,13 @@ def _rasterise(
             low, high = us[i], us[j]
             if high < low:
                 high += turn
-            farthest = math.sqrt(max(xs[i] * xs[i] + ys[i] * ys[i], xs[j] * xs[j] + ys[j] * ys[j]))
+            # Seen edge-on, the segment's ends lie in one direction up to rounding, which alone orders them.
+            if high - low > 0.75 * turn:
+                low, high = high - turn, low
+            nearest, farthest = xs[i] * xs[i] + ys[i] * ys[i], xs[j] * xs[j] + ys[j] * ys[j]
+            nearest, farthest = math.sqrt(min(nearest, farthest)), math.sqrt(max(nearest, farthest))
+            if high - low < _EDGE_ON_BEAMS:
+                cross, farthest = math.inf, nearest
             ex, ey = xs[j] - xs[i], ys[j] - ys[i]
             if high >= turn:  # the same directions one turn earlier
                 low -= turn
