@@ -1,7 +1,7 @@
 """What all messages share: strictness, names, vectors, and marks for the limits that a service sets."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any
 
 from annotated_types import Ge, Len
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, StringConstraints
@@ -14,9 +14,6 @@ class Message(BaseModel):
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
     )
-
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -46,9 +43,8 @@ Distribution = Annotated[list[NotNegative], Len(1), LimitedBy("poses")]
 """Probabilities over the scenario's poses, in its order: finite, at least 0, summing to 1 within 1e-6."""
 
 
-class Page(Message, Generic[T]):
-    """One page of a list."""
+class Page(Message):
+    """One page of a list; its `items` are of the list's kind."""
 
-    items: list[T]
     next: str | None
     """Opaque: hand it back as `after` for the next page; null on the last one."""

@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from voa_msgs.base import Message, Point3, Quaternion
+from voa_msgs.base import Message, Page, Point3, Quaternion
 
 
 class Object(Message):
@@ -16,6 +16,12 @@ class Object(Message):
     faces: int
     watertight: bool
     created_at: datetime
+
+
+class ObjectPage(Page):
+    """Stored meshes, oldest first."""
+
+    items: list[Object]
 
 
 class StablePose(Message):

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le, Len
 from pydantic import Discriminator, JsonValue, Tag
 
-from voa_msgs.base import LimitedBy, Message, Name, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.base import LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
@@ -98,6 +98,12 @@ class ScenarioSummary(Message):
     sensors: int
     rule: str
     created_at: datetime
+
+
+class ScenarioPage(Page):
+    """Stored scenarios, oldest first."""
+
+    items: list[ScenarioSummary]
 
 
 class PredictionsRequest(Message):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge
 from pydantic import Field, JsonValue, model_validator
 
-from voa_msgs.base import Distribution, LimitedBy, Message, Name, NotNegative, Ranges
+from voa_msgs.base import Distribution, LimitedBy, Message, Name, NotNegative, Page, Ranges
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 
@@ -56,6 +56,12 @@ class SessionSummary(Message):
     last_fit_rmsd_mm: float | None
     created_at: datetime
     updated_at: datetime
+
+
+class SessionPage(Page):
+    """Sessions without their beliefs, oldest first."""
+
+    items: list[SessionSummary]
 
 
 class Scan(Message):

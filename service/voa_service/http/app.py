@@ -23,6 +23,7 @@ def create_app(services: Services) -> FastAPI:
         version=version("voa"),
         description=_DESCRIPTION,
         redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,
     )
     for module in (objects, scenarios, sessions, rankings, health):
         app.include_router(module.routes(services))

@@ -9,7 +9,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
-from starlette.routing import Match, Route
+from starlette.routing import Route, compile_path
 
 from voa_service.failures import INTERNAL, INVALID, MALFORMED, METHOD_NOT_ALLOWED, NOT_FOUND, TOO_LARGE, Failure, Kind
 
@@ -79,15 +79,16 @@ def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
         allowed = _methods(app, request)
         headers["Allow"] = ", ".join(allowed)
         detail = f"{request.url.path} has {', '.join(allowed)}, not {request.method}"
+    elif error.status_code == 400:
+        detail = "expected JSON in UTF-8, nested a few hundred deep at most"
     elif error.status_code == 404:
         detail = f"there is nothing at {request.url.path}; the resources are described at /docs"
     return Failure(kind, detail, headers)
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:
-    """Every method of the request's path."""
-    found: set[str] = set()
-    for route in app.routes:
-        if isinstance(route, Route) and route.matches(request.scope)[0] != Match.NONE:
-            found |= route.methods or set()
-    return sorted(found)
+    """Every method of the request's path: those of the document, and of the document's own pages."""
+    described = {path: {method.upper() for method in methods} for path, methods in app.openapi()["paths"].items()}
+    pages = {route.path: route.methods or set() for route in app.routes if isinstance(route, Route)}
+    paths = (described | pages).items()
+    return sorted(set().union(*(has for path, has in paths if compile_path(path)[0].match(request.url.path))))

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from voa_core.errors import VoaError
 from voa_core.stable_poses import propose_stable_poses
-from voa_msgs.base import Page
-from voa_msgs.objects import Object, StablePose, StablePoses
+from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses
 from voa_service.failures import INVALID_MESH, Failure, not_found
 from voa_service.mapping import object_message
 from voa_service.ports import Clock, MeshReader, Store, StoredObject
@@ -30,9 +29,9 @@ class Objects:
         """One mesh."""
         return object_message(self._stored(id_))
 
-    def list(self, limit: int, after: str | None) -> Page[Object]:
+    def list(self, limit: int, after: str | None) -> ObjectPage:
         """All meshes, oldest first."""
-        return page(self.store.list_objects, object_message, limit, after)
+        return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
 
     def stable_poses(self, id_: str) -> StablePoses:
         """How it can rest on the table."""

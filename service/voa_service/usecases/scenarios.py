@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from voa_core.errors import VoaError
 from voa_core.scans import NO_RETURN
-from voa_msgs.base import Page
 from voa_msgs.lidars import LidarPreset, LidarPresets
-from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
+from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
 from voa_service.mapping import candidates, filled_in
 from voa_service.models import Model, Models
@@ -52,9 +51,9 @@ class Scenarios:
             raise not_found("scenario", id_)
         return _message(stored)
 
-    def list(self, limit: int, after: str | None) -> Page[ScenarioSummary]:
+    def list(self, limit: int, after: str | None) -> ScenarioPage:
         """All scenarios, oldest first."""
-        return page(self.store.list_scenarios, _summary, limit, after)
+        return ScenarioPage(**page(self.store.list_scenarios, _summary, limit, after))
 
     def predict(self, id_: str, request: PredictionsRequest | None) -> Predictions:
         """Predicted scans: geometry alone, no workspace."""

@@ -7,10 +7,10 @@ from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
 from voa_core.scenario import Scenario
 from voa_core.updating import update
-from voa_msgs.base import Page
 from voa_msgs.sessions import (
     ScanRequest,
     Session,
+    SessionPage,
     SessionRequest,
     SessionSummary,
     UpdatedEstimate,
@@ -51,9 +51,9 @@ class Sessions:
         state = self.state(id_)
         return Session(**session_fields(state, self.scenario_of(state)))
 
-    def list(self, limit: int, after: str | None) -> Page[SessionSummary]:
+    def list(self, limit: int, after: str | None) -> SessionPage:
         """All sessions without their beliefs, oldest first."""
-        return page(self.store.list_sessions, self._summary, limit, after)
+        return SessionPage(**page(self.store.list_sessions, self._summary, limit, after))
 
     def delete(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> None:
         """Remove a session and its history."""

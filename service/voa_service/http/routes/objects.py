@@ -6,8 +6,8 @@ from typing import Annotated
 from annotated_types import Gt
 from fastapi import APIRouter, Form, Response, UploadFile
 
-from voa_msgs.base import Name, Page
-from voa_msgs.objects import Object, StablePoses
+from voa_msgs.base import Name
+from voa_msgs.objects import Object, ObjectPage, StablePoses
 from voa_service.failures import INVALID_MESH, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
@@ -44,7 +44,7 @@ def routes(services: Services) -> APIRouter:
         called = name or path.stem[:_LONGEST_NAME] or "object"
         return await created(services.heavy, lambda: objects.create(content, mesh_type, called, scale))
 
-    @router.get("", response_model=Page[Object], responses=problems(422, 503))
+    @router.get("", response_model=ObjectPage, responses=problems(422, 503))
     async def list_objects(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
         """All meshes, oldest first."""
         return await answer(services.quick, lambda: objects.list(limit, after))

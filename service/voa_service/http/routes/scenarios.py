@@ -2,9 +2,8 @@
 
 from fastapi import APIRouter, Response
 
-from voa_msgs.base import Page
 from voa_msgs.lidars import LidarPresets
-from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
+from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
 from voa_service.http.limits import check
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
@@ -35,7 +34,7 @@ def routes(services: Services) -> APIRouter:
         check(request, services.limits)
         return await created(services.heavy, lambda: scenarios.create(request))
 
-    @router.get("/scenarios", response_model=Page[ScenarioSummary], responses=problems(422, 503))
+    @router.get("/scenarios", response_model=ScenarioPage, responses=problems(422, 503))
     async def list_scenarios(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
         """All scenarios, oldest first."""
         return await answer(services.quick, lambda: scenarios.list(limit, after))

@@ -4,12 +4,11 @@ from collections.abc import Callable
 
 from fastapi import APIRouter, Request, Response
 
-from voa_msgs.base import Page
 from voa_msgs.sessions import (
     ScanRequest,
     Session,
+    SessionPage,
     SessionRequest,
-    SessionSummary,
     UpdatedEstimate,
     UpdatedSession,
     UpdateRequest,
@@ -40,7 +39,7 @@ def routes(services: Services) -> APIRouter:
         write = write_of("prior", await http.body(), idempotency_key(key, _ANYONE, "create session", request))
         return await versioned(lambda: sessions.create(request, write), 201)
 
-    @router.get("/sessions", response_model=Page[SessionSummary], responses=problems(422, 503))
+    @router.get("/sessions", response_model=SessionPage, responses=problems(422, 503))
     async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
         """All sessions without their beliefs, oldest first."""
         return await answer(services.quick, lambda: sessions.list(limit, after))
