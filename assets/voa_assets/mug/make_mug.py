@@ -85,9 +85,7 @@ def _handle(mug: Mug) -> trimesh.Trimesh:
         [
             middle + mug.handle_reach * np.cos(along) + mug.handle_radius * np.cos(around) * normal_x,
             np.broadcast_to(mug.handle_radius * np.sin(around), (mug.handle_steps + 1, mug.handle_sides)),
-            mug.height / 2.0
-            + mug.handle_half_height * np.sin(along)
-            + mug.handle_radius * np.cos(around) * normal_z,
+            mug.height / 2.0 + mug.handle_half_height * np.sin(along) + mug.handle_radius * np.cos(around) * normal_z,
         ],
         axis=-1,
     )
