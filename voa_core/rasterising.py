@@ -106,6 +106,7 @@ def _rasterise(
 ) -> None:
     turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
     last = len(cosines) - 1
+    one_turn = last <= turn  # else beams of later turns point between those of the first
     most = 0
     for cut in range(len(point_start) - 1):
         most = max(most, point_start[cut + 1] - point_start[cut])
@@ -128,7 +129,7 @@ def _rasterise(
             us[i] = u - turn * math.floor(u / turn)
         for g in range(segment_start[cut], segment_start[cut + 1]):
             i, j = segments[g, 0], segments[g, 1]
-            if math.floor(us[i]) == math.floor(us[j]) and abs(us[i] - us[j]) < 0.5 * turn:
+            if one_turn and math.floor(us[i]) == math.floor(us[j]) and abs(us[i] - us[j]) < 0.5 * turn:
                 continue  # between two beams
             cross = xs[i] * ys[j] - xs[j] * ys[i]
             if cross == 0.0:

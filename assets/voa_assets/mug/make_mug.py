@@ -40,9 +40,9 @@ class Mug:
     height: float = 0.095
     wall: float = 0.004
     floor: float = 0.005
-    handle_reach: float = 0.0315
+    handle_reach: float = 0.030
     handle_half_height: float = 0.030
-    handle_radius: float = 0.0055
+    handle_radius: float = 0.0035
     sections: int = 64
     handle_steps: int = 16
     handle_sides: int = 16
