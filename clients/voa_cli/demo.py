@@ -62,7 +62,7 @@ def tell(client: Client, console: Console, out: Path) -> Path:
         "For every place where the lidar could stand: the expected rise of the probability of a successful grasp.\n"
     )
     console.print(ranking_table(ranking, costs=any(look.cost for look in ranking.ranking)))
-    console.print(recommendation(ranking).capitalize() + ".")
+    console.print(f"So: {recommendation(ranking)}.")
 
     look = ranking.ranking[0].sensor
     predicted = client.predict(scenario.id, PredictionsRequest(sensors=[look]))

@@ -24,7 +24,7 @@ def before_and_after(
     most = max(max(max(row) for row in table) for table in tables)
     grasps = [grasp.name for grasp in scenario.grasps]
     for axes, title, table, belief in zip(panels, titles, tables, (before, after), strict=True):
-        image = axes.imshow(table, cmap="cividis_r", vmin=0.0, vmax=most, aspect="auto")
+        image = axes.imshow(table, cmap="Blues", vmin=0.0, vmax=most, aspect="auto")
         sums = [sum(column) for column in zip(*table, strict=True)]
         best = sums.index(max(sums))
         axes.set_title(title, fontsize=11)
@@ -40,11 +40,12 @@ def before_and_after(
         axes.add_patch(frame).set_clip_on(False)
         for row, cells in enumerate(table):
             for column, value in enumerate(cells):
-                colour = "white" if value > _DARK * most else "black"
-                axes.text(column, row, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=10)
+                colour = "white" if value > _DARK * most else "black" if value > 0.0 else "#999999"
+                number = f"{value:.2f}" if value > 0.0 else "0"
+                axes.text(column, row, number, ha="center", va="center", color=colour, fontsize=10)
         for row, share in enumerate(belief):
             axes.text(len(grasps) - 0.42, row, f"{share:.2f}", ha="left", va="center", fontsize=9, color="#444444")
         axes.text(len(grasps) - 0.42, -0.72, "belief", ha="left", va="center", fontsize=9, color="#444444")
     panels[0].set_ylabel("pose")
-    figure.colorbar(image, ax=panels, label="weighted grasp score, belief x success probability", pad=0.08)
+    figure.colorbar(image, ax=panels, label="weighted grasp score, belief x success probability", pad=0.04)
     figure.savefig(path, dpi=130)
