@@ -100,6 +100,9 @@ def mixture_log_likelihoods(
                     density = random_density + hit_peak[j, k] * math.exp(-0.5 * off * off)
                     if z <= expected:
                         density += short_peak[j, k] * short_decay[i, k]
+                    if density < 1e-100:  # the product might underflow, its logarithm does not
+                        total += math.log(density) if density > 0.0 else -math.inf
+                        continue
                     product *= density
                     if not 1e-100 < product < 1e100:
                         total += math.log(product)

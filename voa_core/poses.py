@@ -70,13 +70,16 @@ def generate(
         where there are several places.
 
     Raises:
-        InvalidInput: nothing to generate from, or two poses would have one name.
+        InvalidInput: nothing to generate from, or two poses would have one name, or names are not one per stable
+            pose.
     """
     yaws = finite_array("yaws_rad", yaws_rad, (None,))
     places = finite_array("positions_xy", positions_xy, (None, 2))
     if not (len(resting) and len(yaws) and len(places)):
         raise InvalidInput("pose set", "at least one stable pose, yaw and position", "none")
     labels = [f"S{i + 1}" for i in range(len(resting))] if names is None else list(names)
+    if len(labels) != len(resting):
+        raise InvalidInput("names", f"one per stable pose, {len(resting)}", str(len(labels)))
     made: list[tuple[str, list[float], Floats]] = []
     for label, rest in zip(labels, resting, strict=True):
         upright = matrices_of_quaternions(np.array([rest.quaternion_wxyz]))[0]

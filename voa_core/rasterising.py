@@ -59,6 +59,7 @@ _ATAN = (
     -0.05872662369410048,
     0.030635630925872032,
 )
+_EDGE_ON_BEAMS = 1e-9  # a segment that spans less has its nearer end in front; where a beam meets it is rounding
 _TAN_EIGHTH = math.tan(math.pi / 8.0)
 
 
@@ -105,6 +106,7 @@ def _rasterise(
 ) -> None:
     turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
     last = len(cosines) - 1
+    one_turn = last <= turn  # else beams of later turns point between those of the first
     most = 0
     for cut in range(len(point_start) - 1):
         most = max(most, point_start[cut + 1] - point_start[cut])
@@ -127,7 +129,7 @@ def _rasterise(
             us[i] = u - turn * math.floor(u / turn)
         for g in range(segment_start[cut], segment_start[cut + 1]):
             i, j = segments[g, 0], segments[g, 1]
-            if math.floor(us[i]) == math.floor(us[j]) and abs(us[i] - us[j]) < 0.5 * turn:
+            if one_turn and math.floor(us[i]) == math.floor(us[j]) and abs(us[i] - us[j]) < 0.5 * turn:
                 continue  # between two beams
             cross = xs[i] * ys[j] - xs[j] * ys[i]
             if cross == 0.0:
@@ -137,7 +139,13 @@ def _rasterise(
             low, high = us[i], us[j]
             if high < low:
                 high += turn
-            farthest = math.sqrt(max(xs[i] * xs[i] + ys[i] * ys[i], xs[j] * xs[j] + ys[j] * ys[j]))
+            # Seen edge-on, the segment's ends lie in one direction up to rounding, which alone orders them.
+            if high - low > 0.75 * turn:
+                low, high = high - turn, low
+            nearest, farthest = xs[i] * xs[i] + ys[i] * ys[i], xs[j] * xs[j] + ys[j] * ys[j]
+            nearest, farthest = math.sqrt(min(nearest, farthest)), math.sqrt(max(nearest, farthest))
+            if high - low < _EDGE_ON_BEAMS:
+                cross, farthest = math.inf, nearest
             ex, ey = xs[j] - xs[i], ys[j] - ys[i]
             if high >= turn:  # the same directions one turn earlier
                 low -= turn

@@ -84,7 +84,7 @@ def classify(scan: Scan, lidar: LidarModel, crossing: Crossing | None) -> Floats
     zero = raw == 0.0
     zero_lost = zero if lidar.zero == "missing" else np.zeros_like(zero)
     short = ~zero & (raw < low)
-    nothing = declared | (raw > high) | (zero & ~zero_lost)
+    nothing = declared | ((raw > high) & ~short) | (zero & ~zero_lost)
     beams = np.where(nothing, NO_RETURN, np.where(lost | zero_lost | short, MISSING, raw))
     if crossing is None:
         return beams

@@ -1,0 +1,119 @@
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from voa_core.errors import InvalidInput
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
+
+PLAIN: dict[str, Any] = {
+    "grid": BeamGrid(4, 0.0, math.pi / 2),
+    "range_min": 0.12,
+    "range_max": 3.5,
+    "height_m": 0.1,
+    "zero": "missing",
+    "noise_m": 0.01,
+    "noise_ratio": 0.02,
+    "dropout": 0.05,
+}
+
+
+def test_angles_start_at_angle_min_and_turn_by_the_increment() -> None:
+    np.testing.assert_allclose(BeamGrid(3, 1.0, -0.5).angles, [1.0, 0.5, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("beams", "start", "increment", "message"),
+    [
+        (0, 0.0, 0.1, "beams: expected at least 1, got 0"),
+        (4, math.nan, 0.1, "angle_min: expected a finite number"),
+        (4, 0.0, math.inf, "angle_increment: expected a finite number"),
+        (4, 0.0, 0.0, "angle_increment: expected a number other than 0"),
+    ],
+)
+def test_a_grid_that_is_none_is_refused(beams: int, start: float, increment: float, message: str) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        BeamGrid(beams, start, increment)
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        (BeamGrid(360, 2 * math.pi, math.radians(1)), True),
+        (BeamGrid(360, 9e-5, math.radians(1)), True),
+        (BeamGrid(360, -9e-5, math.radians(1)), True),
+        (BeamGrid(360, 1.1e-4, math.radians(1)), False),
+        (BeamGrid(360, 0.0, math.radians(1) + 1e-6), False),
+        (BeamGrid(360, 0.0, -math.radians(1)), False),
+        (BeamGrid(359, 0.0, math.radians(1)), False),
+    ],
+)
+def test_grids_agree_when_no_beam_is_off_by_more_than_a_ten_thousandth(other: BeamGrid, same: bool) -> None:
+    assert BeamGrid(360, 0.0, math.radians(1)).agrees_with(other) is same
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("range_min", -0.1, "range_min: expected a number of at least 0.0"),
+        ("range_max", 0.12, "range_max: expected a number above 0.12"),
+        ("range_max", math.inf, "range_max: expected a finite number"),
+        ("height_m", math.nan, "height_m: expected a finite number"),
+        ("zero", "nothing", "zero: expected 'missing' or 'no_return', got 'nothing'"),
+        ("noise_m", 0.0, "noise_m: expected a number above 0.0"),
+        ("noise_ratio", -0.1, "noise_ratio: expected a number of at least 0.0"),
+        ("dropout", 1.0, "dropout: expected a number below 1.0"),
+    ],
+)
+def test_a_lidar_that_cannot_be_is_refused(field: str, value: Any, message: str) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        LidarModel(**{**PLAIN, field: value})
+
+
+def test_a_lidar_may_leave_its_height_to_the_sensor_configurations() -> None:
+    assert LidarModel(**{**PLAIN, "height_m": None}).height_m is None
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("x", math.nan, "x: expected a finite number"),
+        ("y", math.inf, "y: expected a finite number"),
+        ("yaw_rad", -math.inf, "yaw_rad: expected a finite number"),
+        ("height_m", math.nan, "height_m: expected a finite number"),
+        ("cost", -0.01, "cost: expected a number of at least 0.0"),
+    ],
+)
+def test_a_sensor_configuration_that_cannot_be_is_refused(field: str, value: float, message: str) -> None:
+    numbers: dict[str, Any] = {"x": 0.0, "y": 0.0, "yaw_rad": 0.0, field: value}
+    with pytest.raises(InvalidInput, match=message):
+        SensorConfiguration("Q1", **numbers)
+
+
+@pytest.mark.parametrize(("xy_m", "yaw_rad", "field"), [(-1.0, 0.0, "xy_m"), (0.0, math.nan, "yaw_rad")])
+def test_an_uncertainty_that_cannot_be_is_refused(xy_m: float, yaw_rad: float, field: str) -> None:
+    with pytest.raises(InvalidInput, match=f"{field}: expected"):
+        SensorUncertainty(xy_m, yaw_rad)
+
+
+@pytest.mark.parametrize(("xy_m", "yaw_rad", "count"), [(0.03, 0.1, 27), (0.03, 0.0, 9), (0.0, 0.1, 3), (0.0, 0.0, 1)])
+def test_sigma_points_have_the_mean_and_covariance_that_were_stated(xy_m: float, yaw_rad: float, count: int) -> None:
+    sensor = SensorConfiguration("Q1", 0.4, -0.2, 1.0, height_m=0.07, cost=0.3)
+    points = SensorUncertainty(xy_m, yaw_rad).sigma_points(sensor)
+    assert len(points) == count
+    assert len({(p.x, p.y, p.yaw_rad) for p in points}) == count
+    assert (points[0].x, points[0].y, points[0].yaw_rad) == (0.4, -0.2, 1.0)
+    assert all(p.height_m == 0.07 and p.name == "Q1" for p in points)
+    array = np.array([(p.x, p.y, p.yaw_rad) for p in points])
+    np.testing.assert_allclose(array.mean(axis=0), [0.4, -0.2, 1.0], atol=1e-15)
+    off = array - array.mean(axis=0)
+    np.testing.assert_allclose(off.T @ off / count, np.diag([xy_m**2, xy_m**2, yaw_rad**2]), atol=1e-16)
+
+
+def test_sigma_points_are_every_combination_of_their_offsets() -> None:
+    points = SensorUncertainty(0.02, 0.1).sigma_points(SensorConfiguration("Q1", 0.0, 0.0, 0.0))
+    step = math.sqrt(1.5)
+    grid = itertools.product(*([0.0, -step * std, step * std] for std in (0.02, 0.02, 0.1)))
+    assert sorted((p.x, p.y, p.yaw_rad) for p in points) == sorted(grid)

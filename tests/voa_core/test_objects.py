@@ -1,0 +1,74 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.voa_core.worlds import BOX_FACES, box
+from voa_core.errors import InvalidInput
+from voa_core.objects import Object
+
+TRIANGLE = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (TRIANGLE, [], "faces: expected at least one triangle, shape nx3, got shape"),
+        (TRIANGLE, np.zeros((0, 3), dtype=int), "at least one triangle"),
+        (TRIANGLE, [[0, 1, 2, 0]], r"got shape \(1, 4\)"),
+        (TRIANGLE, [[0.0, 1.0, 2.0]], "faces: expected integers, got float64"),
+        (TRIANGLE, [[0, 1, 3]], "faces: expected indices from 0 to 2, got 0 to 3"),
+        (TRIANGLE, [[-1, 1, 2]], "faces: expected indices from 0 to 2, got -1 to 2"),
+        ([[0.0, 0.0]], [[0, 0, 0]], "vertices: expected shape nx3, got shape 1x2"),
+        ([*TRIANGLE, [0.0, np.nan, 0.0]], [[0, 1, 2]], r"vertices: expected finite numbers, got nan at \[3, 1\]"),
+    ],
+)
+def test_a_mesh_that_is_none_is_refused(vertices: Any, faces: Any, message: str) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        Object.from_arrays(vertices, faces)
+
+
+def test_a_scale_that_leaves_no_finite_size_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="scale: expected finite numbers"):
+        Object.from_arrays(TRIANGLE, [[0, 1, 2]], scale=float("nan"))
+
+
+def test_equal_corners_are_one_vertex_and_the_scale_gives_metres() -> None:
+    soup = np.array([box(1.0, 2.0, 3.0).vertices[face] for face in BOX_FACES]).reshape(-1, 3)
+    merged = Object.from_arrays(soup, np.arange(36).reshape(-1, 3), scale=0.001)
+    assert len(merged.vertices) == 8
+    assert merged.watertight
+    np.testing.assert_allclose(merged.extents, [0.001, 0.002, 0.003])
+
+
+def test_a_vertex_at_minus_zero_is_the_one_at_zero() -> None:
+    sheet = Object.from_arrays(np.array([*TRIANGLE, [-0.0, 0.0, -0.0]]), [[0, 1, 2], [3, 2, 1]])
+    assert len(sheet.vertices) == 3
+
+
+def test_the_digest_names_the_content() -> None:
+    assert box(1.0, 2.0, 3.0).digest == box(1.0, 2.0, 3.0).digest
+    assert box(1.0, 2.0, 3.0).digest != box(1.0, 2.0, 3.1).digest
+    turned_over = Object.from_arrays(box(1.0, 2.0, 3.0).vertices, np.array(BOX_FACES)[:, ::-1])
+    assert turned_over.digest != box(1.0, 2.0, 3.0).digest
+
+
+def test_extents_leave_out_vertices_that_no_face_uses() -> None:
+    flat = Object.from_arrays(np.array([*TRIANGLE, [9.0, 9.0, 9.0]]), [[0, 1, 2]])
+    assert flat.extents.tolist() == [1.0, 1.0, 0.0]
+
+
+def test_a_box_is_watertight_and_one_without_a_face_is_not() -> None:
+    assert box(1.0, 1.0, 1.0).watertight
+    assert not Object.from_arrays(box(1.0, 1.0, 1.0).vertices, BOX_FACES[1:]).watertight
+
+
+def test_a_box_has_18_edges_and_every_face_knows_its_three() -> None:
+    cube = box(1.0, 1.0, 1.0)
+    ends, sides = cube.edges
+    assert ends.shape == (18, 2)
+    assert (ends[:, 0] < ends[:, 1]).all()
+    for face, three in zip(cube.faces, sides, strict=True):
+        assert {frozenset(ends[e].tolist()) for e in three} == {
+            frozenset((int(face[k]), int(face[(k + 1) % 3]))) for k in range(3)
+        }
