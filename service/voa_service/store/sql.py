@@ -9,7 +9,7 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from sqlalchemy import Connection, Engine, Row, Select, Table, create_engine, delete, event, insert, select, update
+from sqlalchemy import Connection, Engine, Row, Table, bindparam, create_engine, delete, event, insert, select, update
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
@@ -27,6 +27,14 @@ from voa_service.ports import (
 from voa_service.store.tables import answers, history, metadata, objects, scenarios, sessions
 
 T = TypeVar("T")
+
+# Built once: SQLAlchemy then finds their compiled form without looking at them anew.
+_INSERT = {table: insert(table) for table in (objects, scenarios, sessions, history, answers)}
+_BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios, sessions)}
+_LOCK_SESSION = _BY_ID[sessions].with_for_update()
+_UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
+_DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
+_ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
 _READERS = 8
 _BUSY_MS = 10_000
@@ -93,7 +101,7 @@ class SqlStore:
             before = _answered(connection, write.key)
             if before is not None:
                 return before
-            connection.execute(insert(sessions).values(id=state.id, scenario=state.scenario, **_columns(state)))
+            connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
             _append(connection, state, write, None)
             _remember(connection, write.key, answer)
         return answer
@@ -119,7 +127,7 @@ class SqlStore:
             _check_version(state, write.if_match)
             change = step(state)
             if change.after is not None:
-                connection.execute(update(sessions).where(sessions.c.id == id_).values(**_columns(change.after)))
+                connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
                 _append(connection, change.after, write, change.report)
             _remember(connection, write.key, change.answer)
         return change.answer
@@ -133,22 +141,22 @@ class SqlStore:
             if state is None:
                 return False
             _check_version(state, if_match)
-            connection.execute(delete(sessions).where(sessions.c.id == id_))
+            connection.execute(_DELETE_SESSION, {"by_id": id_})
             _remember(connection, key, Answered("", state.version))
         return True
 
     def _put(self, table: Table, row: dict[str, Any]) -> tuple[Row[Any], bool]:
         """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
         with self._writer.begin() as connection:
-            there = connection.execute(_by_id(table, row["id"])).one_or_none()
+            there = connection.execute(_BY_ID[table], {"by_id": row["id"]}).one_or_none()
             if there is not None:
                 return there, False
-            connection.execute(insert(table).values(**row))
-            return connection.execute(_by_id(table, row["id"])).one(), True
+            connection.execute(_INSERT[table], row)
+            return connection.execute(_BY_ID[table], {"by_id": row["id"]}).one(), True
 
     def _get(self, table: Table, id_: str) -> Row[Any] | None:
         with self._readers.begin() as connection:
-            return connection.execute(_by_id(table, id_)).one_or_none()
+            return connection.execute(_BY_ID[table], {"by_id": id_}).one_or_none()
 
     def _list(self, table: Table, make: Callable[[Row[Any]], T], limit: int, after: str | None) -> Listed[T]:
         query = select(table).order_by(table.c.seq).limit(limit + 1)
@@ -181,12 +189,8 @@ def _engine(url: str, *, begin: str, connections: int) -> Engine:
     return engine
 
 
-def _by_id(table: Table, id_: str) -> Select[Any]:
-    return select(table).where(table.c.id == id_)
-
-
 def _locked(connection: Connection, id_: str) -> SessionState | None:
-    row = connection.execute(_by_id(sessions, id_).with_for_update()).one_or_none()
+    row = connection.execute(_LOCK_SESSION, {"by_id": id_}).one_or_none()
     return None if row is None else _session(row)
 
 
@@ -204,8 +208,7 @@ def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | 
     """What was answered under the key before."""
     if key is None:
         return None
-    query = select(answers).where(answers.c.scope == key.scope, answers.c.key == key.key)
-    row = connection.execute(query).one_or_none()
+    row = connection.execute(_ANSWERED, {"by_scope": key.scope, "by_key": key.key}).one_or_none()
     if row is None:
         return None
     if row.fingerprint != key.fingerprint:
@@ -215,25 +218,21 @@ def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | 
 
 def _remember(connection: Connection, key: IdempotencyKey | None, answer: Answered) -> None:
     if key is not None:
-        connection.execute(
-            insert(answers).values(
-                scope=key.scope, key=key.key, fingerprint=key.fingerprint, body=answer.body, version=answer.version
-            )
-        )
+        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint}
+        connection.execute(_INSERT[answers], named | {"body": answer.body, "version": answer.version})
 
 
 def _append(connection: Connection, state: SessionState, write: Write, report: str | None) -> None:
-    connection.execute(
-        insert(history).values(
-            session=state.id,
-            version=state.version,
-            kind=write.kind,
-            at=state.updated_at.isoformat(),
-            request=write.request,
-            report=report,
-            belief=_blob(state.belief),
-        )
-    )
+    entry = {
+        "session": state.id,
+        "version": state.version,
+        "kind": write.kind,
+        "at": state.updated_at.isoformat(),
+        "request": write.request,
+        "report": report,
+        "belief": _blob(state.belief),
+    }
+    connection.execute(_INSERT[history], entry)
 
 
 def _columns(state: SessionState) -> dict[str, Any]:
