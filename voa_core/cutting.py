@@ -7,9 +7,12 @@ The mesh is a closed set: where vertices lie exactly on the plane, the object to
 plane sees what it touches. So such a plane is cut twice, as if it lay a hair below and a hair above, and both
 contours count. Each of the two treats every vertex as strictly on one side, which keeps contours closed:
 no segment is lost or doubled at a vertex.
+
+A plane meets few faces. Neighbouring faces share a box, and those in a box that the plane misses are passed over.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,77 +68,160 @@ def cut_poses(object_: Object, poses: PoseSet, height_m: float) -> Contours:
     keys = np.round(np.column_stack([ups, levels]) / _SAME_TILT)
     _, first, cut_of_pose = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     cut_of_pose = cut_of_pose.reshape(-1)
-    frames = [upright_rotation(ups[index]) for index in first]
-    points, segments = zip(
-        *(_cut(object_, frame, float(levels[i])) for frame, i in zip(frames, first, strict=True)), strict=True
+    frames = upright_rotation(ups[first])
+    points, segments, point_start, segment_start = _cut_each(
+        object_.vertices,
+        object_.faces,
+        object_.edges[1],
+        *object_.boxes,
+        frames,
+        levels[first],
     )
-    turned = np.einsum("nij,nkj->nik", poses.rotations, np.stack(frames)[cut_of_pose])
-    placement = np.column_stack([turned[:, 0, 0], turned[:, 1, 0], poses.positions[:, :2]])
-    return Contours(
-        np.concatenate(points),
-        np.concatenate(segments),
-        _offsets(points),
-        _offsets(segments),
-        cut_of_pose.astype(np.int64),
-        np.ascontiguousarray(placement),
-    )
-
-
-def _offsets(pieces: tuple[NDArray[np.generic], ...]) -> NDArray[np.int64]:
-    return np.concatenate([[0], np.cumsum([len(piece) for piece in pieces])]).astype(np.int64)
-
-
-def _cut(object_: Object, frame: Floats, level: float) -> tuple[Floats, Ints]:
-    """Points (q, 2) and segments (g, 2) of one cut, in the planar frame of `frame`'s first two rows."""
-    turned = object_.vertices @ frame.T
-    heights = turned[:, 2] + level
-    on_plane = np.abs(heights) <= ON_PLANE_M
-    heights[on_plane] = 0.0
-    planar = np.ascontiguousarray(turned[:, :2])
-    ends, sides = object_.edges
-    points, segments = _cut_faces(heights, heights >= 0.0, planar, ends, sides)
-    if on_plane.any():
-        more, again = _cut_faces(heights, heights > 0.0, planar, ends, sides)
-        points, segments = np.concatenate([points, more]), np.concatenate([segments, again + len(points)])
-    return points, segments
+    turned = np.einsum("nij,nj->ni", poses.rotations, frames[cut_of_pose, 0])
+    placement = np.column_stack([turned[:, :2], poses.positions[:, :2]])
+    return Contours(points, segments, point_start, segment_start, cut_of_pose.astype(np.int64), placement)
 
 
 @kernel
-def _cut_faces(
-    heights: Floats, above: NDArray[np.bool_], planar: Floats, ends: Ints, sides: Ints
+def _cut_each(
+    vertices: Floats,
+    faces: Ints,
+    sides: Ints,
+    boxed: Ints,
+    centres: Floats,
+    halves: Floats,
+    frames: Floats,
+    levels: Floats,
+) -> tuple[Floats, Ints, NDArray[np.int64], NDArray[np.int64]]:
+    """All cuts: `points`, `segments`, `point_start` and `segment_start` of Contours.
+
+    Args:
+        vertices: (v, 3).
+        faces: (f, 3) vertices of each face.
+        sides: (f, 3) edges of each face, the first between its first two corners.
+        boxed, centres, halves: of `Object.boxes`.
+        frames: (k, 3, 3) what turns the object into the frame of each cut; the last row is the plane's normal.
+        levels: (k,) height over the plane of the object's origin.
+    """
+    points, segments = np.zeros((64, 2)), np.zeros((64, 2), dtype=np.int32)
+    point_start = np.zeros(len(levels) + 1, dtype=np.int64)
+    segment_start = np.zeros(len(levels) + 1, dtype=np.int64)
+    heights = np.zeros(len(vertices))
+    point_of_edge = np.full(sides.max() + 1, -1, dtype=np.int32)
+    for cut in range(len(levels)):
+        frame = frames[cut]
+        met, touched = _meet(vertices, faces, boxed, centres, halves, frame[2], levels[cut], heights)
+        p, s = point_start[cut], segment_start[cut]
+        for hair in range(2 if touched else 1):
+            more, joined = _contour(vertices, faces, sides, met, heights, hair == 0, frame, point_of_edge)
+            points, segments = _with_room(points, p + len(more)), _with_room(segments, s + len(joined))
+            points[p : p + len(more)] = more
+            segments[s : s + len(joined)] = joined + np.int32(p - point_start[cut])
+            p += len(more)
+            s += len(joined)
+        point_start[cut + 1], segment_start[cut + 1] = p, s
+    return points[: point_start[-1]].copy(), segments[: segment_start[-1]].copy(), point_start, segment_start
+
+
+@kernel
+def _with_room(rows: NDArray[Any], needed: int) -> NDArray[Any]:
+    """`rows`, or a copy with room for more, so that at least `needed` rows fit."""
+    if needed <= len(rows):
+        return rows
+    larger = np.zeros((2 * needed, 2), dtype=rows.dtype)
+    larger[: len(rows)] = rows
+    return larger
+
+
+@kernel
+def _meet(
+    vertices: Floats,
+    faces: Ints,
+    boxed: Ints,
+    centres: Floats,
+    halves: Floats,
+    up: Floats,
+    level: float,
+    heights: Floats,
+) -> tuple[Ints, bool]:
+    """Indices of the faces that the plane meets, and whether it touches a vertex; `heights` of their corners."""
+    gaps = np.zeros(centres.shape[1])
+    for box in range(len(gaps)):
+        above = up[0] * centres[0, box] + up[1] * centres[1, box] + up[2] * centres[2, box] + level
+        reach = abs(up[0]) * halves[0, box] + abs(up[1]) * halves[1, box] + abs(up[2]) * halves[2, box]
+        gaps[box] = abs(above) - reach
+    near = boxed[gaps <= 2.0 * ON_PLANE_M]
+    met = np.zeros(near.size, dtype=np.int32)
+    count = 0
+    touched = False
+    for group in near:
+        for f in group:
+            if f < 0:
+                break
+            lowest, highest = np.inf, -np.inf
+            for corner in range(3):
+                vertex = faces[f, corner]
+                x, y, z = vertices[vertex, 0], vertices[vertex, 1], vertices[vertex, 2]
+                height = up[0] * x + up[1] * y + up[2] * z + level
+                if abs(height) <= ON_PLANE_M:
+                    height = 0.0
+                    touched = True
+                heights[vertex] = height
+                lowest, highest = min(lowest, height), max(highest, height)
+            if lowest <= 0.0 <= highest:
+                met[count] = f
+                count += 1
+    return met[:count], touched
+
+
+@kernel
+def _contour(
+    vertices: Floats,
+    faces: Ints,
+    sides: Ints,
+    met: Ints,
+    heights: Floats,
+    touching_is_above: bool,
+    frame: Floats,
+    point_of_edge: Ints,
 ) -> tuple[Floats, Ints]:
-    """Segments of the faces whose corners lie on both sides; one point per cut edge, shared by its two faces."""
-    point_of_edge = np.full(len(ends), -1, dtype=np.int32)
-    crossed = np.zeros(len(ends), dtype=np.bool_)
-    n_points = 0
-    for e in range(len(ends)):
-        if above[ends[e, 0]] != above[ends[e, 1]]:
-            crossed[e] = True
-            n_points += 1
-    points = np.zeros((n_points, 2))
+    """Segments of the faces whose corners lie on both sides; one point per cut edge, shared by its two faces.
+
+    `point_of_edge` is -1 throughout, and is so again afterwards.
+    """
+    points, edges = np.zeros((2 * len(met), 2)), np.zeros(2 * len(met), dtype=np.int32)
+    segments = np.zeros((len(met), 2), dtype=np.int32)
     n_points = 0
     n_segments = 0
-    for f in range(len(sides)):
-        if crossed[sides[f, 0]] or crossed[sides[f, 1]] or crossed[sides[f, 2]]:
-            n_segments += 1
-    segments = np.zeros((n_segments, 2), dtype=np.int32)
-    n_segments = 0
-    for f in range(len(sides)):
+    for f in met:
         found = 0
         for k in range(3):
-            e = sides[f, k]
-            if not crossed[e]:
+            low, high = faces[f, k], faces[f, (k + 1) % 3]
+            if _is_above(heights[low], touching_is_above) == _is_above(heights[high], touching_is_above):
                 continue
+            e = sides[f, k]
             if point_of_edge[e] < 0:
-                low, high = ends[e, 0], ends[e, 1]
+                low, high = min(low, high), max(low, high)  # both faces compute the same
                 share = heights[low] / (heights[low] - heights[high])
                 for axis in range(2):
-                    points[n_points, axis] = planar[low, axis] + share * (planar[high, axis] - planar[low, axis])
+                    start = _along(frame[axis], vertices[low])
+                    points[n_points, axis] = start + share * (_along(frame[axis], vertices[high]) - start)
                 point_of_edge[e] = n_points
+                edges[n_points] = e
                 n_points += 1
-            if found < 2:
-                segments[n_segments, found] = point_of_edge[e]
+            segments[n_segments, found] = point_of_edge[e]
             found += 1
         if found > 0:
             n_segments += 1
-    return points, segments
+    point_of_edge[edges[:n_points]] = -1
+    return points[:n_points], segments[:n_segments]
+
+
+@kernel
+def _is_above(height: float, touching_is_above: bool) -> bool:
+    return height > 0.0 or (touching_is_above and height == 0.0)
+
+
+@kernel
+def _along(axis: Floats, vertex: Floats) -> float:
+    return float(axis[0] * vertex[0] + axis[1] * vertex[1] + axis[2] * vertex[2])

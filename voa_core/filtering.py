@@ -4,6 +4,7 @@
 guards (an impossible observation gives NaN), so the guards stand here, before it.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +42,7 @@ class Belief:
         p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
         if (p < 0.0).any():
             raise InvalidInput(field, "numbers of at least 0", f"{p.min():g} at {int(p.argmin())}")
-        total = float(p.sum())
+        total = math.fsum(p)
         if abs(total - 1.0) > SUM_TOLERANCE:
             raise InvalidInput(field, "a sum within 1e-6 of 1", f"a sum of {total:.9g}")
         p = p / total

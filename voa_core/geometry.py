@@ -60,11 +60,17 @@ def turn(yaw_rad: float) -> Floats:
 
 
 def upright_rotation(up: Floats) -> Floats:
-    """A rotation, shape (3, 3), whose last row is the unit vector `up`: it turns `up` (body frame) to the z axis.
+    """Rotations whose last row is the unit vector `up`: each turns `up` (body frame) to the z axis.
 
     Depends on `up` alone, so bodies that differ by a turn about the vertical share it.
+
+    Args:
+        up: (..., 3).
+
+    Returns:
+        Shape (..., 3, 3).
     """
-    helper = np.eye(3)[int(np.argmin(np.abs(up)))]
+    helper = np.eye(3)[np.argmin(np.abs(up), axis=-1)]
     first = np.cross(helper, up)
-    first /= np.linalg.norm(first)
-    return np.array([first, np.cross(up, first), up])
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(up, first), up], axis=-2)

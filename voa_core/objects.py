@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from voa_core.checks import Floats, finite_array, frozen
 from voa_core.errors import InvalidInput
 
+_BOX_FACES = 16
+_MORTON_BITS = 10
+
 
 @dataclass(frozen=True, eq=False)
 class Object:
@@ -65,7 +68,33 @@ class Object:
         return frozen(ends), frozen(index.reshape(-1, 3).astype(np.int32))
 
     @cached_property
+    def boxes(self) -> tuple[NDArray[np.int32], Floats, Floats]:
+        """Boxes around faces that are neighbours in space.
+
+        The faces in each (b, 16), -1 where the last has fewer; its centres (3, b); its half extents (3, b).
+        """
+        corners = self.vertices[self.faces]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        order = np.argsort(_morton_codes(low + high), kind="stable")
+        starts = np.arange(0, len(order), _BOX_FACES)
+        low, high = np.minimum.reduceat(low[order], starts), np.maximum.reduceat(high[order], starts)
+        boxed = np.full((len(starts), _BOX_FACES), -1, dtype=np.int32)
+        boxed.reshape(-1)[: len(order)] = order
+        return frozen(boxed), frozen(0.5 * (low + high).T.copy()), frozen(0.5 * (high - low).T.copy())
+
+    @cached_property
     def watertight(self) -> bool:
         """Whether every edge belongs to exactly two faces."""
         ends, of_face = self.edges
         return bool((np.bincount(of_face.reshape(-1), minlength=len(ends)) == 2).all())
+
+
+def _morton_codes(places: Floats) -> NDArray[np.int64]:
+    """Where places (k, 3) lie along Morton's curve: the bits of their grid cells, taken in turn."""
+    low, size = places.min(axis=0), float(np.ptp(places, axis=0).max())
+    cells = ((places - low) * ((2**_MORTON_BITS - 1) / size if size > 0.0 else 0.0)).astype(np.int64)
+    codes = np.zeros(len(places), dtype=np.int64)
+    for bit in range(_MORTON_BITS):
+        for axis in range(3):
+            codes |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return codes

@@ -45,8 +45,9 @@ class Scenario:
         raise UnknownName("sensor", name, [sensor.name for sensor in self.sensors])
 
     def lists(self, sensor: SensorConfiguration) -> bool:
-        """Whether it is one of the scenario's own, whose data predictions hold."""
-        return sensor in self.sensors
+        """Whether it is one of the scenario's own, whose data predictions hold; what it costs does not matter."""
+        place = (sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
+        return place in [(own.name, own.x, own.y, own.yaw_rad, own.height_m) for own in self.sensors]
 
     def evidence(
         self, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None

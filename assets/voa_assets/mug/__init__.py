@@ -1,0 +1,1 @@
+"""The mug of the paper's evaluation: mesh, scenario, and the program that makes the mesh."""

@@ -1,0 +1,92 @@
+"""`voa rank`: looks by their Value of Assistance, for a scenario file or a session.
+
+voa rank scenario.json                              under the scenario's prior
+voa rank scenario.json --belief 0.5,0.3,0.2         under a belief (or a JSON file with one)
+voa rank --session ID --url http://lab:8000         under a session's belief
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from voa_cli.local_service import service_at
+from voa_cli.scenario_file import load_scenario
+from voa_cli.tables import ranking_table, recommendation
+from voa_client import Client, VoaClientError
+from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
+from voa_msgs.sessions import SessionRequest
+
+
+class InvalidBelief(VoaClientError):
+    """What was given as a belief is none."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Rank, print, and return 0; 1 if something is wrong."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if (options.scenario is None) == (options.session is None):
+        parser.error("name either a scenario file or --session ID")
+    if options.session is not None and options.url is None:
+        parser.error("--session needs the --url of the service that has it")
+    if options.session is not None and options.belief is not None:
+        parser.error("a session has its own belief: --belief goes with a scenario file")
+    try:
+        with service_at(options.url) as client:
+            ranking = _rank(client, options)
+    except VoaClientError as error:
+        print(f"voa rank: {error}", file=sys.stderr)
+        return 1
+    if options.json:
+        print(ranking.model_dump_json(indent=1, exclude_unset=True))
+        return 0
+    console = Console()
+    best = ranking.best_grasp_before or "none"
+    console.print(
+        f"best grasp without a look: [bold]{best}[/bold], expected score {ranking.expected_score_before:.3f}\n"
+    )
+    console.print(ranking_table(ranking, costs=any(look.cost for look in ranking.ranking)))
+    console.print(recommendation(ranking))
+    return 0
+
+
+def _rank(client: Client, options: argparse.Namespace) -> Ranking:
+    asked = VoaRequest(definition=options.definition, grasps=options.grasps)
+    if options.session is not None:
+        return client.rank_looks(options.session, asked)
+    scenario = load_scenario(client, options.scenario)
+    if options.belief is None:
+        session = client.create_session(SessionRequest(scenario=scenario.id))
+        return client.rank_looks(session.id, asked)
+    belief = _belief(options.belief)
+    return client.rank_once(RankingRequest(scenario=scenario.id, belief=belief, **asked.model_dump(exclude_unset=True)))
+
+
+def _belief(text: str) -> list[float]:
+    """Probabilities from "0.5,0.5" or from a JSON file: a list, or an object with `belief`."""
+    path = Path(text)
+    try:
+        if not path.is_file():
+            return [float(part) for part in text.split(",")]
+        told = json.loads(path.read_text(encoding="utf-8"))
+        return [float(share) for share in (told["belief"] if isinstance(told, dict) else told)]
+    except (ValueError, TypeError, KeyError) as error:
+        raise InvalidBelief(f"--belief: expected 0.5,0.3,0.2 or a JSON file with a list, got {text!r}") from error
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="voa rank", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("scenario", type=Path, nargs="?", help="scenario file; its `object` may be a mesh beside it")
+    parser.add_argument("--session", help="id of a session instead")
+    parser.add_argument("--belief", help="probabilities over the poses, or a file with them")
+    parser.add_argument("--definition", choices=["posterior", "executed"], default="posterior", help="of VOA")
+    parser.add_argument("--grasps", nargs="+", help="the grasps that are reachable now (default all)")
+    parser.add_argument("--url", help="a running service; without it, one is started for the purpose")
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    return parser

@@ -1,0 +1,48 @@
+"""Where sensors stand."""
+
+from pydantic import JsonValue
+
+from voa_msgs.base import Message, Name, NotNegative
+
+
+class SensorPose(Message):
+    """The lidar's own pose in the world frame (z up, the table at z = 0)."""
+
+    x: float
+    """Metres."""
+    y: float
+    """Metres."""
+    yaw_rad: float
+    """Direction of beam angle 0, counter-clockwise from the world's +x."""
+    height_m: float | None = None
+    """Height of the scan plane over the table; null: the lidar's."""
+
+
+class SensorConfiguration(SensorPose):
+    """A place from which the lidar can look."""
+
+    name: Name
+    cost: NotNegative = 0.0
+    """What it costs to look from here, in success probability."""
+    data: JsonValue = None
+    """The user's own; kept and returned."""
+
+
+class CandidateSensor(SensorPose):
+    """A sensor pose to be ranked; without a name it is called by its index, "0", "1", ..."""
+
+    name: Name | None = None
+    cost: NotNegative = 0.0
+
+
+class PoseUncertainty(Message):
+    """Standard deviations of a sensor pose that is only roughly known."""
+
+    xy_m: NotNegative = 0.0
+    yaw_rad: NotNegative = 0.0
+
+
+class UncertainSensorPose(SensorPose):
+    """A sensor pose, as well as it is known."""
+
+    std: PoseUncertainty | None = None

@@ -1,0 +1,120 @@
+"""Scenarios: object, poses, grasps, scores, lidar, sensor configurations, update rule, prior."""
+
+from datetime import datetime
+from typing import Annotated, Any
+
+from annotated_types import Ge, Le, Len
+from pydantic import Discriminator, JsonValue, Tag
+
+from voa_msgs.base import LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.geometry import CandidateSensor, SensorConfiguration
+from voa_msgs.lidars import Lidar
+from voa_msgs.priors import Prior
+from voa_msgs.updates import BeamUpdate, UpdateRule
+
+
+class Pose(Message):
+    """A pose that the object may have; its geometry may be absent where all predictions are given."""
+
+    name: Name
+    position: Point3 | None = None
+    """Of the object's frame in the world, metres."""
+    quaternion_wxyz: Quaternion | None = None
+
+
+class Grasp(Message):
+    """A gripper configuration to attempt the grasp from."""
+
+    name: Name
+    data: JsonValue = None
+    """The user's own; kept and returned."""
+
+
+class MeasuredScores(Message):
+    """Successes of attempts, grasps x poses."""
+
+    attempts: Annotated[int, Ge(1)]
+    successes: Annotated[list[list[Annotated[int, Ge(0)]]], Len(1)]
+
+
+class GivenScores(Message):
+    """Probabilities of success, grasps x poses."""
+
+    probabilities: Annotated[list[list[Annotated[float, Ge(0.0), Le(1.0)]]], Len(1)]
+
+
+def _form(scores: Any) -> str:
+    given = "probabilities" in scores if isinstance(scores, dict) else isinstance(scores, GivenScores)
+    return "probabilities" if given else "successes"
+
+
+Scores = Annotated[
+    Annotated[MeasuredScores, Tag("successes")] | Annotated[GivenScores, Tag("probabilities")], Discriminator(_form)
+]
+
+
+class Workspace(Message):
+    """A box over the table in the world frame; what the lidar sees outside of it is not the object."""
+
+    min: Point2
+    max: Point2
+
+
+class ScenarioRequest(Message):
+    """What stays the same while one object is looked at."""
+
+    name: Name
+    object: str | None = None
+    """Id of a stored object; null where all predictions are given."""
+    poses: Annotated[list[Pose], Len(1), LimitedBy("poses")]
+    grasps: Annotated[list[Grasp], Len(1), LimitedBy("grasps")]
+    scores: Scores
+    sensors: Annotated[list[SensorConfiguration], Len(1), LimitedBy("sensors")]
+    lidar: Lidar
+    update: UpdateRule = BeamUpdate()
+    workspace: Workspace | None = None
+    predictions: dict[str, dict[str, Ranges]] | None = None
+    """Per sensor and pose the ranges of all beams; null: no-return. They win over the mesh."""
+    prior: Prior | None = None
+    """Null: uniform."""
+
+
+class Scenario(ScenarioRequest):
+    """A stored scenario: the request with every default filled in."""
+
+    id: str
+    """Digest of the content, name included."""
+    created_at: datetime
+
+
+class ScenarioSummary(Message):
+    """A scenario in a list."""
+
+    id: str
+    name: str
+    object: str | None
+    poses: int
+    grasps: int
+    sensors: int
+    rule: str
+    created_at: datetime
+
+
+class ScenarioPage(Page):
+    """Stored scenarios, oldest first."""
+
+    items: list[ScenarioSummary]
+
+
+class PredictionsRequest(Message):
+    """The sensor poses to predict from; null: the scenario's own configurations."""
+
+    sensors: Annotated[list[Name | CandidateSensor], Len(1), LimitedBy("sensors")] | None = None
+
+
+class Predictions(Message):
+    """Predicted scans: sensors x poses x beams, metres, null where nothing is in range; no workspace applied."""
+
+    sensors: list[str]
+    poses: list[str]
+    ranges: list[list[list[Range]]]

@@ -1,0 +1,132 @@
+"""Sessions: one running estimate each; and the scans that move them."""
+
+from datetime import datetime
+from typing import Annotated, Literal, Self
+
+from annotated_types import Ge
+from pydantic import Field, JsonValue, model_validator
+
+from voa_msgs.base import Distribution, LimitedBy, Message, Name, NotNegative, Page, Ranges
+from voa_msgs.geometry import UncertainSensorPose
+from voa_msgs.priors import Prior
+
+
+class SessionRequest(Message):
+    """Open a session on a scenario."""
+
+    scenario: str
+    prior: Prior | None = None
+    """Null: the scenario's."""
+
+
+class Estimate(Message):
+    """What is believed, and which grasp follows from it."""
+
+    scenario: str
+    version: int | None
+    """Counts accepted observations and replaced beliefs; null where nothing is stored."""
+    poses: list[str]
+    belief: list[float]
+    """One probability per pose, in the order of `poses`."""
+    best_grasp: str | None
+    """Null where every grasp scores 0."""
+    expected_score: float
+    entropy_nats: float
+    last_fit_rmsd_mm: float | None
+    """Fit of the newest accepted scan."""
+
+
+class Session(Estimate):
+    """A session as it stands."""
+
+    id: str
+    created_at: datetime
+    updated_at: datetime
+
+
+class SessionSummary(Message):
+    """A session in a list."""
+
+    id: str
+    scenario: str
+    version: int
+    best_grasp: str | None
+    expected_score: float
+    entropy_nats: float
+    last_fit_rmsd_mm: float | None
+    created_at: datetime
+    updated_at: datetime
+
+
+class SessionPage(Page):
+    """Sessions without their beliefs, oldest first."""
+
+    items: list[SessionSummary]
+
+
+class Scan(Message):
+    """One revolution as the driver gave it. Null is a missing beam: no evidence."""
+
+    ranges: Ranges
+    no_return: Annotated[list[Annotated[int, Ge(0)]], LimitedBy("beams")] = Field(default=[])
+    """Indices of beams in whose direction nothing was in range: evidence. What `ranges` has there is ignored."""
+    angle_min: float | None = None
+    """Radians; null: the lidar's, as the following."""
+    angle_increment: float | None = None
+    range_min: NotNegative | None = None
+    range_max: NotNegative | None = None
+    stamp: JsonValue = None
+    """The user's own; kept and returned."""
+
+
+class ScanRequest(Message):
+    """A raw scan, and where it was taken: exactly one of `sensor` and `sensor_pose`."""
+
+    sensor: Name | None = None
+    """A sensor configuration of the scenario."""
+    sensor_pose: UncertainSensorPose | None = None
+    scan: Scan
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if (self.sensor is None) == (self.sensor_pose is None):
+            raise ValueError("exactly one of 'sensor' and 'sensor_pose' is expected")
+        return self
+
+
+class UpdateRequest(ScanRequest):
+    """A scan applied to the belief in the request; nothing is stored."""
+
+    scenario: str
+    belief: Distribution
+
+
+Reason = Literal["no_match", "no_beams", "bad_fit", "nearest"]
+
+
+class UpdateReport(Message):
+    """What one observation did."""
+
+    accepted: bool
+    reason: Reason | None
+    """Why it was not accepted; `nearest` where no pose explained it and the nearest ones share the belief."""
+    log_evidence: float | None
+    """ln sum_p b[p] w[p] with the weights as used."""
+    fit_rmsd_mm: float | None
+    """The smallest RMSD over all poses."""
+    fit_hit_rmsd_mm: float | None
+    """The same over the beams on which both return."""
+    best_fit_pose: str | None
+    beams_compared: int
+
+
+class UpdatedSession(Session):
+    """A session after an observation."""
+
+    update: UpdateReport
+
+
+class UpdatedEstimate(Estimate):
+    """An estimate after an observation; nothing is stored."""
+
+    update: UpdateReport

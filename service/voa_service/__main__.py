@@ -1,0 +1,8 @@
+"""`python -m voa_service` is `voa serve`."""
+
+import sys
+
+from voa_service.serve import main
+
+if __name__ == "__main__":
+    sys.exit(main())

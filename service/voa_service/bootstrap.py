@@ -1,0 +1,62 @@
+"""The composition root: builds the service from its settings. Nothing is built anywhere else."""
+
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+
+from threadpoolctl import threadpool_limits
+
+from voa_assets import lidar_presets
+from voa_msgs.lidars import LidarPreset
+from voa_service.cache import Cache
+from voa_service.compute import Threads, WorkQueue
+from voa_service.meshes.reader import SubprocessMeshReader
+from voa_service.models import Models
+from voa_service.ports import Clock, IdSource
+from voa_service.services import Services
+from voa_service.settings import MEBIBYTE, Settings
+from voa_service.store.sql import SqlStore
+from voa_service.usecases.objects import Objects
+from voa_service.usecases.rankings import Rankings
+from voa_service.usecases.scenarios import Scenarios
+from voa_service.usecases.sessions import Sessions
+
+_QUICK_WORKERS = 8
+
+
+def utc_now() -> datetime:
+    """The time."""
+    return datetime.now(UTC)
+
+
+def new_id() -> str:
+    """A name that nobody has yet."""
+    return uuid.uuid4().hex
+
+
+@contextmanager
+def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -> Iterator[Services]:
+    """Everything behind the entrypoints; released on leaving."""
+    limits = settings.limits
+    store = SqlStore(settings.database_url)
+    threads = Threads(settings.workers)
+    models = Models(store, Cache(settings.cache_mebibytes * MEBIBYTE))
+    presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
+    sessions = Sessions(store, models, now, ids)
+    reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
+    try:
+        with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
+            yield Services(
+                objects=Objects(store, reader, now),
+                scenarios=Scenarios(store, models, presets, limits, now),
+                sessions=sessions,
+                rankings=Rankings(sessions, models, threads),
+                store=store,
+                limits=limits,
+                quick=WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue),
+                heavy=WorkQueue("heavy", settings.workers, settings.queue),
+            )
+    finally:
+        threads.close()
+        store.close()

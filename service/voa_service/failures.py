@@ -1,0 +1,55 @@
+"""What can go wrong, as a caller sees it: one table from errors to kinds and statuses, for every entrypoint."""
+
+from typing import Any
+
+from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
+
+MALFORMED = ("malformed-json", 400, "The body is not JSON")
+NOT_FOUND = ("not-found", 404, "There is no such thing")
+METHOD_NOT_ALLOWED = ("method-not-allowed", 405, "This path does not have that method")
+STALE = ("stale-version", 412, "The session has moved on")
+TOO_LARGE = ("too-large", 413, "More than this service takes at once")
+MESH_TYPE = ("unsupported-mesh-type", 415, "Not a mesh type that this service reads")
+INVALID = ("invalid-request", 422, "The request is not as expected")
+UNKNOWN = ("unknown-name", 422, "The request names something that does not exist")
+NO_MESH = ("no-mesh", 422, "A prediction is needed and nothing can make it")
+GRID_MISMATCH = ("beam-grid-mismatch", 422, "The scan's beams are not those of the given predictions")
+INVALID_MESH = ("invalid-mesh", 422, "The file is not a usable mesh")
+KEY_REUSED = ("idempotency-key-reused", 422, "This Idempotency-Key came with another request before")
+OVERLOADED = ("overloaded", 503, "Too much to do at the moment")
+NOT_READY = ("not-ready", 503, "The service cannot work at the moment")
+INTERNAL = ("internal", 500, "The service failed")
+
+Kind = tuple[str, int, str]
+
+
+class Failure(Exception):
+    """A request that cannot be answered, with what a caller should know."""
+
+    def __init__(self, kind: Kind, detail: str, headers: dict[str, str] | None = None, **more: Any) -> None:
+        super().__init__(detail)
+        self.kind, self.status, self.title = kind
+        self.detail = detail
+        self.headers = headers or {}
+        self.more = more
+
+
+def not_found(what: str, id_: str) -> Failure:
+    """For an id in the path that names nothing."""
+    return Failure(NOT_FOUND, f"there is no {what} {id_!r}")
+
+
+def of_core(error: VoaError) -> Failure:
+    """The failure that an error of the mathematics is to a caller."""
+    match error:
+        case UnknownName():
+            return Failure(UNKNOWN, str(error), known=error.known[:100])
+        case NoMesh():
+            return Failure(NO_MESH, str(error))
+        case BeamGridMismatch():
+            return Failure(GRID_MISMATCH, str(error))
+        case InvalidInput():
+            problem = f"expected {error.expected}, got {error.got}"
+            return Failure(INVALID, str(error), errors=[{"field": error.field, "problem": problem}])
+        case _:
+            return Failure(INVALID, str(error))

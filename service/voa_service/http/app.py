@@ -1,0 +1,34 @@
+"""The HTTP application around given services."""
+
+from importlib.metadata import version
+
+from fastapi import FastAPI
+
+from voa_service.http import openapi, problems
+from voa_service.http.middleware import BodyLimit, RequestLog
+from voa_service.http.routes import health, objects, rankings, scenarios, sessions
+from voa_service.services import Services
+
+_DESCRIPTION = (
+    "Where should the lidar look before the arm grasps? Keeps a belief over the poses of an object, updates it from "
+    "raw lidar scans, ranks sensor poses by their Value of Assistance and names the best grasp. SI units; one world "
+    "frame, z up. Errors are RFC 9457 problem documents; `type` is the name to program against."
+)
+
+
+def create_app(services: Services) -> FastAPI:
+    """The application; whoever built the services releases them."""
+    app = FastAPI(
+        title="Value of Assistance for grasping",
+        version=version("voa"),
+        description=_DESCRIPTION,
+        redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    for module in (objects, scenarios, sessions, rankings, health):
+        app.include_router(module.routes(services))
+    problems.install(app)
+    openapi.install(app, services.limits)
+    app.add_middleware(BodyLimit, limits=services.limits)
+    app.add_middleware(RequestLog)
+    return app

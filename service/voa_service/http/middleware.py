@@ -1,0 +1,103 @@
+"""Plain ASGI around the application: request ids, the access log, and the limits on bodies."""
+
+import re
+import secrets
+import time
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any
+
+import structlog
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
+
+from voa_service.failures import TOO_LARGE, Failure
+from voa_service.http.problems import problem_response
+from voa_service.settings import Limits
+
+Message = MutableMapping[str, Any]
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+Asgi = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+_SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
+_QUIET = ("/livez", "/readyz")
+_FORM_OVERHEAD = 65_536
+
+
+class RequestLog:
+    """Gives every request an id (the caller's `X-Request-Id` if it is sane) and logs one line when it ends."""
+
+    def __init__(self, app: Asgi) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        offered = Headers(scope=scope).get("x-request-id", "")
+        request_id = offered if _SANE_ID.fullmatch(offered) else secrets.token_hex(8)
+        structlog.contextvars.clear_contextvars()
+        structlog.contextvars.bind_contextvars(request_id=request_id)
+        status = 0
+        began = time.perf_counter()
+
+        async def send_with_id(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                MutableHeaders(scope=message)["X-Request-Id"] = request_id
+            await send(message)
+
+        try:
+            await self._app(scope, receive, send_with_id)
+        except Exception:
+            if status == 0:
+                raise  # nothing was answered: the server must
+        finally:
+            if scope["path"] not in _QUIET:
+                structlog.get_logger().info(
+                    "request",
+                    method=scope["method"],
+                    path=scope["path"],
+                    status=status,
+                    milliseconds=round(1e3 * (time.perf_counter() - began), 3),
+                )
+
+
+class BodyLimit:
+    """Refuses bodies with too many bytes, declared or not, or with too many values, before they are parsed."""
+
+    def __init__(self, app: Asgi, limits: Limits) -> None:
+        self._app = app
+        self._limits = limits
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        form = headers.get("content-type", "").startswith("multipart/")
+        most = self._limits.upload_bytes + _FORM_OVERHEAD if form else self._limits.body_bytes
+        declared = headers.get("content-length", "")
+        if declared.isdigit() and int(declared) > most:
+            failure = Failure(TOO_LARGE, f"expected a body of at most {most} bytes, got {declared}")
+            await problem_response(failure)(scope, receive, send)
+            return
+        size = values = 0
+
+        async def limited() -> Message:
+            nonlocal size, values
+            message = await receive()
+            chunk = message.get("body", b"")
+            size += len(chunk)
+            values += 0 if form else chunk.count(b",")
+            if size > most:
+                raise HTTPException(413, f"expected a body of at most {most} bytes")
+            if values > self._limits.numbers:
+                raise HTTPException(413, f"expected a body of at most {self._limits.numbers} values")
+            return message
+
+        await self._app(scope, limited, send)

@@ -1,0 +1,94 @@
+"""Every error as an RFC 9457 problem document."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import structlog
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.routing import Route, compile_path
+
+from voa_service.failures import INTERNAL, INVALID, MALFORMED, METHOD_NOT_ALLOWED, NOT_FOUND, TOO_LARGE, Failure, Kind
+
+MEDIA_TYPE = "application/problem+json"
+_MOST_ERRORS = 20
+_KINDS: dict[int, Kind] = {400: MALFORMED, 404: NOT_FOUND, 405: METHOD_NOT_ALLOWED, 413: TOO_LARGE}
+
+
+def problem_body(failure: Failure) -> bytes:
+    """The document of a failure."""
+    request_id = structlog.contextvars.get_contextvars().get("request_id")
+    document = {
+        "type": f"urn:voa:problem:{failure.kind}",
+        "title": failure.title,
+        "status": failure.status,
+        "detail": failure.detail,
+        "request_id": request_id,
+    }
+    return json.dumps(document | failure.more, allow_nan=False).encode()
+
+
+def problem_response(failure: Failure) -> Response:
+    """The response of a failure."""
+    return Response(problem_body(failure), failure.status, failure.headers, MEDIA_TYPE)
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error of `app` with a problem document."""
+
+    async def on_failure(_: Request, error: Exception) -> Response:
+        assert isinstance(error, Failure)  # noqa: S101 - as registered
+        return problem_response(error)
+
+    async def on_invalid(_: Request, error: Exception) -> Response:
+        assert isinstance(error, RequestValidationError)  # noqa: S101 - as registered
+        return problem_response(_of_validation(error.errors()))
+
+    async def on_http(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)  # noqa: S101 - as registered
+        return problem_response(_of_http(app, request, error))
+
+    async def on_bug(_: Request, error: Exception) -> Response:
+        structlog.get_logger().exception("unexpected error", exc_info=error)
+        return problem_response(Failure(INTERNAL, "this is a defect of the service; its log has the request id"))
+
+    app.add_exception_handler(Failure, on_failure)
+    app.add_exception_handler(RequestValidationError, on_invalid)
+    app.add_exception_handler(HTTPException, on_http)
+    app.add_exception_handler(Exception, on_bug)
+
+
+def _of_validation(errors: Sequence[Any]) -> Failure:
+    for error in errors:
+        if error["type"] == "json_invalid":
+            return Failure(MALFORMED, f"{error['ctx']['error']} at character {error['loc'][-1]}")
+    fields = [{"field": ".".join(map(str, error["loc"])), "problem": error["msg"]} for error in errors]
+    first = f"{fields[0]['field']}: {fields[0]['problem']}"
+    more = f" (and {len(fields) - 1} more)" if len(fields) > 1 else ""
+    return Failure(INVALID, first + more, errors=fields[:_MOST_ERRORS])
+
+
+def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
+    kind = _KINDS.get(error.status_code, ("http-error", error.status_code, "The request cannot be answered"))
+    headers = dict(error.headers or {})
+    detail = str(error.detail)
+    if error.status_code == 405:
+        allowed = _methods(app, request)
+        headers["Allow"] = ", ".join(allowed)
+        detail = f"{request.url.path} has {', '.join(allowed)}, not {request.method}"
+    elif error.status_code == 400:
+        detail = "expected JSON in UTF-8, nested a few hundred deep at most"
+    elif error.status_code == 404:
+        detail = f"there is nothing at {request.url.path}; the resources are described at /docs"
+    return Failure(kind, detail, headers)
+
+
+def _methods(app: FastAPI, request: Request) -> list[str]:
+    """Every method of the request's path: those of the document, and of the document's own pages."""
+    described = {path: {method.upper() for method in methods} for path, methods in app.openapi()["paths"].items()}
+    pages = {route.path: route.methods or set() for route in app.routes if isinstance(route, Route)}
+    paths = (described | pages).items()
+    return sorted(set().union(*(has for path, has in paths if compile_path(path)[0].match(request.url.path))))

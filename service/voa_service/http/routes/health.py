@@ -1,0 +1,34 @@
+"""/livez and /readyz."""
+
+from fastapi import APIRouter, Response
+
+from voa_msgs.problems import Health
+from voa_service.failures import NOT_READY, Failure
+from voa_service.http.openapi import problems
+from voa_service.http.routes.responses import answer
+from voa_service.services import Services
+
+
+def routes(services: Services) -> APIRouter:
+    """For whoever restarts processes and routes requests."""
+    router = APIRouter(tags=["health"])
+
+    @router.get("/livez", response_model=Health)
+    async def is_alive() -> Health:
+        """The process answers."""
+        return Health(status="alive")
+
+    @router.get("/readyz", response_model=Health, responses=problems(503))
+    async def is_ready() -> Response:
+        """The store answers too."""
+
+        def work() -> Health:
+            try:
+                services.store.ping()
+            except Exception as error:
+                raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
+            return Health(status="ready")
+
+        return await answer(services.quick, work)
+
+    return router

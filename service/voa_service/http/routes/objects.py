@@ -1,0 +1,62 @@
+"""/v1/objects."""
+
+from pathlib import PurePath
+from typing import Annotated
+
+from annotated_types import Gt
+from fastapi import APIRouter, Form, Response, UploadFile
+
+from voa_msgs.base import Name
+from voa_msgs.objects import Object, ObjectPage, StablePoses
+from voa_service.failures import TOO_LARGE, Failure
+from voa_service.http.openapi import problems
+from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
+from voa_service.services import Services
+
+_LONGEST_NAME = 128
+
+
+def routes(services: Services) -> APIRouter:
+    """Upload meshes, look at them."""
+    router = APIRouter(prefix="/v1/objects", tags=["objects"])
+    objects = services.objects
+
+    @router.post(
+        "",
+        status_code=201,
+        response_model=Object,
+        responses={
+            200: {"model": Object, "description": "The same mesh is there"},
+            **problems(400, 413, 415, 422, 503),
+        },
+    )
+    async def create_object(
+        file: UploadFile,
+        name: Annotated[Name | None, Form(description="Default: the file's name.")] = None,
+        scale: Annotated[float, Gt(0.0), Form(description="Metres per unit of the file.", allow_inf_nan=False)] = 1.0,
+    ) -> Response:
+        """Store a mesh: OBJ, STL, PLY or GLB, by the file's ending."""
+        path = PurePath(file.filename or "")
+        mesh_type = path.suffix.lower().removeprefix(".")
+        content = await file.read()
+        if len(content) > services.limits.upload_bytes:
+            raise Failure(TOO_LARGE, f"expected a file of at most {services.limits.upload_bytes} bytes")
+        called = name or path.stem[:_LONGEST_NAME] or "object"
+        return await created(services.heavy, lambda: objects.create(content, mesh_type, called, scale))
+
+    @router.get("", response_model=ObjectPage, responses=problems(422, 503))
+    async def list_objects(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
+        """All meshes, oldest first."""
+        return await answer(services.quick, lambda: objects.list(limit, after))
+
+    @router.get("/{id}", response_model=Object, responses=problems(404, 422, 503))
+    async def get_object(id: str) -> Response:  # noqa: A002 - the contract's name
+        """One mesh."""
+        return await answer(services.quick, lambda: objects.get(id))
+
+    @router.get("/{id}/stable-poses", response_model=StablePoses, responses=problems(404, 422, 503))
+    async def get_stable_poses(id: str) -> Response:  # noqa: A002 - the contract's name
+        """The physically distinct ways in which the object can rest on the table."""
+        return await answer(services.heavy, lambda: objects.stable_poses(id))
+
+    return router

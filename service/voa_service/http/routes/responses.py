@@ -1,0 +1,30 @@
+"""Answers as bytes, made in the worker thread that computed them; and what pages are asked for with."""
+
+from collections.abc import Callable
+from typing import Annotated
+
+from fastapi import Query, Response
+from pydantic import BaseModel
+
+from voa_service.compute import WorkQueue
+
+PageLimit = Annotated[int, Query(ge=1, le=1000, description="Most items of the page.")]
+After = Annotated[str | None, Query(description="`next` of the page before; without it, from the start.")]
+DEFAULT_PAGE = 100
+
+
+async def answer(queue: WorkQueue, work: Callable[[], BaseModel], *, exclude_unset: bool = False) -> Response:
+    """The message that `work` gives, as JSON."""
+    body = await queue.run(lambda: work().model_dump_json(exclude_unset=exclude_unset))
+    return Response(body, media_type="application/json")
+
+
+async def created(queue: WorkQueue, work: Callable[[], tuple[BaseModel, bool]]) -> Response:
+    """The same, 201 where it is new and 200 where the same content was there."""
+
+    def both() -> tuple[str, bool]:
+        message, new = work()
+        return message.model_dump_json(), new
+
+    body, new = await queue.run(both)
+    return Response(body, 201 if new else 200, media_type="application/json")

@@ -1,0 +1,75 @@
+"""Hands a mesh file to the worker process and checks what comes back."""
+
+import io
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voa_core.errors import InvalidInput
+from voa_core.objects import Object
+from voa_service.failures import INVALID_MESH, MESH_TYPE, TOO_LARGE, Failure
+
+MESH_TYPES = ("obj", "stl", "ply", "glb")
+SMALLEST_M, LARGEST_M = 1e-3, 10.0
+_FEWEST_FACES = 4
+
+
+@dataclass(frozen=True)
+class SubprocessMeshReader:
+    """A `ports.MeshReader`.
+
+    Attributes:
+        seconds: time to read one file.
+        mebibytes: address space of the process that reads it.
+        faces: the most faces of a mesh.
+    """
+
+    seconds: int
+    mebibytes: int
+    faces: int
+
+    def __call__(self, content: bytes, mesh_type: str, scale: float) -> Object:
+        """Read a file.
+
+        Raises:
+            Failure: another type, a file that is not that type or not usable, or too many faces.
+        """
+        if mesh_type not in MESH_TYPES:
+            raise Failure(MESH_TYPE, f"expected a file named *.{', *.'.join(MESH_TYPES)}, got *.{mesh_type}")
+        if not content:
+            raise Failure(INVALID_MESH, "expected a mesh, got an empty file")
+        vertices, faces = self._parse(content, mesh_type)
+        if len(faces) > self.faces:
+            raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {len(faces)}: simplify the mesh")
+        if len(faces) < _FEWEST_FACES:
+            raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {len(faces)}: is it cut off?")
+        try:
+            object_ = Object.from_arrays(vertices, faces, scale)
+        except InvalidInput as error:
+            raise Failure(INVALID_MESH, str(error)) from error
+        size = float(object_.extents.max())
+        if not SMALLEST_M <= size <= LARGEST_M:
+            hint = "is it in millimetres? then send scale=0.001" if size > LARGEST_M else "is `scale` right?"
+            raise Failure(
+                INVALID_MESH, f"expected an object of {SMALLEST_M} to {LARGEST_M} m, got one of {size:g} m: {hint}"
+            )
+        return object_
+
+    def _parse(self, content: bytes, mesh_type: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        command = [sys.executable, "-B", "-m", "voa_service.meshes.worker", mesh_type]
+        command += [str(self.mebibytes), str(self.seconds)]
+        try:
+            done = subprocess.run(  # noqa: S603 - our own module, no shell
+                command, input=content, capture_output=True, timeout=self.seconds, check=False
+            )
+        except subprocess.TimeoutExpired as error:
+            raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it") from error
+        if done.returncode != 0:
+            said = done.stderr.decode(errors="replace").strip().splitlines()
+            why = said[-1][:200] if said else f"the reader ended with {done.returncode}"
+            raise Failure(INVALID_MESH, f"expected a {mesh_type.upper()} file with triangles: {why}")
+        with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
+            return arrays["vertices"], arrays["faces"]

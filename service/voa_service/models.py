@@ -1,0 +1,101 @@
+"""Stored scenarios as mathematics, with what is expensive about them kept in one bounded cache."""
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from voa_core.cutting import Contours, cut_poses
+from voa_core.lidars import SensorConfiguration
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.prediction import Prediction
+from voa_core.scenario import Scenario
+from voa_core.weights import Weigher
+from voa_msgs.scenarios import ScenarioRequest
+from voa_service.cache import Cache
+from voa_service.failures import UNKNOWN, Failure
+from voa_service.mapping import scenario_of
+from voa_service.ports import Store
+
+Precision = Literal["float64", "float32"]
+
+_SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that fills it to the brim would push its own weights out
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """One scenario as mathematics."""
+
+    scenario: Scenario
+    weigher: Callable[[SensorConfiguration, Precision, bool], Weigher]
+    """The weights of a sensor configuration, in a precision; True: kept."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held by its own tables, in bytes; what is derived from them has entries of its own."""
+        data = sum(ranges.nbytes for ranges in self.scenario.predictor.data.values())
+        return data + self.scenario.table.scores.nbytes + 512 * len(self.scenario.poses)
+
+
+class Models:
+    """Scenarios by id; nothing here that the store could not rebuild."""
+
+    def __init__(self, store: Store, cache: Cache) -> None:
+        self._store = store
+        self._cache = cache
+
+    def get(self, id_: str) -> Model | None:
+        """The model of a stored scenario; None: there is none."""
+
+        def make() -> Model:
+            stored = self._store.get_scenario(id_)
+            if stored is None:
+                raise KeyError(id_)
+            return self.build(id_, ScenarioRequest.model_validate_json(stored.body))
+
+        try:
+            return self._cache.get(("model", id_), make)
+        except KeyError:
+            return None
+
+    def build(self, id_: str, request: ScenarioRequest) -> Model:
+        """The model of a filled-in scenario.
+
+        Raises:
+            Failure: its object does not exist.
+            VoaError: what it says cannot be.
+        """
+        contours_at = None
+        if request.object is not None:
+            stored = self._store.get_object(request.object)
+            if stored is None:
+                raise Failure(UNKNOWN, f"there is no object {request.object!r}: upload it with POST /v1/objects")
+            contours_at = self._contours_at(id_, stored.object)
+
+        def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+            return self._cache.get(("prediction", id_, key), make)
+
+        scenario = scenario_of(request, contours_at, remember)
+
+        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool) -> Weigher:
+            def make() -> Weigher:
+                return scenario.weigher(sensor, np.float64 if precision == "float64" else np.float32, keep=keep)
+
+            return self._cache.get(("weigher", id_, sensor, precision, keep), make)
+
+        return Model(scenario, weigher)
+
+    def _contours_at(self, id_: str, object_: Object) -> Callable[[PoseSet, float], Contours]:
+        def contours_at(poses: PoseSet, height_m: float) -> Contours:
+            return self._cache.get(("contours", id_, height_m), lambda: cut_poses(object_, poses, height_m))
+
+        return contours_at
+
+    def precision(self, sensors: int, poses: int) -> tuple[Precision, bool]:
+        """In which precision the weights of so many sensors between so many poses are computed, and if kept."""
+        room = _SHARE_FOR_WEIGHTS * self._cache.budget
+        if 8 * sensors * poses**2 <= room:
+            return "float64", True
+        return "float32", 4 * sensors * poses**2 <= room

@@ -1,0 +1,154 @@
+"""What the use cases need from the world."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Generic, Literal, Protocol, TypeVar
+
+from voa_core.filtering import Belief
+from voa_core.objects import Object
+
+T = TypeVar("T")
+
+Clock = Callable[[], datetime]
+"""The time, in UTC."""
+
+IdSource = Callable[[], str]
+"""A new name that nobody has yet, of `[A-Za-z0-9]`."""
+
+MeshReader = Callable[[bytes, str, float], Object]
+"""Reads an untrusted mesh file of a type ("obj", ...), scaled; raises `failures.Failure`."""
+
+
+@dataclass(frozen=True, eq=False)
+class StoredObject:
+    """A mesh with its name."""
+
+    object: Object
+    name: str
+    created_at: datetime
+
+
+@dataclass(frozen=True)
+class StoredScenario:
+    """A scenario as canonical JSON of the filled-in request, named by its digest."""
+
+    id: str
+    name: str
+    body: str
+    created_at: datetime
+
+
+@dataclass(frozen=True, eq=False)
+class SessionState:
+    """One running estimate."""
+
+    id: str
+    scenario: str
+    version: int
+    belief: Belief
+    prior: Belief
+    last_fit_rmsd_mm: float | None
+    created_at: datetime
+    updated_at: datetime
+
+
+@dataclass(frozen=True)
+class Listed(Generic[T]):
+    """Some items of a list, and where it goes on."""
+
+    items: list[T]
+    next: str | None
+
+
+@dataclass(frozen=True)
+class IdempotencyKey:
+    """A caller's name for one logical call: within `scope`, the same key means the same call."""
+
+    scope: str
+    key: str
+    fingerprint: str
+    """Digest of what is asked: the same key with another one is a mistake."""
+
+
+@dataclass(frozen=True)
+class Answered:
+    """What a write was answered, kept with its idempotency key: the JSON body and the session's version."""
+
+    body: str
+    version: int
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The effect of one write on a session.
+
+    `after` is None where the write was answered but changed nothing; `report` goes to the history.
+    """
+
+    after: SessionState | None
+    answer: Answered
+    report: str | None
+
+
+HistoryKind = Literal["prior", "scan", "outcome", "belief"]
+
+
+@dataclass(frozen=True)
+class Write:
+    """One write to a session as it came in."""
+
+    kind: HistoryKind
+    request: str
+    """The body as it was received."""
+    key: IdempotencyKey | None
+    if_match: frozenset[int] | None
+    """The versions that the caller would accept; None: any."""
+
+
+class Store(Protocol):
+    """Keeps every answered write. All methods block; they are called from worker threads."""
+
+    def ping(self) -> None:
+        """Return if the store works; raise whatever is wrong."""
+
+    def close(self) -> None:
+        """Release what is held."""
+
+    def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
+        """Store a mesh unless an equal one is there; the one that is there then, and whether it is new."""
+
+    def get_object(self, id_: str) -> StoredObject | None:
+        """The mesh with that digest."""
+
+    def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
+        """Oldest first."""
+
+    def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
+        """Store a scenario unless an equal one is there; the one that is there then, and whether it is new."""
+
+    def get_scenario(self, id_: str) -> StoredScenario | None:
+        """The scenario with that digest."""
+
+    def list_scenarios(self, limit: int, after: str | None) -> Listed[StoredScenario]:
+        """Oldest first."""
+
+    def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
+        """Store a new session with its prior as history; with a key seen before, what was answered then."""
+
+    def get_session(self, id_: str) -> SessionState | None:
+        """The session as it stands."""
+
+    def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
+        """Oldest first."""
+
+    def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
+        """Apply one write in one transaction; None if there is no such session.
+
+        In this order: the idempotency key (seen before: that answer again, or `Failure` if the request was
+        another), the version that the caller has seen (`Failure` if stale), then `step`, which must be pure and
+        quick: writers on one session wait for each other.
+        """
+
+    def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
+        """Remove a session with its history; whether it was there. Key and version as in `change_session`."""

@@ -1,0 +1,90 @@
+"""`voa serve`: the service as a process."""
+
+import argparse
+import socket
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import structlog
+import uvicorn
+from pydantic import ValidationError
+
+from voa_service import bootstrap, logs
+from voa_service.http.app import create_app
+from voa_service.settings import Settings
+
+_DRAIN_SECONDS = 20
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Serve until told to stop; returns the exit code."""
+    given = vars(_parser().parse_args(arguments))
+    inherited = given.pop("fd")
+    try:
+        settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    except ValidationError as error:
+        print(f"voa serve: {error}", file=sys.stderr)
+        return 2
+    if inherited is None and not settings.is_loopback and not settings.insecure:
+        print(
+            f"voa serve: {settings.host} can be reached from other machines, and anyone there could change beliefs.\n"
+            "Serve 127.0.0.1 behind a proxy with authentication, or say --insecure if the network is trusted.",
+            file=sys.stderr,
+        )
+        return 2
+    logs.configure(settings.log_level)
+    try:
+        listening = _socket(settings, inherited)
+    except OSError as error:
+        print(f"voa serve: cannot listen on {settings.host}:{settings.port}: {error.strerror}", file=sys.stderr)
+        return 1
+    with bootstrap.services(settings) as services:
+        config = uvicorn.Config(
+            create_app(services),
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=_DRAIN_SECONDS,
+        )
+        host, port = listening.getsockname()[:2]
+        url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
+        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=settings.database_url)
+        uvicorn.Server(config).run([listening])
+    return 0
+
+
+def _socket(settings: Settings, inherited: int | None) -> socket.socket:
+    """The socket to listen on; one that is handed over lets the caller know its port beforehand."""
+    if inherited is not None:
+        return socket.socket(fileno=inherited)
+    family, kind, protocol, _, address = socket.getaddrinfo(
+        settings.host, settings.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    listening = socket.socket(family, kind, protocol)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listening.bind(address)
+    return listening
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="voa serve",
+        description="Run the service. Every option is also a setting VOA_<OPTION> in the environment.",
+    )
+
+    def option(name: str, **more: Any) -> None:
+        parser.add_argument(name, **more)
+
+    option("--host", help="address to listen on (default 127.0.0.1)")
+    option("--port", type=int, help="port to listen on, 0 for any that is free (default 8000)")
+    option("--database-url", help="where everything is kept (default sqlite:///voa.db, a file in this folder)")
+    option("--log-level", choices=["DEBUG", "INFO", "WARNING", "ERROR"], help="(default INFO)")
+    option(
+        "--insecure",
+        action="store_const",
+        const=True,
+        help="allow addresses that other machines can reach, without any authentication",
+    )
+    option("--fd", type=int, help="file descriptor of a socket to listen on, instead of host and port")
+    return parser

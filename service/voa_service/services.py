@@ -1,0 +1,27 @@
+"""What an entrypoint is given: the use cases, and the queues that they run in."""
+
+from dataclasses import dataclass
+
+from voa_service.compute import WorkQueue
+from voa_service.ports import Store
+from voa_service.settings import Limits
+from voa_service.usecases.objects import Objects
+from voa_service.usecases.rankings import Rankings
+from voa_service.usecases.scenarios import Scenarios
+from voa_service.usecases.sessions import Sessions
+
+
+@dataclass(frozen=True)
+class Services:
+    """Built by `bootstrap`, handed to every entrypoint."""
+
+    objects: Objects
+    scenarios: Scenarios
+    sessions: Sessions
+    rankings: Rankings
+    store: Store
+    limits: Limits
+    quick: WorkQueue
+    """Scans and reads."""
+    heavy: WorkQueue
+    """Rankings, predictions, meshes, scenarios."""

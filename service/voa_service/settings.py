@@ -1,0 +1,61 @@
+"""Settings: from the command line, else from `VOA_*` in the environment, else these defaults."""
+
+import ipaddress
+import os
+
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+MEBIBYTE = 2**20
+
+
+class Limits(BaseModel):
+    """How large a request may be: `VOA_LIMITS__POSES=50000` and so on."""
+
+    model_config = ConfigDict(frozen=True)
+
+    beams: PositiveInt = 4_096
+    poses: PositiveInt = 20_000
+    sensors: PositiveInt = 4_096
+    grasps: PositiveInt = 4_096
+    faces: PositiveInt = 200_000
+    upload_bytes: PositiveInt = 20_000_000
+    body_bytes: PositiveInt = 64_000_000
+    numbers: PositiveInt = 5_000_000
+    """Values in one JSON body, either way (counted by their separators on the way in)."""
+
+
+class Settings(BaseSettings):
+    """What an operator decides."""
+
+    model_config = SettingsConfigDict(env_prefix="VOA_", env_nested_delimiter="__", frozen=True)
+
+    host: str = "127.0.0.1"
+    port: int = Field(default=8000, ge=0, le=65535)
+    database_url: str = "sqlite:///voa.db"
+    insecure: bool = False
+    """Serve other addresses than loopback although anyone who reaches them may do anything."""
+    limits: Limits = Limits()
+    cache_mebibytes: PositiveInt = 2_048
+    """Memory for cuts, predictions and weights. Rankings are float64 while their weights fit into it."""
+    workers: PositiveInt = os.cpu_count() or 1
+    """Threads for rankings, predictions and meshes."""
+    queue: PositiveInt = 16
+    """Heavy requests that may wait for a worker; one more is answered 503."""
+    scan_queue: PositiveInt = 256
+    """Scans and reads that may wait."""
+    mesh_seconds: PositiveInt = 30
+    """Time to read one mesh."""
+    mesh_mebibytes: PositiveInt = 2_048
+    """Address space to read one mesh."""
+    log_level: str = "INFO"
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach the service."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False

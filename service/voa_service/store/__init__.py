@@ -1,0 +1,1 @@
+"""The store behind `ports.Store`: SQLAlchemy Core, synchronous, called from worker threads."""

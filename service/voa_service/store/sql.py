@@ -1,0 +1,279 @@
+"""The store on SQLite.
+
+One connection writes, in BEGIN IMMEDIATE transactions that wait for each other; others read. Every commit is
+synced (WAL, synchronous=FULL): what was answered survives a kill.
+"""
+
+from collections.abc import Callable
+from datetime import datetime
+from typing import Any, TypeVar
+
+import numpy as np
+from sqlalchemy import Connection, Engine, Row, Table, bindparam, create_engine, delete, event, insert, select, update
+
+from voa_core.filtering import Belief
+from voa_core.objects import Object
+from voa_service.failures import KEY_REUSED, STALE, Failure
+from voa_service.ports import (
+    Answered,
+    IdempotencyKey,
+    Listed,
+    SessionState,
+    Step,
+    StoredObject,
+    StoredScenario,
+    Write,
+)
+from voa_service.store.tables import answers, history, metadata, objects, scenarios, sessions
+
+T = TypeVar("T")
+
+# Built once: SQLAlchemy then finds their compiled form without looking at them anew.
+_INSERT = {table: insert(table) for table in (objects, scenarios, sessions, history, answers)}
+_BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios, sessions)}
+_LOCK_SESSION = _BY_ID[sessions].with_for_update()
+_UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
+_DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
+_ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
+
+_READERS = 8
+_BUSY_MS = 10_000
+_WAIT_SECONDS = 30
+
+
+class SqlStore:
+    """`ports.Store` on a database URL of SQLAlchemy's form, `sqlite:///voa.db`."""
+
+    def __init__(self, url: str) -> None:
+        self._writer = _engine(url, begin="BEGIN IMMEDIATE", connections=1)
+        self._readers = _engine(url, begin="BEGIN", connections=_READERS)
+        metadata.create_all(self._writer)
+
+    def ping(self) -> None:
+        """Read one row."""
+        with self._readers.begin() as connection:
+            connection.execute(select(scenarios.c.seq).limit(1)).all()
+
+    def close(self) -> None:
+        """Close every connection."""
+        self._readers.dispose()
+        self._writer.dispose()
+
+    def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
+        """See `ports.Store`."""
+        row = {
+            "id": stored.object.digest,
+            "name": stored.name,
+            "created_at": stored.created_at.isoformat(),
+            "vertices": stored.object.vertices.astype("<f8").tobytes(),
+            "faces": stored.object.faces.astype("<i4").tobytes(),
+        }
+        there, new = self._put(objects, row)
+        return _object(there), new
+
+    def get_object(self, id_: str) -> StoredObject | None:
+        """See `ports.Store`."""
+        row = self._get(objects, id_)
+        return None if row is None else _object(row)
+
+    def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
+        """See `ports.Store`."""
+        return self._list(objects, _object, limit, after)
+
+    def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
+        """See `ports.Store`."""
+        row = {"id": stored.id, "name": stored.name, "created_at": stored.created_at.isoformat(), "body": stored.body}
+        there, new = self._put(scenarios, row)
+        return _scenario(there), new
+
+    def get_scenario(self, id_: str) -> StoredScenario | None:
+        """See `ports.Store`."""
+        row = self._get(scenarios, id_)
+        return None if row is None else _scenario(row)
+
+    def list_scenarios(self, limit: int, after: str | None) -> Listed[StoredScenario]:
+        """See `ports.Store`."""
+        return self._list(scenarios, _scenario, limit, after)
+
+    def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
+        """See `ports.Store`."""
+        with self._writer.begin() as connection:
+            before = _answered(connection, write.key)
+            if before is not None:
+                return before
+            connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
+            _append(connection, state, write, None)
+            _remember(connection, write.key, answer)
+        return answer
+
+    def get_session(self, id_: str) -> SessionState | None:
+        """See `ports.Store`."""
+        row = self._get(sessions, id_)
+        return None if row is None else _session(row)
+
+    def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
+        """See `ports.Store`."""
+        return self._list(sessions, _session, limit, after)
+
+    def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
+        """See `ports.Store`."""
+        with self._writer.begin() as connection:
+            before = _answered(connection, write.key)
+            if before is not None:
+                return before
+            state = _locked(connection, id_)
+            if state is None:
+                return None
+            _check_version(state, write.if_match)
+            change = step(state)
+            if change.after is not None:
+                connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
+                _append(connection, change.after, write, change.report)
+            _remember(connection, write.key, change.answer)
+        return change.answer
+
+    def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
+        """See `ports.Store`."""
+        with self._writer.begin() as connection:
+            if _answered(connection, key) is not None:
+                return True
+            state = _locked(connection, id_)
+            if state is None:
+                return False
+            _check_version(state, if_match)
+            connection.execute(_DELETE_SESSION, {"by_id": id_})
+            _remember(connection, key, Answered("", state.version))
+        return True
+
+    def _put(self, table: Table, row: dict[str, Any]) -> tuple[Row[Any], bool]:
+        """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
+        with self._writer.begin() as connection:
+            there = connection.execute(_BY_ID[table], {"by_id": row["id"]}).one_or_none()
+            if there is not None:
+                return there, False
+            connection.execute(_INSERT[table], row)
+            return connection.execute(_BY_ID[table], {"by_id": row["id"]}).one(), True
+
+    def _get(self, table: Table, id_: str) -> Row[Any] | None:
+        with self._readers.begin() as connection:
+            return connection.execute(_BY_ID[table], {"by_id": id_}).one_or_none()
+
+    def _list(self, table: Table, make: Callable[[Row[Any]], T], limit: int, after: str | None) -> Listed[T]:
+        query = select(table).order_by(table.c.seq).limit(limit + 1)
+        if after is not None:
+            query = query.where(table.c.seq > int(after))
+        with self._readers.begin() as connection:
+            rows = connection.execute(query).all()
+        more = len(rows) > limit
+        return Listed([make(row) for row in rows[:limit]], str(rows[limit - 1].seq) if more else None)
+
+
+def _engine(url: str, *, begin: str, connections: int) -> Engine:
+    engine = create_engine(url, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
+
+    def prepare(connection: Any, _record: Any) -> None:
+        connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
+        for pragma in (
+            "journal_mode=WAL",
+            "synchronous=FULL",
+            f"busy_timeout={_BUSY_MS}",
+            "foreign_keys=ON",
+        ):
+            connection.execute(f"PRAGMA {pragma}")
+
+    def start(connection: Connection) -> None:
+        connection.exec_driver_sql(begin)
+
+    event.listen(engine, "connect", prepare)
+    event.listen(engine, "begin", start)
+    return engine
+
+
+def _locked(connection: Connection, id_: str) -> SessionState | None:
+    row = connection.execute(_LOCK_SESSION, {"by_id": id_}).one_or_none()
+    return None if row is None else _session(row)
+
+
+def _check_version(state: SessionState, seen: frozenset[int] | None) -> None:
+    if seen is not None and state.version not in seen:
+        wanted = ", ".join(f"v{version}" for version in sorted(seen)) or "none that exists"
+        raise Failure(
+            STALE,
+            f"If-Match asks for {wanted}, the session is at v{state.version}: read it again",
+            version=state.version,
+        )
+
+
+def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | None:
+    """What was answered under the key before."""
+    if key is None:
+        return None
+    row = connection.execute(_ANSWERED, {"by_scope": key.scope, "by_key": key.key}).one_or_none()
+    if row is None:
+        return None
+    if row.fingerprint != key.fingerprint:
+        raise Failure(KEY_REUSED, f"Idempotency-Key {key.key!r} was used for another request: take a new key")
+    return Answered(row.body, row.version)
+
+
+def _remember(connection: Connection, key: IdempotencyKey | None, answer: Answered) -> None:
+    if key is not None:
+        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint}
+        connection.execute(_INSERT[answers], named | {"body": answer.body, "version": answer.version})
+
+
+def _append(connection: Connection, state: SessionState, write: Write, report: str | None) -> None:
+    entry = {
+        "session": state.id,
+        "version": state.version,
+        "kind": write.kind,
+        "at": state.updated_at.isoformat(),
+        "request": write.request,
+        "report": report,
+        "belief": _blob(state.belief),
+    }
+    connection.execute(_INSERT[history], entry)
+
+
+def _columns(state: SessionState) -> dict[str, Any]:
+    """What changes with a version."""
+    return {
+        "version": state.version,
+        "belief": _blob(state.belief),
+        "prior": _blob(state.prior),
+        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
+        "created_at": state.created_at.isoformat(),
+        "updated_at": state.updated_at.isoformat(),
+    }
+
+
+def _blob(belief: Belief) -> bytes:
+    return np.stack([belief.p, belief.log_p]).astype("<f8").tobytes()
+
+
+def _belief(blob: bytes) -> Belief:
+    p, log_p = np.frombuffer(blob, dtype="<f8").reshape(2, -1)
+    return Belief(p, log_p)
+
+
+def _object(row: Row[Any]) -> StoredObject:
+    vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
+    faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
+    return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at))
+
+
+def _scenario(row: Row[Any]) -> StoredScenario:
+    return StoredScenario(row.id, row.name, row.body, datetime.fromisoformat(row.created_at))
+
+
+def _session(row: Row[Any]) -> SessionState:
+    return SessionState(
+        row.id,
+        row.scenario,
+        row.version,
+        _belief(row.belief),
+        _belief(row.prior),
+        row.last_fit_rmsd_mm,
+        datetime.fromisoformat(row.created_at),
+        datetime.fromisoformat(row.updated_at),
+    )

@@ -1,0 +1,1 @@
+"""What the service does, for any entrypoint: requests and answers are messages, errors are failures."""

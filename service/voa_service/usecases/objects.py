@@ -1,0 +1,57 @@
+"""Objects: upload a mesh, look at it, ask how it can rest."""
+
+from dataclasses import dataclass
+
+from voa_core.errors import VoaError
+from voa_core.stable_poses import propose_stable_poses
+from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses
+from voa_service.failures import INVALID_MESH, Failure, not_found
+from voa_service.mapping import object_message
+from voa_service.ports import Clock, MeshReader, Store, StoredObject
+from voa_service.usecases.pages import page
+
+
+@dataclass(frozen=True)
+class Objects:
+    """Everything about meshes."""
+
+    store: Store
+    read: MeshReader
+    now: Clock
+
+    def create(self, content: bytes, mesh_type: str, name: str, scale: float) -> tuple[Object, bool]:
+        """Store a mesh; and whether it is new."""
+        stored = StoredObject(self.read(content, mesh_type, scale), name, self.now())
+        there, new = self.store.put_object(stored)
+        return object_message(there), new
+
+    def get(self, id_: str) -> Object:
+        """One mesh."""
+        return object_message(self._stored(id_))
+
+    def list(self, limit: int, after: str | None) -> ObjectPage:
+        """All meshes, oldest first."""
+        return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
+
+    def stable_poses(self, id_: str) -> StablePoses:
+        """How it can rest on the table."""
+        try:
+            proposed = propose_stable_poses(self._stored(id_).object)
+        except VoaError as error:
+            raise Failure(INVALID_MESH, str(error)) from error
+        return StablePoses(
+            items=[
+                StablePose(
+                    position=list(pose.position),
+                    quaternion_wxyz=list(pose.quaternion_wxyz),
+                    probability=pose.probability,
+                )
+                for pose in proposed
+            ]
+        )
+
+    def _stored(self, id_: str) -> StoredObject:
+        stored = self.store.get_object(id_)
+        if stored is None:
+            raise not_found("object", id_)
+        return stored

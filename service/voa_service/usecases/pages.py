@@ -1,0 +1,26 @@
+"""Lists in pages, with an opaque cursor."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from voa_service.failures import INVALID, Failure
+from voa_service.ports import Listed
+
+T = TypeVar("T")
+M = TypeVar("M")
+
+_LONGEST_CURSOR = 18  # digits of a 63-bit integer
+
+
+def page(
+    listing: Callable[[int, str | None], Listed[T]], make: Callable[[T], M], limit: int, after: str | None
+) -> dict[str, Any]:
+    """The fields of one page of a listing: `items` as messages, and `next`.
+
+    Raises:
+        Failure: `after` is not a cursor of ours.
+    """
+    if after is not None and not (after.isascii() and after.isdigit() and len(after) <= _LONGEST_CURSOR):
+        raise Failure(INVALID, f"after: expected the `next` of a page, got {after[:40]!r}")
+    found = listing(limit, after)
+    return {"items": [make(item) for item in found.items], "next": found.next}

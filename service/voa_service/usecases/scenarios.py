@@ -1,0 +1,101 @@
+"""Scenarios: store one, look at it, ask for its predicted scans."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from voa_core.errors import VoaError
+from voa_core.scans import NO_RETURN
+from voa_msgs.lidars import LidarPreset, LidarPresets
+from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
+from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
+from voa_service.mapping import candidates, filled_in
+from voa_service.models import Model, Models
+from voa_service.ports import Clock, Store, StoredScenario
+from voa_service.settings import Limits
+from voa_service.usecases.pages import page
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """Everything about scenarios."""
+
+    store: Store
+    models: Models
+    presets: Mapping[str, LidarPreset]
+    limits: Limits
+    now: Clock
+
+    def lidars(self) -> LidarPresets:
+        """The lidars that scenarios can name."""
+        return LidarPresets(items=list(self.presets.values()))
+
+    def create(self, request: ScenarioRequest) -> tuple[Scenario, bool]:
+        """Store a scenario under the digest of its content, defaults filled in; and whether it is new."""
+        try:
+            filled = filled_in(request, dict(self.presets))
+            body = json.dumps(filled.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+            id_ = hashlib.sha256(body.encode()).hexdigest()
+            self.models.build(id_, filled)
+        except VoaError as error:
+            raise of_core(error) from error
+        stored = StoredScenario(id_, request.name, body, self.now())
+        there, new = self.store.put_scenario(stored)
+        return _message(there), new
+
+    def get(self, id_: str) -> Scenario:
+        """One scenario."""
+        stored = self.store.get_scenario(id_)
+        if stored is None:
+            raise not_found("scenario", id_)
+        return _message(stored)
+
+    def list(self, limit: int, after: str | None) -> ScenarioPage:
+        """All scenarios, oldest first."""
+        return ScenarioPage(**page(self.store.list_scenarios, _summary, limit, after))
+
+    def predict(self, id_: str, request: PredictionsRequest | None) -> Predictions:
+        """Predicted scans: geometry alone, no workspace."""
+        model = self.models.get(id_)
+        if model is None:
+            raise not_found("scenario", id_)
+        try:
+            return self._predict(model, request or PredictionsRequest())
+        except VoaError as error:
+            raise of_core(error) from error
+
+    def _predict(self, model: Model, request: PredictionsRequest) -> Predictions:
+        scenario = model.scenario
+        sensors = candidates(scenario, request.sensors)
+        numbers = len(sensors) * len(scenario.poses) * scenario.lidar.grid.beams
+        if numbers > self.limits.numbers:
+            most = self.limits.numbers // (len(scenario.poses) * scenario.lidar.grid.beams)
+            raise Failure(
+                TOO_LARGE,
+                f"the answer would hold {numbers} ranges, at most {self.limits.numbers} fit: "
+                f"ask for at most {most} sensors at a time",
+            )
+        ranges = []
+        for sensor in sensors:
+            dense = scenario.predictor.predict(sensor, listed=scenario.lists(sensor)).dense()
+            ranges.append([[None if r == NO_RETURN else r for r in beams] for beams in dense.tolist()])
+        return Predictions(sensors=[sensor.name for sensor in sensors], poses=list(scenario.poses.names), ranges=ranges)
+
+
+def _message(stored: StoredScenario) -> Scenario:
+    return Scenario.model_validate(json.loads(stored.body) | {"id": stored.id, "created_at": stored.created_at})
+
+
+def _summary(stored: StoredScenario) -> ScenarioSummary:
+    body = json.loads(stored.body)
+    return ScenarioSummary(
+        id=stored.id,
+        name=stored.name,
+        object=body["object"],
+        poses=len(body["poses"]),
+        grasps=len(body["grasps"]),
+        sensors=len(body["sensors"]),
+        rule=body["update"]["rule"],
+        created_at=stored.created_at,
+    )

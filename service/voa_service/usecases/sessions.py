@@ -1,0 +1,140 @@
+"""Sessions: open one, send scans, read what is believed."""
+
+from dataclasses import dataclass, replace
+
+from voa_core.errors import VoaError
+from voa_core.evidence import Evidence
+from voa_core.filtering import Belief
+from voa_core.scenario import Scenario
+from voa_core.updating import update
+from voa_msgs.sessions import (
+    ScanRequest,
+    Session,
+    SessionPage,
+    SessionRequest,
+    SessionSummary,
+    UpdatedEstimate,
+    UpdatedSession,
+    UpdateRequest,
+)
+from voa_service.failures import UNKNOWN, Failure, not_found, of_core
+from voa_service.mapping import place_of, prior_of, scan_of
+from voa_service.models import Models
+from voa_service.ports import Answered, Clock, IdempotencyKey, IdSource, SessionState, Step, Store, Write
+from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
+from voa_service.usecases.pages import page
+
+
+@dataclass(frozen=True)
+class Sessions:
+    """Everything about sessions and scans."""
+
+    store: Store
+    models: Models
+    now: Clock
+    new_id: IdSource
+
+    def create(self, request: SessionRequest, write: Write) -> Answered:
+        """Open a session on a scenario, at version 0."""
+        scenario = scenario_in_body(self.models, request.scenario)
+        try:
+            prior = scenario.prior if request.prior is None else prior_of(request.prior, scenario.poses)
+        except VoaError as error:
+            raise of_core(error) from error
+        now = self.now()
+        state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now)
+        answer = Session(**session_fields(state, scenario))
+        return self.store.create_session(state, write, Answered(answer.model_dump_json(), 0))
+
+    def get(self, id_: str) -> Session:
+        """One session as it stands."""
+        state = self.state(id_)
+        return Session(**session_fields(state, self.scenario_of(state)))
+
+    def list(self, limit: int, after: str | None) -> SessionPage:
+        """All sessions without their beliefs, oldest first."""
+        return SessionPage(**page(self.store.list_sessions, self._summary, limit, after))
+
+    def delete(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> None:
+        """Remove a session and its history."""
+        if not self.store.delete_session(id_, key, if_match):
+            raise not_found("session", id_)
+
+    def apply_scan(self, id_: str, request: ScanRequest, write: Write) -> Answered:
+        """Update the belief by a raw scan.
+
+        What the scan says of every pose does not depend on the belief: it is worked out first, and the
+        transaction only applies it, so that writers on one session hardly wait for each other.
+        """
+        scenario = self.scenario_of(self.state(id_))
+        evidence = evidence_of(scenario, request)
+
+        def step(state: SessionState) -> Step:
+            done = update(state.belief, evidence, scenario.policy)
+            report = report_of(scenario, evidence, done)
+            after = None
+            if done.accepted:
+                after = replace(
+                    state,
+                    version=state.version + 1,
+                    belief=done.belief,
+                    last_fit_rmsd_mm=evidence.fit_rmsd_mm,
+                    updated_at=self.now(),
+                )
+            now = after or state
+            answer = UpdatedSession(**session_fields(now, scenario), update=report)
+            return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
+
+        answered = self.store.change_session(id_, write, step)
+        if answered is None:
+            raise not_found("session", id_)
+        return answered
+
+    def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
+        """The same for a belief in the request; nothing is stored."""
+        scenario = scenario_in_body(self.models, request.scenario)
+        evidence = evidence_of(scenario, request)
+        try:
+            belief = Belief.of(request.belief, "belief", len(scenario.poses))
+        except VoaError as error:
+            raise of_core(error) from error
+        done = update(belief, evidence, scenario.policy)
+        return UpdatedEstimate(
+            **estimate_fields(scenario, done.belief),
+            scenario=request.scenario,
+            version=None,
+            last_fit_rmsd_mm=evidence.fit_rmsd_mm if done.accepted else None,
+            update=report_of(scenario, evidence, done),
+        )
+
+    def state(self, id_: str) -> SessionState:
+        """A session named in a path."""
+        state = self.store.get_session(id_)
+        if state is None:
+            raise not_found("session", id_)
+        return state
+
+    def scenario_of(self, state: SessionState) -> Scenario:
+        """The mathematics of a session's scenario, which is never removed."""
+        return scenario_in_body(self.models, state.scenario)
+
+    def _summary(self, state: SessionState) -> SessionSummary:
+        fields = session_fields(state, self.scenario_of(state))
+        return SessionSummary(**{name: fields[name] for name in SessionSummary.model_fields})
+
+
+def scenario_in_body(models: Models, id_: str) -> Scenario:
+    """The mathematics of a scenario that a body names."""
+    model = models.get(id_)
+    if model is None:
+        raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
+    return model.scenario
+
+
+def evidence_of(scenario: Scenario, request: ScanRequest) -> Evidence:
+    """What a raw scan says of every pose."""
+    try:
+        sensor, uncertainty = place_of(scenario, request)
+        return scenario.evidence(scan_of(request.scan, scenario.lidar), sensor, uncertainty)
+    except VoaError as error:
+        raise of_core(error) from error

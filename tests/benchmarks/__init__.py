@@ -1,0 +1,5 @@
+"""How fast the project is, as ratios against named peers measured in the same run.
+
+Each module here is one subject and offers `run() -> list[Result]`; to add one, write it and list it in
+`__main__.SUBJECTS`. Run them with `make bench`, or `python -m tests.benchmarks --only weights`.
+"""

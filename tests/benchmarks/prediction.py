@@ -1,0 +1,102 @@
+"""Proves that cutting a mesh once and rasterising its contour beats casting rays at it, with the same answer.
+
+3 200 scans (100 poses, 32 sensors, 360 beams) of a cup of about 1k, 10k and 100k faces; at poses that each have
+a tilt of their own ("general": every pose is cut), and at six tilts turned and moved ("planar": six cuts). Ours
+includes the cuts, and keeps of each scan the columns on which some pose returns. Trees and edge tables, made once
+per mesh, are taken out on both sides. Peers:
+
+* the embree kernel: `embreex` asked for distances alone, every ray given to it ready-made, in float32;
+* the API: trimesh with embreex, from poses and sensors to float64 hit points, ray building included.
+
+In the same run every range is compared with the API's.
+"""
+
+from functools import partial
+
+import numpy as np
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+from numpy.typing import NDArray
+from trimesh import Trimesh
+from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+from tests.benchmarks import scene
+from tests.benchmarks.measure import Result, faster, interleaved, require
+from voa_core.checks import Floats
+from voa_core.lidars import SensorConfiguration
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.prediction import Prediction, predictor_of_mesh
+
+_POSES, _SENSORS = 100, 32
+_TOLERANCE_M = 1e-8
+_SILHOUETTES = 1e-5  # share of beams that may pass an edge on the other side in embree's float32
+
+
+def run() -> list[Result]:
+    """Three sizes, two kinds of pose sets, two peers."""
+    sensors = scene.sensors(_SENSORS)
+    results = []
+    for size in scene.SIZES:
+        object_ = scene.cup(size)
+        _ = object_.edges
+        mesh = Trimesh(object_.vertices, object_.faces, process=False)
+        api = RayMeshIntersector(mesh)
+        kernel = rtcore_scene.EmbreeScene()
+        TriangleMesh(kernel, object_.vertices[object_.faces].astype(np.float32))
+        for kind in ("general", "planar"):
+            poses = scene.poses(object_, _POSES, planar=kind == "planar")
+            rays = [tuple(part.astype(np.float32) for part in _rays(poses, p, sensors)) for p in range(_POSES)]
+            _compare(_ours(object_, poses, sensors), _by_api(api, poses, sensors))
+            ours, bare, whole = interleaved(
+                [
+                    partial(_ours, object_, poses, sensors),
+                    partial(_by_kernel, kernel, rays),
+                    partial(_by_api, api, poses, sensors),
+                ]
+            )
+            what = f"prediction, {size} faces, {kind} poses"
+            results += [faster(f"{what} / embree kernel", ours, bare), faster(f"{what} / trimesh+embreex", ours, whole)]
+    return results
+
+
+def _ours(object_: Object, poses: PoseSet, sensors: list[SensorConfiguration]) -> list[Prediction]:
+    predictor = predictor_of_mesh(object_, poses, scene.LIDAR)
+    return [predictor.predict(sensor) for sensor in sensors]
+
+
+def _rays(poses: PoseSet, pose: int, sensors: list[SensorConfiguration]) -> tuple[Floats, Floats]:
+    """Origins and directions (k * r, 3) of all beams, in the object's frame at one pose."""
+    assert poses.rotations is not None
+    assert poses.positions is not None
+    beams = scene.LIDAR.grid.beams
+    headings = np.concatenate([sensor.yaw_rad + scene.LIDAR.grid.angles for sensor in sensors])
+    directions = np.column_stack([np.cos(headings), np.sin(headings), np.zeros(len(headings))])
+    stands = np.array([[sensor.x, sensor.y, scene.LIDAR.height_m] for sensor in sensors])
+    origins = (stands - poses.positions[pose]) @ poses.rotations[pose]
+    return np.repeat(origins, beams, axis=0), directions @ poses.rotations[pose]
+
+
+def _by_kernel(kernel: rtcore_scene.EmbreeScene, rays: list[tuple[NDArray[np.float32], ...]]) -> None:
+    for origins, directions in rays:
+        kernel.run(origins, directions, query="DISTANCE")
+
+
+def _by_api(api: RayMeshIntersector, poses: PoseSet, sensors: list[SensorConfiguration]) -> Floats:
+    """Ranges (n, k, r) by trimesh and embreex."""
+    ranges = np.full((len(poses), len(sensors) * scene.LIDAR.grid.beams), np.inf)
+    for pose in range(len(poses)):
+        origins, directions = _rays(poses, pose, sensors)
+        points, ray, _ = api.intersects_location(origins, directions, multiple_hits=False)
+        ranges[pose, ray] = np.linalg.norm(points - origins[ray], axis=1)
+    return ranges.reshape(len(poses), len(sensors), -1)
+
+
+def _compare(ours: list[Prediction], theirs: Floats) -> None:
+    ranges = np.stack([prediction.dense() for prediction in ours], axis=1)
+    both = np.isfinite(ranges) & np.isfinite(theirs)
+    one = np.isfinite(ranges) != np.isfinite(theirs)
+    require(bool(both.any()), "no beam hits the cup")
+    off = np.abs(ranges[both] - theirs[both])
+    require(one.mean() <= _SILHOUETTES, f"{one.sum()} of {one.size} beams hit in one and miss in the other")
+    require((off > _TOLERANCE_M).mean() <= _SILHOUETTES, f"{(off > _TOLERANCE_M).sum()} ranges differ by {off.max()} m")
