@@ -1,8 +1,6 @@
 """Where sensors stand."""
 
-from pydantic import JsonValue
-
-from voa_msgs.base import Message, Name, NotNegative
+from voa_msgs.base import Free, Message, Name, NotNegative
 
 
 class SensorPose(Message):
@@ -24,7 +22,7 @@ class SensorConfiguration(SensorPose):
     name: Name
     cost: NotNegative = 0.0
     """What it costs to look from here, in success probability."""
-    data: JsonValue = None
+    data: Free = None
     """The user's own; kept and returned."""
 
 

@@ -4,10 +4,10 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Lt
 
-from voa_msgs.base import Message, Name, NotNegative
+from voa_msgs.base import LimitedBy, Message, Name, NotNegative
 
 Zero = Literal["missing", "no_return"]
-Beams = Annotated[int, Ge(1)]
+Beams = Annotated[int, Ge(1), LimitedBy("beams")]
 Share = Annotated[float, Ge(0.0), Lt(1.0)]
 Positive = Annotated[float, Gt(0.0)]
 

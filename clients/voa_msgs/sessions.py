@@ -4,9 +4,9 @@ from datetime import datetime
 from typing import Annotated, Literal, Self
 
 from annotated_types import Ge
-from pydantic import Field, JsonValue, model_validator
+from pydantic import Field, model_validator
 
-from voa_msgs.base import Distribution, LimitedBy, Message, Name, NotNegative, Page, Ranges
+from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 
@@ -14,7 +14,7 @@ from voa_msgs.priors import Prior
 class SessionRequest(Message):
     """Open a session on a scenario."""
 
-    scenario: str
+    scenario: Id
     prior: Prior | None = None
     """Null: the scenario's."""
 
@@ -75,7 +75,7 @@ class Scan(Message):
     angle_increment: float | None = None
     range_min: NotNegative | None = None
     range_max: NotNegative | None = None
-    stamp: JsonValue = None
+    stamp: Free = None
     """The user's own; kept and returned."""
 
 
@@ -97,7 +97,7 @@ class ScanRequest(Message):
 class UpdateRequest(ScanRequest):
     """A scan applied to the belief in the request; nothing is stored."""
 
-    scenario: str
+    scenario: Id
     belief: Distribution
 
 

@@ -242,7 +242,11 @@ def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
         own.angle_increment if scan.angle_increment is None else scan.angle_increment,
     )
     ranges = np.array(_floats(scan.ranges, MISSING))
-    return Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)
+    found = Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)
+    low, high = found.limits(lidar)
+    if low > high:
+        raise InvalidInput("range_min", f"at most range_max ({high}, the scan's or the lidar's)", repr(low))
+    return found
 
 
 def prior_of(prior: list[float] | priors.PoseModelPrior | None, poses: PoseSet) -> Belief:

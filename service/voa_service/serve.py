@@ -9,6 +9,7 @@ from typing import Any
 import structlog
 import uvicorn
 from pydantic import ValidationError
+from sqlalchemy import make_url
 
 from voa_service import bootstrap, logs
 from voa_service.http.app import create_app
@@ -49,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         host, port = listening.getsockname()[:2]
         url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
-        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=settings.database_url)
+        database = make_url(settings.database_url).render_as_string(hide_password=True)
+        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=database)
         uvicorn.Server(config).run([listening])
     return 0
 

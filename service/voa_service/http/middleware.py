@@ -1,5 +1,6 @@
 """Plain ASGI around the application: request ids, the access log, and the limits on bodies."""
 
+import codecs
 import re
 import secrets
 import time
@@ -54,6 +55,7 @@ class RequestLog:
             await self._app(scope, receive, send_with_id)
         except Exception:
             if status == 0:
+                status = 500
                 raise  # nothing was answered: the server must
         finally:
             if scope["path"] not in _QUIET:
@@ -67,7 +69,7 @@ class RequestLog:
 
 
 class BodyLimit:
-    """Refuses bodies with too many bytes, declared or not, or with too many values, before they are parsed."""
+    """Refuses bodies too long, declared or not, with too many values, or not in UTF-8, before they are parsed."""
 
     def __init__(self, app: Asgi, limits: Limits) -> None:
         self._app = app
@@ -87,6 +89,7 @@ class BodyLimit:
             await problem_response(failure)(scope, receive, send)
             return
         size = values = 0
+        text = codecs.getincrementaldecoder("utf-8")()
 
         async def limited() -> Message:
             nonlocal size, values
@@ -98,6 +101,18 @@ class BodyLimit:
                 raise HTTPException(413, f"expected a body of at most {most} bytes")
             if values > self._limits.numbers:
                 raise HTTPException(413, f"expected a body of at most {self._limits.numbers} values")
+            if not form and message["type"] == "http.request":
+                _check_text(text, chunk, last=not message.get("more_body", False))
             return message
 
         await self._app(scope, limited, send)
+
+
+def _check_text(text: codecs.IncrementalDecoder, chunk: bytes, *, last: bool) -> None:
+    """Refuse what is not UTF-8: the JSON parser would take UTF-16 and half surrogate pairs, the history could not."""
+    try:
+        text.decode(chunk, last)
+    except UnicodeDecodeError as error:
+        raise HTTPException(400, str(error)) from error
+    if b"\0" in chunk:
+        raise HTTPException(400, "a NUL byte")
