@@ -120,6 +120,38 @@ class UpdateReport(Message):
     beams_compared: int
 
 
+class BeliefRequest(Message):
+    """Replace a session's belief."""
+
+    belief: Distribution | None
+    """Null: back to the session's prior."""
+
+
+class OutcomeRequest(Message):
+    """What came of a grasp attempt that left the object where it was."""
+
+    grasp: Name
+    success: bool
+
+
+class HistoryEntry(Message):
+    """One version of a session and what made it."""
+
+    version: int
+    kind: Literal["prior", "scan", "outcome", "belief"]
+    at: datetime
+    request: Free
+    """The body as it was received."""
+    update: UpdateReport | None
+    """What an observation did; null for a prior or a replaced belief."""
+
+
+class HistoryPage(Page):
+    """Versions of a session, ascending, the prior first."""
+
+    items: list[HistoryEntry]
+
+
 class UpdatedSession(Session):
     """A session after an observation."""
 

@@ -5,6 +5,7 @@ synced (WAL, synchronous=FULL): what was answered survives a kill.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 from typing import Any, TypeVar
 
@@ -16,6 +17,7 @@ from voa_core.objects import Object
 from voa_service.failures import KEY_REUSED, STALE, Failure
 from voa_service.ports import (
     Answered,
+    HistoryEntry,
     IdempotencyKey,
     Listed,
     SessionState,
@@ -34,6 +36,12 @@ _BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table
 _LOCK_SESSION = _BY_ID[sessions].with_for_update()
 _UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
 _DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
+_HISTORY = (
+    select(history)
+    .where(history.c.session == bindparam("by_id"), history.c.version > bindparam("by_version"))
+    .order_by(history.c.version)
+    .limit(bindparam("by_limit"))
+)
 _ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
 _READERS = 8
@@ -131,6 +139,15 @@ class SqlStore:
                 _append(connection, change.after, write, change.report)
             _remember(connection, write.key, change.answer)
         return change.answer
+
+    def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
+        """See `ports.Store`."""
+        with self._readers.begin() as connection:
+            row = connection.execute(_BY_ID[sessions], {"by_id": id_}).one_or_none()
+            if row is None:
+                return []
+            found = connection.execute(_HISTORY, {"by_id": id_, "by_version": after, "by_limit": limit}).all()
+        return [_entry(_session(row), entry) for entry in found]
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """See `ports.Store`."""
@@ -231,6 +248,7 @@ def _append(connection: Connection, state: SessionState, write: Write, report: s
         "request": write.request,
         "report": report,
         "belief": _blob(state.belief),
+        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
     }
     connection.execute(_INSERT[history], entry)
 
@@ -277,3 +295,15 @@ def _session(row: Row[Any]) -> SessionState:
         datetime.fromisoformat(row.created_at),
         datetime.fromisoformat(row.updated_at),
     )
+
+
+def _entry(session: SessionState, row: Row[Any]) -> HistoryEntry:
+    """A history row with the session as it was then."""
+    then = replace(
+        session,
+        version=row.version,
+        belief=_belief(row.belief),
+        last_fit_rmsd_mm=row.last_fit_rmsd_mm,
+        updated_at=datetime.fromisoformat(row.at),
+    )
+    return HistoryEntry(then, row.kind, row.request, row.report)
