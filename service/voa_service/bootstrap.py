@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from voa_assets import lidar_presets
 from voa_msgs.lidars import LidarPreset
 from voa_service.cache import Cache
+from voa_service.changes import Changes
 from voa_service.compute import Threads, WorkQueue
 from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.models import Models
@@ -43,7 +44,8 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     threads = Threads(settings.workers)
     models = Models(store, Cache(settings.cache_mebibytes * MEBIBYTE))
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
-    sessions = Sessions(store, models, now, ids)
+    changes = Changes()
+    sessions = Sessions(store, models, now, ids, changes.moved)
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
@@ -53,10 +55,12 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 sessions=sessions,
                 rankings=Rankings(sessions, models, threads),
                 store=store,
+                changes=changes,
                 limits=limits,
                 quick=WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue),
                 heavy=WorkQueue("heavy", settings.workers, settings.queue),
             )
     finally:
+        changes.close()
         threads.close()
         store.close()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
 from voa_service.ports import Store
 from voa_service.settings import Limits
@@ -20,6 +21,7 @@ class Services:
     sessions: Sessions
     rankings: Rankings
     store: Store
+    changes: Changes
     limits: Limits
     quick: WorkQueue
     """Scans and reads."""

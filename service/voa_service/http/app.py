@@ -6,7 +6,7 @@ from fastapi import FastAPI
 
 from voa_service.http import openapi, problems
 from voa_service.http.middleware import BodyLimit, RequestLog
-from voa_service.http.routes import health, objects, observations, rankings, scenarios, sessions
+from voa_service.http.routes import events, health, objects, observations, rankings, scenarios, sessions
 from voa_service.services import Services
 
 _DESCRIPTION = (
@@ -25,7 +25,7 @@ def create_app(services: Services) -> FastAPI:
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, observations, rankings, health):
+    for module in (objects, scenarios, sessions, observations, events, rankings, health):
         app.include_router(module.routes(services))
     problems.install(app)
     openapi.install(app, services.limits)

@@ -1,7 +1,7 @@
 """Sessions: open one, send scans, read what is believed."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from voa_core.errors import UnknownName, VoaError
@@ -32,6 +32,8 @@ from voa_service.ports import Answered, Clock, HistoryEntry, IdempotencyKey, IdS
 from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
 from voa_service.usecases.pages import page, position
 
+_MOST_NEWS = 100
+
 
 @dataclass(frozen=True)
 class Sessions:
@@ -41,6 +43,8 @@ class Sessions:
     models: Models
     now: Clock
     new_id: IdSource
+    moved: Callable[[str], None]
+    """Told after each write that changed a session."""
 
     def create(self, request: SessionRequest, write: Write) -> Answered:
         """Open a session on a scenario, at version 0."""
@@ -67,6 +71,7 @@ class Sessions:
         """Remove a session and its history."""
         if not self.store.delete_session(id_, key, if_match):
             raise not_found("session", id_)
+        self.moved(id_)
 
     def apply_scan(self, id_: str, request: ScanRequest, write: Write) -> Answered:
         """Update the belief by a raw scan.
@@ -124,10 +129,22 @@ class Sessions:
             next=str(entries[limit - 1].state.version) if more else None,
         )
 
+    def since(self, id_: str, seen: int | None) -> Sequence[Session] | None:
+        """The session at every version after `seen`; None for `seen`: as it stands. None: it is gone."""
+        state = self.store.get_session(id_)
+        if state is None:
+            return None
+        if seen is None or seen > state.version:
+            states = [state]
+        else:
+            states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS)]
+        return [Session(**session_fields(each, self.scenario_of(each))) for each in states]
+
     def _change(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered:
         answered = self.store.change_session(id_, write, step)
         if answered is None:
             raise not_found("session", id_)
+        self.moved(id_)
         return answered
 
     def _observed(
