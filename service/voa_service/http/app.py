@@ -30,5 +30,5 @@ def create_app(services: Services) -> FastAPI:
     problems.install(app)
     openapi.install(app, services.limits)
     app.add_middleware(BodyLimit, limits=services.limits)
-    app.add_middleware(RequestLog)
+    app.add_middleware(RequestLog, metrics=services.metrics)
     return app

@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException
 
 from voa_service.failures import TOO_LARGE, Failure
 from voa_service.http.problems import problem_response
+from voa_service.metrics import Metrics
 from voa_service.settings import Limits
 
 Message = MutableMapping[str, Any]
@@ -22,15 +23,17 @@ Send = Callable[[Message], Awaitable[None]]
 Asgi = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
-_QUIET = ("/livez", "/readyz")
+_METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+_QUIET = ("/livez", "/readyz", "/metrics")
 _FORM_OVERHEAD = 65_536
 
 
 class RequestLog:
-    """Gives every request an id (the caller's `X-Request-Id` if it is sane) and logs one line when it ends."""
+    """Gives every request an id (the caller's `X-Request-Id` if it is sane), logs one line and counts when it ends."""
 
-    def __init__(self, app: Asgi) -> None:
+    def __init__(self, app: Asgi, metrics: Metrics) -> None:
         self._app = app
+        self._metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""
@@ -58,13 +61,17 @@ class RequestLog:
                 status = 500
                 raise  # nothing was answered: the server must
         finally:
+            seconds = time.perf_counter() - began
+            route = getattr(scope.get("route"), "path", "none")
+            method = scope["method"] if scope["method"] in _METHODS else "other"
+            self._metrics.request(method, route, status, seconds)
             if scope["path"] not in _QUIET:
                 structlog.get_logger().info(
                     "request",
                     method=scope["method"],
                     path=scope["path"],
                     status=status,
-                    milliseconds=round(1e3 * (time.perf_counter() - began), 3),
+                    milliseconds=round(1e3 * seconds, 3),
                 )
 
 

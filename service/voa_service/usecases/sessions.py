@@ -44,7 +44,9 @@ class Sessions:
     now: Clock
     new_id: IdSource
     moved: Callable[[str], None]
-    """Told after each write that changed a session."""
+    """Told after each write to a session."""
+    observed: Callable[[str, str], None]
+    """Told the kind of each observation, and what became of it: "accepted", or the reason why not."""
 
     def create(self, request: SessionRequest, write: Write) -> Answered:
         """Open a session on a scenario, at version 0."""
@@ -84,6 +86,7 @@ class Sessions:
 
         def step(state: SessionState) -> Step:
             done = update(state.belief, evidence, scenario.policy)
+            self.observed("scan", done.reason or "accepted")
             return self._observed(state, scenario, done, report_of(scenario, done, evidence), evidence.fit_rmsd_mm)
 
         return self._change(id_, write, step)
@@ -98,6 +101,7 @@ class Sessions:
 
         def step(state: SessionState) -> Step:
             done = update_by_outcome(state.belief, log_weights)
+            self.observed("outcome", done.reason or "accepted")
             return self._observed(state, scenario, done, report_of(scenario, done), state.last_fit_rmsd_mm)
 
         return self._change(id_, write, step)
