@@ -110,6 +110,18 @@ def test_a_triangle_with_two_equal_corners_is_no_face() -> None:
     assert length(cut_poses(flat, standing((0.0, 0.0, 0.0)), 0.1)) == pytest.approx(0.05 * math.sqrt(2.0))
 
 
+def test_a_contour_may_have_any_number_of_segments() -> None:
+    turns = np.linspace(0.0, 2.0 * math.pi, 200, endpoint=False)
+    ring = np.column_stack([0.1 * np.cos(turns), 0.1 * np.sin(turns)])
+    corners = np.concatenate([np.column_stack([ring, np.full(200, z)]) for z in (0.0, 0.2)])
+    faces = [[i, (i + 1) % 200, 200 + i] for i in range(200)] + [
+        [(i + 1) % 200, 200 + (i + 1) % 200, 200 + i] for i in range(200)
+    ]
+    contours = cut_poses(Object.from_arrays(corners, faces), standing((0.0, 0.0, 0.0), (0.0, 0.0, 0.05)), 0.1)
+    for pose in range(2):
+        assert length(contours, pose) == pytest.approx(200 * 0.2 * math.sin(math.pi / 200))
+
+
 def test_memory_is_counted() -> None:
     small = cut_poses(CUBE, standing((0.0, 0.0, 0.0)), 0.07)
     assert small.nbytes == sum(a.nbytes for a in (small.points, small.segments, small.placement, small.cut_of_pose))

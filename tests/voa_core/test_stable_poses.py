@@ -68,6 +68,13 @@ def test_the_round_side_of_a_cylinder_is_one_way_to_rest(sections: int) -> None:
     assert sum(pose.probability for pose in poses) == pytest.approx(1.0, abs=1e-12)
 
 
+def test_a_ball_has_one_way_to_rest() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
+    (anyhow,) = propose_stable_poses(object_of(ball))
+    assert anyhow.probability == pytest.approx(1.0)
+    assert anyhow.position[2] == pytest.approx(0.05, rel=0.03)
+
+
 def test_the_sides_of_a_pencil_are_six() -> None:
     pencil = trimesh.creation.cylinder(radius=0.03, height=0.1, sections=6)
     assert len(propose_stable_poses(object_of(pencil))) == 8
