@@ -9,11 +9,12 @@ whole numbers tell the few segments that cover a beam from the others.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from voa_core.checks import Floats
+from voa_core.checks import Floats, frozen
 from voa_core.cutting import Contours, Ints
 from voa_core.jit import kernel, sum_kernel
 from voa_core.lidars import BeamGrid, SensorConfiguration
@@ -30,7 +31,7 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
     ranges = np.full((len(contours.cut_of_pose), grid.beams), NO_RETURN)
     # A lidar that turns clockwise sees the mirrored world counter-clockwise.
     mirror = 1.0 if grid.angle_increment > 0.0 else -1.0
-    angles = mirror * grid.angles
+    cosines, sines = _directions(grid, mirror)
     _rasterise(
         contours.points,
         contours.segments,
@@ -39,14 +40,21 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
         contours.cut_of_pose,
         contours.placement,
         np.array([sensor.x, sensor.y, math.cos(sensor.yaw_rad), math.sin(sensor.yaw_rad), mirror]),
-        np.cos(angles),
-        np.sin(angles),
+        cosines,
+        sines,
         mirror * grid.angle_min,
         abs(grid.angle_increment),
         range_max,
         ranges,
     )
     return ranges
+
+
+@lru_cache(maxsize=16)
+def _directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
+    """Cosines and sines of the beams' angles, (r,) each: a lidar's beams are always the same."""
+    angles = mirror * grid.angles
+    return frozen(np.cos(angles)), frozen(np.sin(angles))
 
 
 # atan(t) / t as a polynomial in t^2 for |t| <= tan(pi / 8), by Chebyshev interpolation; the error of the
@@ -185,8 +193,7 @@ def _cover(
                 r = max(along_i + min(share, 1.0) * (along_j - along_i), 0.0)
                 if high - low < _EDGE_ON_BEAMS:
                     r = min(along_i, along_j)
-                if r <= range_max and r < row[k]:
-                    row[k] = r
+                row[k] = min(row[k], r if r <= range_max else math.inf)
             low += turn
             high += turn
 
