@@ -38,8 +38,8 @@ class Prediction:
     @classmethod
     def of_dense(cls, grid: BeamGrid, ranges: Floats) -> "Prediction":
         """From ranges (n, r) of every beam."""
-        columns = np.flatnonzero(np.isfinite(ranges).any(axis=0))
-        return cls(grid, frozen(columns), frozen(np.ascontiguousarray(ranges[:, columns])))
+        columns = np.flatnonzero(ranges.min(axis=0) < NO_RETURN)
+        return cls(grid, frozen(columns), frozen(ranges.take(columns, axis=1)))
 
     def dense(self) -> Floats:
         """Ranges (n, r) of every beam."""

@@ -3,16 +3,20 @@
 Every contour point gets one beam coordinate (its angle in units of the beam spacing), shared by the segments
 that meet there. A segment covers the beams of the half-open interval between its ends' coordinates, so
 neighbouring segments neither both cover a beam nor leave one out. Where a beam meets the segment is exact.
+
+Most segments lie between two beams. So the points are done first, in loops that run in vector registers, and then
+whole numbers tell the few segments that cover a beam from the others.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from voa_core.checks import Floats
+from voa_core.checks import Floats, frozen
 from voa_core.cutting import Contours, Ints
-from voa_core.jit import kernel
+from voa_core.jit import kernel, sum_kernel
 from voa_core.lidars import BeamGrid, SensorConfiguration
 from voa_core.scans import NO_RETURN
 
@@ -27,7 +31,7 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
     ranges = np.full((len(contours.cut_of_pose), grid.beams), NO_RETURN)
     # A lidar that turns clockwise sees the mirrored world counter-clockwise.
     mirror = 1.0 if grid.angle_increment > 0.0 else -1.0
-    angles = mirror * grid.angles
+    cosines, sines = _directions(grid, mirror)
     _rasterise(
         contours.points,
         contours.segments,
@@ -36,14 +40,21 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
         contours.cut_of_pose,
         contours.placement,
         np.array([sensor.x, sensor.y, math.cos(sensor.yaw_rad), math.sin(sensor.yaw_rad), mirror]),
-        np.cos(angles),
-        np.sin(angles),
+        cosines,
+        sines,
         mirror * grid.angle_min,
         abs(grid.angle_increment),
         range_max,
         ranges,
     )
     return ranges
+
+
+@lru_cache(maxsize=16)
+def _directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
+    """Cosines and sines of the beams' angles, (r,) each: a lidar's beams are always the same."""
+    angles = mirror * grid.angles
+    return frozen(np.cos(angles)), frozen(np.sin(angles))
 
 
 # atan(t) / t as a polynomial in t^2 for |t| <= tan(pi / 8), by Chebyshev interpolation; the error of the
@@ -60,17 +71,17 @@ _ATAN = (
     0.030635630925872032,
 )
 _EDGE_ON_BEAMS = 1e-9  # a segment that spans less has its nearer end in front; where a beam meets it is rounding
+_TINY = 1e-300
 _TAN_EIGHTH = math.tan(math.pi / 8.0)
 
 
-@kernel
+@sum_kernel
 def _angle(y: float, x: float) -> float:
     """atan2(y, x) in (-pi, pi] without branches, so that a loop over points runs in vector registers."""
     ax, ay = abs(x), abs(y)
     small, large = min(ax, ay), max(ax, ay)
-    t = small / large if large > 0.0 else 0.0
-    folded = t > _TAN_EIGHTH
-    t = (t - 1.0) / (t + 1.0) if folded else t
+    folded = small > _TAN_EIGHTH * large
+    t = (small - large if folded else small) / (small + large if folded else max(large, _TINY))
     u = t * t
     p = _ATAN[8]
     p = p * u + _ATAN[7]
@@ -104,59 +115,100 @@ def _rasterise(
     range_max: float,
     ranges: Floats,
 ) -> None:
-    turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
-    last = len(cosines) - 1
-    one_turn = last <= turn  # else beams of later turns point between those of the first
     most = 0
     for cut in range(len(point_start) - 1):
         most = max(most, point_start[cut + 1] - point_start[cut])
     xs, ys, us = np.zeros(most), np.zeros(most), np.zeros(most)
+    cells = np.zeros(most, dtype=np.int32)
     for pose in range(len(cut_of_pose)):
         cut = cut_of_pose[pose]
-        p0, p1 = point_start[cut], point_start[cut + 1]
-        # Cut frame -> world -> sensor frame, mirrored for a lidar that turns clockwise.
-        c, s = placement[pose, 0], placement[pose, 1]
-        tx, ty = placement[pose, 2] - sensor[0], placement[pose, 3] - sensor[1]
-        xx, xy = sensor[2] * c + sensor[3] * s, sensor[3] * c - sensor[2] * s
-        x0, y0 = sensor[2] * tx + sensor[3] * ty, sensor[2] * ty - sensor[3] * tx
-        mirror = sensor[4]
-        for i in range(p1 - p0):
-            px, py = points[p0 + i, 0], points[p0 + i, 1]
-            x = xx * px + xy * py + x0
-            y = mirror * (xx * py - xy * px + y0)
-            xs[i], ys[i] = x, y
-            u = (_angle(y, x) - angle_min) / spacing
-            us[i] = u - turn * math.floor(u / turn)
-        for g in range(segment_start[cut], segment_start[cut + 1]):
-            i, j = segments[g, 0], segments[g, 1]
-            if one_turn and math.floor(us[i]) == math.floor(us[j]) and abs(us[i] - us[j]) < 0.5 * turn:
-                continue  # between two beams
-            cross = xs[i] * ys[j] - xs[j] * ys[i]
-            if cross == 0.0:
-                continue
-            if cross < 0.0:
-                i, j = j, i
-            low, high = us[i], us[j]
-            if high < low:
-                high += turn
-            # Seen edge-on, the segment's ends lie in one direction up to rounding, which alone orders them.
-            if high - low > 0.75 * turn:
-                low, high = high - turn, low
-            nearest, farthest = xs[i] * xs[i] + ys[i] * ys[i], xs[j] * xs[j] + ys[j] * ys[j]
-            nearest, farthest = math.sqrt(min(nearest, farthest)), math.sqrt(max(nearest, farthest))
-            if high - low < _EDGE_ON_BEAMS:
-                cross, farthest = math.inf, nearest
-            ex, ey = xs[j] - xs[i], ys[j] - ys[i]
-            if high >= turn:  # the same directions one turn earlier
-                low -= turn
-                high -= turn
-            while low < last:
-                k = max(math.floor(low) + 1, 0)
-                while k <= min(math.floor(high), last):
-                    across = cosines[k] * ey - sines[k] * ex
-                    r = min(abs(cross) / across, farthest) if across > 0.0 else farthest
-                    if r <= range_max and r < ranges[pose, k]:
-                        ranges[pose, k] = r
-                    k += 1
-                low += turn
-                high += turn
+        outline = points[point_start[cut] : point_start[cut + 1]]
+        joined = segments[segment_start[cut] : segment_start[cut + 1]]
+        n = len(outline)
+        _place(outline, placement[pose], sensor, xs[:n], ys[:n])
+        _aim(xs[:n], ys[:n], angle_min, spacing, us[:n], cells[:n])
+        _cover(joined, xs, ys, us, cells, cosines, sines, spacing, range_max, ranges[pose])
+
+
+@sum_kernel
+def _place(outline: Floats, placement: Floats, sensor: Floats, xs: Floats, ys: Floats) -> None:
+    """The points (q, 2) of a cut in the sensor's frame, mirrored for a lidar that turns clockwise."""
+    c, s = placement[0], placement[1]
+    tx, ty = placement[2] - sensor[0], placement[3] - sensor[1]
+    xx, xy = sensor[2] * c + sensor[3] * s, sensor[3] * c - sensor[2] * s
+    x0, y0 = sensor[2] * tx + sensor[3] * ty, sensor[2] * ty - sensor[3] * tx
+    mirror = sensor[4]
+    for i in range(len(outline)):
+        xs[i] = xx * outline[i, 0] + xy * outline[i, 1] + x0
+        ys[i] = mirror * (xx * outline[i, 1] - xy * outline[i, 0] + y0)
+
+
+@sum_kernel
+def _aim(xs: Floats, ys: Floats, angle_min: float, spacing: float, us: Floats, cells: Ints) -> None:
+    """Beam coordinates in [0, turn], and the beam that each follows."""
+    turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
+    beams_per_rad = 1.0 / spacing
+    start = beams_per_rad * (angle_min - 2.0 * math.pi * math.floor(angle_min / (2.0 * math.pi) + 0.5))
+    for i in range(len(us)):  # two loops: one for both would not run in vector registers
+        us[i] = _angle(ys[i], xs[i])
+    for i in range(len(us)):
+        u = us[i] * beams_per_rad - start
+        u = u + turn if u < 0.0 else u
+        u = u - turn if u > turn else u
+        us[i] = u
+        cells[i] = np.int32(u)
+
+
+@kernel
+def _cover(
+    joined: Ints,
+    xs: Floats,
+    ys: Floats,
+    us: Floats,
+    cells: Ints,
+    cosines: Floats,
+    sines: Floats,
+    spacing: float,
+    range_max: float,
+    row: Floats,
+) -> None:
+    """Enter the segments (g, 2) of one contour into the ranges (r,) of one scan."""
+    turn = 2.0 * math.pi / spacing
+    last = len(row) - 1
+    for g in _candidates(joined, cells, last, turn):
+        i, j = joined[g, 0], joined[g, 1]
+        if us[i] > us[j]:
+            i, j = j, i
+        low, high = us[i], us[j]
+        if high - low > 0.5 * turn:  # the short way round leads through beam 0
+            i, j, low, high = j, i, high - turn, low
+        if xs[i] * ys[j] == xs[j] * ys[i]:
+            continue
+        while low < last:
+            for k in range(max(math.floor(low) + 1, 0), min(math.floor(high), last) + 1):
+                # Both ends in the beam's own frame: how far along it, and how far to its left.
+                along_i, left_i = cosines[k] * xs[i] + sines[k] * ys[i], cosines[k] * ys[i] - sines[k] * xs[i]
+                along_j, left_j = cosines[k] * xs[j] + sines[k] * ys[j], cosines[k] * ys[j] - sines[k] * xs[j]
+                share = left_i / (left_i - left_j) if left_i < min(left_j, 0.0) else 0.0
+                r = max(along_i + min(share, 1.0) * (along_j - along_i), 0.0)
+                if high - low < _EDGE_ON_BEAMS:
+                    r = min(along_i, along_j)
+                row[k] = min(row[k], r if r <= range_max else math.inf)
+            low += turn
+            high += turn
+
+
+@kernel
+def _candidates(joined: Ints, cells: Ints, last: int, turn: float) -> Ints:
+    """Which segments may cover a beam: not those with both ends between the same two.
+
+    In a grid of more than one turn, beams of later turns point between those of the first, and in one of two beams
+    or less both ends may follow the same beam on different sides: then any segment may.
+    """
+    any_may = last > turn or turn <= 2.0
+    found = np.zeros(len(joined), dtype=np.int32)
+    count = 0
+    for g in range(len(joined)):  # without a branch: which segments do is as good as random
+        found[count] = g
+        count += any_may | (cells[joined[g, 0]] != cells[joined[g, 1]])
+    return found[:count]
