@@ -76,6 +76,8 @@ def test_a_category_of_probability_0_is_impossible() -> None:
             "categories: expected poses that rest differently, got 'S1/0deg' in those of 'S1/0deg' and of 'S1/180deg'",
         ),
         ([Category(0, 1.0)], "categories: expected a category for every pose, got none for 'S2/0deg'"),
+        ([Category(6, 1.0)], "reference: expected the index of a pose, 0 to 5, got 6"),
+        ([Category(-1, 1.0)], "reference: expected the index of a pose, 0 to 5, got -1"),
         ([], "categories: expected probabilities within 1e-6 of a sum of 1, got a sum of 0"),
     ],
 )

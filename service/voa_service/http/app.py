@@ -3,6 +3,7 @@
 from importlib.metadata import version
 
 from fastapi import FastAPI
+from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
 from voa_service.http.middleware import BodyLimit, RequestLog
@@ -18,7 +19,7 @@ _DESCRIPTION = (
 
 def create_app(services: Services) -> FastAPI:
     """The application; whoever built the services releases them."""
-    app = FastAPI(
+    app = FastAPIOffline(
         title="Value of Assistance for grasping",
         version=version("voa"),
         description=_DESCRIPTION,
