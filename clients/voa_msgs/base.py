@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from annotated_types import Ge, Len
+from annotated_types import Ge, Le, Len
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetJsonSchemaHandler, JsonValue, StringConstraints
 from pydantic_core import CoreSchema
 
@@ -54,11 +54,17 @@ Free = Annotated[JsonValue, BeforeValidator(_kept)]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=128)]
 Id = Name
 """A name that the service gave."""
-NotNegative = Annotated[float, Ge(0.0)]
-Point2 = Annotated[list[float], Len(2, 2)]
-Point3 = Annotated[list[float], Len(3, 3)]
-Quaternion = Annotated[list[float], Len(4, 4)]
-Range = NotNegative | None
+MOST = 1e6
+"""No length, angle or parameter of a lab is larger; beyond it squares and products stop being numbers."""
+LEAST = 1e-9
+"""Nor is one that must be above 0 smaller."""
+Real = Annotated[float, Ge(-MOST), Le(MOST)]
+NotNegative = Annotated[float, Ge(0.0), Le(MOST)]
+Positive = Annotated[float, Ge(LEAST), Le(MOST)]
+Point2 = Annotated[list[Real], Len(2, 2)]
+Point3 = Annotated[list[Real], Len(3, 3)]
+Quaternion = Annotated[list[Real], Len(4, 4)]
+Range = Annotated[float, Ge(0.0)] | None
 """A range in metres. In scans null means missing; in predictions it means no-return."""
 
 Ranges = Annotated[list[Range], Len(1), LimitedBy("beams")]

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge
 from pydantic import Field, model_validator
 
-from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges
+from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges, Real
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 
@@ -70,9 +70,9 @@ class Scan(Message):
     ranges: Ranges
     no_return: Annotated[list[Annotated[int, Ge(0)]], LimitedBy("beams")] = Field(default=[])
     """Indices of beams in whose direction nothing was in range: evidence. What `ranges` has there is ignored."""
-    angle_min: float | None = None
+    angle_min: Real | None = None
     """Radians; null: the lidar's, as the following."""
-    angle_increment: float | None = None
+    angle_increment: Real | None = None
     range_min: NotNegative | None = None
     range_max: NotNegative | None = None
     stamp: Free = None
