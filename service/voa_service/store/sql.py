@@ -1,7 +1,8 @@
-"""The store on SQLite.
+"""The store on a relational database.
 
-One connection writes, in BEGIN IMMEDIATE transactions that wait for each other; others read. Every commit is
-synced (WAL, synchronous=FULL): what was answered survives a kill.
+A write is one transaction: lock the session (SQLite: BEGIN IMMEDIATE, one writer; PostgreSQL: its row), look for the
+idempotency key, check the version, apply, append to the history, keep the answer. Writers wait for each other and
+never retry. What was answered is committed and synced.
 """
 
 from collections.abc import Callable
@@ -10,7 +11,8 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from sqlalchemy import Connection, Engine, Row, Table, bindparam, create_engine, delete, event, insert, select, update
+from sqlalchemy import Connection, Row, Table, bindparam, delete, insert, select, update
+from sqlalchemy.exc import IntegrityError
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
@@ -26,7 +28,9 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
-from voa_service.store.tables import answers, history, metadata, objects, scenarios, sessions
+from voa_service.store.engines import connect
+from voa_service.store.migrate import is_current, migrate
+from voa_service.store.tables import answers, history, objects, scenarios, sessions
 
 T = TypeVar("T")
 
@@ -44,28 +48,24 @@ _HISTORY = (
 )
 _ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
-_READERS = 8
-_BUSY_MS = 10_000
-_WAIT_SECONDS = 30
-
 
 class SqlStore:
-    """`ports.Store` on a database URL of SQLAlchemy's form, `sqlite:///voa.db`."""
+    """`ports.Store` on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`."""
 
     def __init__(self, url: str) -> None:
-        self._writer = _engine(url, begin="BEGIN IMMEDIATE", connections=1)
-        self._readers = _engine(url, begin="BEGIN", connections=_READERS)
-        metadata.create_all(self._writer)
+        self._engines = connect(url)
+        self._writer, self._readers = self._engines
+        migrate(self._writer)
 
     def ping(self) -> None:
-        """Read one row."""
+        """Read, and see whether the tables are this version's."""
         with self._readers.begin() as connection:
-            connection.execute(select(scenarios.c.seq).limit(1)).all()
+            if not is_current(connection):
+                raise RuntimeError("the tables are those of another version of the service")
 
     def close(self) -> None:
         """Close every connection."""
-        self._readers.dispose()
-        self._writer.dispose()
+        self._engines.dispose()
 
     def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
         """See `ports.Store`."""
@@ -105,14 +105,21 @@ class SqlStore:
 
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
         """See `ports.Store`."""
-        with self._writer.begin() as connection:
-            before = _answered(connection, write.key)
-            if before is not None:
-                return before
-            connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
-            _append(connection, state, write, None)
-            _remember(connection, write.key, answer)
-        return answer
+        try:
+            with self._writer.begin() as connection:
+                before = _answered(connection, write.key)
+                if before is not None:
+                    return before
+                connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
+                _append(connection, state, write, None)
+                _remember(connection, write.key, answer)
+            return answer
+        except IntegrityError:  # another process took the same key at the same instant, and was first
+            with self._readers.begin() as connection:
+                first = _answered(connection, write.key)
+            if first is None:
+                raise
+            return first
 
     def get_session(self, id_: str) -> SessionState | None:
         """See `ports.Store`."""
@@ -126,12 +133,10 @@ class SqlStore:
     def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
         """See `ports.Store`."""
         with self._writer.begin() as connection:
-            before = _answered(connection, write.key)
-            if before is not None:
-                return before
             state = _locked(connection, id_)
-            if state is None:
-                return None
+            before = _answered(connection, write.key)
+            if before is not None or state is None:
+                return before
             _check_version(state, write.if_match)
             change = step(state)
             if change.after is not None:
@@ -152,9 +157,9 @@ class SqlStore:
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """See `ports.Store`."""
         with self._writer.begin() as connection:
+            state = _locked(connection, id_)
             if _answered(connection, key) is not None:
                 return True
-            state = _locked(connection, id_)
             if state is None:
                 return False
             _check_version(state, if_match)
@@ -164,12 +169,17 @@ class SqlStore:
 
     def _put(self, table: Table, row: dict[str, Any]) -> tuple[Row[Any], bool]:
         """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
-        with self._writer.begin() as connection:
-            there = connection.execute(_BY_ID[table], {"by_id": row["id"]}).one_or_none()
-            if there is not None:
-                return there, False
-            connection.execute(_INSERT[table], row)
-            return connection.execute(_BY_ID[table], {"by_id": row["id"]}).one(), True
+        named = {"by_id": row["id"]}
+        try:
+            with self._writer.begin() as connection:
+                there = connection.execute(_BY_ID[table], named).one_or_none()
+                if there is not None:
+                    return there, False
+                connection.execute(_INSERT[table], row)
+                return connection.execute(_BY_ID[table], named).one(), True
+        except IntegrityError:  # another process stored the same content at the same instant
+            with self._readers.begin() as connection:
+                return connection.execute(_BY_ID[table], named).one(), False
 
     def _get(self, table: Table, id_: str) -> Row[Any] | None:
         with self._readers.begin() as connection:
@@ -183,27 +193,6 @@ class SqlStore:
             rows = connection.execute(query).all()
         more = len(rows) > limit
         return Listed([make(row) for row in rows[:limit]], str(rows[limit - 1].seq) if more else None)
-
-
-def _engine(url: str, *, begin: str, connections: int) -> Engine:
-    engine = create_engine(url, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
-
-    def prepare(connection: Any, _record: Any) -> None:
-        connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
-        for pragma in (
-            "journal_mode=WAL",
-            "synchronous=FULL",
-            f"busy_timeout={_BUSY_MS}",
-            "foreign_keys=ON",
-        ):
-            connection.execute(f"PRAGMA {pragma}")
-
-    def start(connection: Connection) -> None:
-        connection.exec_driver_sql(begin)
-
-    event.listen(engine, "connect", prepare)
-    event.listen(engine, "begin", start)
-    return engine
 
 
 def _locked(connection: Connection, id_: str) -> SessionState | None:
