@@ -1,5 +1,9 @@
 """Where sensors stand."""
 
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Tag
+
 from voa_msgs.base import Free, Message, Name, NotNegative, Real
 
 
@@ -31,6 +35,14 @@ class CandidateSensor(SensorPose):
 
     name: Name | None = None
     cost: NotNegative = 0.0
+
+
+def _form(sensor: Any) -> str:
+    return "name" if isinstance(sensor, str) else "pose"
+
+
+Candidate = Annotated[Annotated[Name, Tag("name")] | Annotated[CandidateSensor, Tag("pose")], Discriminator(_form)]
+"""The name of one of the scenario's configurations, or any sensor pose."""
 
 
 class PoseUncertainty(Message):

@@ -6,7 +6,7 @@ from annotated_types import Len
 from pydantic import Field
 
 from voa_msgs.base import Distribution, Id, LimitedBy, Message, Name
-from voa_msgs.geometry import CandidateSensor
+from voa_msgs.geometry import Candidate
 
 Definition = Literal["posterior", "executed"]
 
@@ -14,7 +14,7 @@ Definition = Literal["posterior", "executed"]
 class VoaRequest(Message):
     """Which looks to rank, for which grasps."""
 
-    sensors: Annotated[list[Name | CandidateSensor], Len(1), LimitedBy("sensors")] | None = None
+    sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
     """Names of the scenario's configurations, or any sensor poses; null: all of the scenario's."""
     definition: Definition = "posterior"
     grasps: Annotated[list[Name], Len(1), LimitedBy("grasps")] | None = None

@@ -7,7 +7,7 @@ from annotated_types import Ge, Le, Len
 from pydantic import Discriminator, Tag
 
 from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
-from voa_msgs.geometry import CandidateSensor, SensorConfiguration
+from voa_msgs.geometry import Candidate, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
 from voa_msgs.updates import BeamUpdate, UpdateRule
@@ -111,7 +111,7 @@ class ScenarioPage(Page):
 class PredictionsRequest(Message):
     """The sensor poses to predict from; null: the scenario's own configurations."""
 
-    sensors: Annotated[list[Name | CandidateSensor], Len(1), LimitedBy("sensors")] | None = None
+    sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
 
 
 class Predictions(Message):

@@ -50,8 +50,7 @@ def _metadata(annotation: Any, found: list[Any]) -> list[Any]:
     """The metadata of an annotation and of the members of its unions."""
     found.extend(getattr(annotation, "__metadata__", ()))
     for member in getattr(annotation, "__args__", ()):
-        if hasattr(member, "__metadata__"):
-            _metadata(member, found)
+        _metadata(member, found)
     return found
 
 
