@@ -74,7 +74,7 @@ def value_of_assistance(
     outer = (belief if sensor_belief is None else sensor_belief).p
     outcomes = np.flatnonzero(outer > 0.0)
     shares = outer[outcomes]
-    chosen, scores = _after_each(weigher, outcomes, belief, table, policy)
+    chosen, scores = _after_each(weigher, outcomes, belief, table, policy, sure=definition == "executed")
     before = best_grasp(table, belief.p)
     if definition == "posterior":
         after = float(shares @ scores)
@@ -90,9 +90,18 @@ def _scored_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.in
 
 
 def _after_each(
-    weigher: Weigher, outcomes: NDArray[np.intp], belief: Belief, table: GraspTable, policy: UpdatePolicy
+    weigher: Weigher,
+    outcomes: NDArray[np.intp],
+    belief: Belief,
+    table: GraspTable,
+    policy: UpdatePolicy,
+    *,
+    sure: bool,
 ) -> tuple[NDArray[np.intp], Floats]:
     """Best grasp (-1: none) and its expected score after the scan predicted for each of `outcomes`.
+
+    A score hardly depends on which of nearly equal grasps is chosen, but what a choice then scores at one pose
+    does: with `sure`, choices that the precision of the weights leaves open are made again in logarithms.
 
     One matrix product per block: with B = [b * Q^T | b], row q of W B holds sum_p W[q, p] b[p] Q[x, p] for every
     grasp, and its last entry the normaliser.
@@ -112,23 +121,31 @@ def _after_each(
     for start in range(0, len(outcomes), rows_at_once):
         block = slice(start, start + rows_at_once)
         product = weigher.weights(outcomes[block], columns) @ right
-        chosen[block], scores[block] = _choose_each(product)
-        for row in np.flatnonzero(product[:, -1] < _LEAST_NORM[weigher.dtype.name]):
+        chosen[block], scores[block], doubtful = _choose_each(product)
+        again = product[:, -1] < _LEAST_NORM[weigher.dtype.name]
+        for row in np.flatnonzero(again | doubtful if sure else again):
             chosen[start + row], scores[start + row] = _after_one(
                 weigher, int(outcomes[start + row]), belief, table, policy
             )
     return chosen, scores
 
 
-def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats]:
-    """`grasps.choose` for every row of (k, m + 1) unnormalised expected scores with the normaliser last."""
+def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
+    """`grasps.choose` for every row of (k, m + 1) unnormalised expected scores with the normaliser last.
+
+    The third answer says where rounding or underflow may have decided: no score is left, or a float32 cannot tell
+    the best from the next.
+    """
     norm = product[:, -1]
     best = product[:, :-1].max(axis=1)
     slack = norm * norm.dtype.type(_TIE[norm.dtype.name])
-    first = np.argmax(product[:, :-1] >= (best - slack)[:, None], axis=1)
+    tied = product[:, :-1] >= (best - slack)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         scores = best.astype(np.float64) / norm.astype(np.float64)
-    return np.where(best > 0.0, first, -1), scores
+    doubtful = best <= slack
+    if norm.dtype == np.float32:
+        doubtful |= tied.sum(axis=1) > 1
+    return np.where(best > 0.0, np.argmax(tied, axis=1), -1), scores, doubtful
 
 
 def _after_one(

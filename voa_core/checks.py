@@ -20,7 +20,7 @@ def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -
     wanted = "x".join("n" if size is None else str(size) for size in shape) or "a number"
     try:
         array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidInput(field, f"numbers of shape {wanted}", type(values).__name__) from error
     if array.ndim != len(shape) or any(
         want is not None and have != want for have, want in zip(array.shape, shape, strict=True)

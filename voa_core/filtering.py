@@ -42,7 +42,10 @@ class Belief:
         p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
         if (p < 0.0).any():
             raise InvalidInput(field, "numbers of at least 0", f"{p.min():g} at {int(p.argmin())}")
-        total = math.fsum(p)
+        try:
+            total = math.fsum(p)
+        except OverflowError:
+            total = math.inf
         if abs(total - 1.0) > SUM_TOLERANCE:
             raise InvalidInput(field, "a sum within 1e-6 of 1", f"a sum of {total:.9g}")
         p = p / total

@@ -12,6 +12,7 @@ Zero = Literal["missing", "no_return"]
 """What a range of exactly 0 says: the driver lost the beam, or nothing came back."""
 
 GRID_TOLERANCE_RAD = 1e-4
+SMALLEST_INCREMENT_RAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,12 @@ class BeamGrid:
         number("angle_min", self.angle_min)
         if number("angle_increment", self.angle_increment) == 0.0:
             raise InvalidInput("angle_increment", "a number other than 0", "0")
+        if not SMALLEST_INCREMENT_RAD <= abs(self.angle_increment) <= 2.0 * np.pi:
+            raise InvalidInput(
+                "angle_increment",
+                f"{SMALLEST_INCREMENT_RAD:g} rad to a turn, to either side",
+                repr(self.angle_increment),
+            )
 
     @property
     def angles(self) -> Floats:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from voa_core.checks import Floats, finite_array, frozen
+from voa_core.checks import Floats, finite_array, frozen, number
 from voa_core.errors import InvalidInput
 
 _BOX_FACES = 16
@@ -33,6 +33,7 @@ class Object:
         Raises:
             InvalidInput: no faces, an index out of range, or a number that is not finite.
         """
+        number("scale", scale, above=0.0)
         points = finite_array("vertices", vertices, (None, 3))
         corners = np.asarray(faces)
         if corners.ndim != 2 or corners.shape[1:] != (3,) or corners.shape[0] == 0:

@@ -3,7 +3,7 @@
 Definition 5 of the paper, by an exact cut instead of a depth camera: `cutting` and `rasterising` do the work.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,6 +57,14 @@ ContoursAt = Callable[[float], Contours]
 """The cuts of all poses at a height: a function, so that a caller can keep them."""
 
 
+Remember = Callable[[Hashable, Callable[[], Prediction]], Prediction]
+"""Gives the prediction of a key, made by the function unless it is kept: so that a caller can keep some."""
+
+
+def _keep_none(_key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+    return make()
+
+
 @dataclass(frozen=True, eq=False)
 class ObservationPredictor:
     """Predicts scans from a mesh, from data, or from both: data for the sensors that it names, else the mesh.
@@ -66,12 +74,14 @@ class ObservationPredictor:
         lidar: whose beams and `range_max` hold.
         data: predicted ranges (n, r) by sensor name; inf for a no-return.
         contours_at: the cuts of the mesh by height; None: there is no mesh.
+        remember: keeps predictions, or does not.
     """
 
     poses: PoseSet
     lidar: LidarModel
     data: Mapping[str, Floats] = field(default_factory=dict)
     contours_at: ContoursAt | None = None
+    remember: Remember = _keep_none
 
     def __post_init__(self) -> None:
         shape = (len(self.poses), self.lidar.grid.beams)
@@ -93,8 +103,12 @@ class ObservationPredictor:
             BeamGridMismatch: other beams than the lidar's are wanted, and only data are there.
             NoMesh: neither data nor a mesh; or no height to cut at.
         """
-        own_grid = grid is None or self.lidar.grid.agrees_with(grid)
-        wanted = self.lidar.grid if grid is None or own_grid else grid
+        wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
+        place = (sensor.name if listed else None, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
+        return self.remember((place, wanted), lambda: self._predict(sensor, wanted, listed))
+
+    def _predict(self, sensor: SensorConfiguration, wanted: BeamGrid, listed: bool) -> Prediction:
+        own_grid = wanted == self.lidar.grid
         given = self.data.get(sensor.name) if listed else None
         if given is not None and own_grid:
             return Prediction.of_dense(wanted, np.where(given <= self.lidar.range_max, given, NO_RETURN))

@@ -75,6 +75,8 @@ def pose_model(poses: PoseSet, categories: Sequence[Category]) -> Belief:
     prior = np.zeros(len(poses))
     taken = np.full(len(poses), -1)
     for index, category in enumerate(categories):
+        if not 0 <= category.reference < len(poses):
+            raise InvalidInput("reference", f"the index of a pose, 0 to {len(poses) - 1}", str(category.reference))
         reference = poses.rotations[category.reference]
         members = np.flatnonzero(np.abs(poses.rotations[:, 2, :] - reference[2]).max(axis=1) < _SAME_TILT)
         twice = members[taken[members] >= 0]

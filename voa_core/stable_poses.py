@@ -17,7 +17,6 @@ from voa_core.geometry import quaternion_of_matrix, upright_rotation
 from voa_core.objects import Object
 
 _PUSH = 0.01  # of the object's size: a centre of mass that must rise by less does not hold the object
-_ARC_STEP_RAD = np.radians(0.5)
 
 
 @dataclass(frozen=True)
@@ -41,57 +40,74 @@ def propose_stable_poses(object_: Object) -> list[StablePose]:
     mesh = trimesh.Trimesh(object_.vertices, object_.faces, process=False)
     try:
         hull = mesh.convex_hull
-        centre = mesh.center_mass if object_.watertight else hull.center_mass
+        centre = _centre_of_mass([mesh, hull] if object_.watertight else [hull], hull)
         transforms, probabilities = trimesh.poses.compute_stable_poses(hull, center_mass=centre, seed=0)
+        ups = np.array(transforms)[:, 2, :3]
     except Exception as error:  # scipy's Qhull raises several kinds
         raise InvalidInput("object", "a mesh with a volume", "one without a convex hull") from error
-    if len(transforms) == 0:
-        raise InvalidInput("object", "a mesh that can rest on a face", "one that cannot")
-    ups = np.array([transform[2, :3] for transform in transforms])
-    corners = np.asarray(hull.vertices) - centre
-    heights = _centre_heights(ups, corners)
-    home = _basins(ups, heights, corners, _PUSH * float(np.linalg.norm(np.ptp(corners, axis=0))))
+    heights = np.einsum("fi,fi->f", hull.triangles_center - centre, hull.face_normals)
+    home = _basins(hull, centre, heights, _PUSH * float(np.linalg.norm(hull.extents)))
+    settled = home[np.argmax(ups @ -hull.face_normals.T, axis=1)]
     total = float(np.sum(probabilities))
     poses = [
-        _resting(ups[root], heights[root], centre, float(np.sum(probabilities[home == root])) / total)
-        for root in np.unique(home)
+        _resting(-hull.face_normals[face], heights[face], centre, float(np.sum(probabilities[settled == face])) / total)
+        for face in np.unique(settled)
     ]
     return sorted(poses, key=lambda pose: -pose.probability)
 
 
-def _centre_heights(ups: Floats, corners: Floats) -> Floats:
-    """Height of the centre of mass over the table for each upward direction (k, 3), resting or not."""
-    heights: Floats = np.max(ups @ -corners.T, axis=1)
-    return heights
+def _centre_of_mass(candidates: list[trimesh.Trimesh], hull: trimesh.Trimesh) -> Floats:
+    """That of the first whose faces all point outwards, told by its lying inside the hull.
 
-
-def _basins(ups: Floats, heights: Floats, corners: Floats, push: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """For each pose the index of the pose that it settles into under pushes that lift the centre by `push`.
-
-    From the lowest pose upwards, each joins the basin of the lower pose that it reaches over the lowest
-    pass on the great circle, if that pass is lower than `push` above it.
+    Outside, trimesh would look for a way to rest for ever.
     """
-    home = np.arange(len(ups))
-    order = np.argsort(heights, kind="stable")
-    for rank, pose in enumerate(order[1:], start=1):
-        lower = order[:rank]
-        rises = [_pass_height(ups[pose], ups[other], corners) - heights[pose] for other in lower]
-        best = int(np.argmin(rises))
-        if rises[best] < push:
-            home[pose] = home[lower[best]]
-    return home
+    for candidate in candidates:
+        with np.errstate(divide="ignore", invalid="ignore"):  # no volume
+            centre: Floats = candidate.center_mass
+        depths = np.einsum("fi,fi->f", hull.triangles_center - centre, hull.face_normals)
+        if (depths > 0.0).all():
+            return centre
+    raise ValueError("the hull has no inside")
 
 
-def _pass_height(start: Floats, end: Floats, corners: Floats) -> float:
-    """The highest that the centre of mass gets while the upward direction moves from `start` to `end`."""
-    angle = float(np.arccos(np.clip(start @ end, -1.0, 1.0)))
-    if angle > np.pi - 1e-6:  # opposite directions have no one great circle; anything over is a real push
-        return float(np.inf)
-    if angle < _ARC_STEP_RAD:
-        return float(_centre_heights(np.array([start, end]), corners).max())
-    steps = np.linspace(0.0, 1.0, int(np.ceil(angle / _ARC_STEP_RAD)) + 1)[:, None]
-    arc = np.sin((1.0 - steps) * angle) * start + np.sin(steps * angle) * end
-    return float(_centre_heights(arc / np.linalg.norm(arc, axis=1, keepdims=True), corners).max())
+def _basins(
+    hull: trimesh.Trimesh, centre: Floats, heights: Floats, push: float
+) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """For each face of the hull the face that it settles on under pushes that lift the centre by less than `push`.
+
+    The height of the centre of mass over the table is a landscape over the upward directions; its passes lead over
+    the hull's edges. From the lowest pass upwards, the shallower of the two basins that meet there joins the deeper
+    if its bottom is less than `push` below the pass.
+    """
+    home = list(range(len(heights)))
+
+    def bottom(face: int) -> int:
+        while home[face] != face:
+            home[face] = home[home[face]]
+            face = home[face]
+        return face
+
+    passes = _pass_heights(hull, centre, heights)
+    for edge in np.argsort(passes, kind="stable"):
+        low, high = sorted((bottom(int(face)) for face in hull.face_adjacency[edge]), key=lambda face: heights[face])
+        if passes[edge] - heights[high] < push:
+            home[high] = low
+    return np.array([bottom(face) for face in home])
+
+
+def _pass_heights(hull: trimesh.Trimesh, centre: Floats, heights: Floats) -> Floats:
+    """The highest that the centre of mass gets while the hull tips over each edge, from face to face.
+
+    It moves on a circle about the edge; its top is the edge's distance, if that lies between the two faces.
+    """
+    start, end = (hull.vertices[hull.face_adjacency_edges[:, k]] - centre for k in range(2))
+    along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
+    arm = start - np.einsum("ei,ei->e", start, along)[:, None] * along
+    first, second = (hull.face_normals[hull.face_adjacency[:, k]] for k in range(2))
+    between = np.einsum("ei,ei->e", np.cross(first, arm), np.cross(first, second)) > 0.0
+    between &= np.einsum("ei,ei->e", np.cross(second, arm), np.cross(second, first)) > 0.0
+    ends: Floats = heights[hull.face_adjacency].max(axis=1)
+    return np.where(between, np.linalg.norm(arm, axis=1), ends)
 
 
 def _resting(up: Floats, height: float, centre: Floats, probability: float) -> StablePose:

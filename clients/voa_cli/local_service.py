@@ -4,12 +4,16 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
+
+import httpx2
 
 from voa_client import Client, VoaClientError
 
+_START_SECONDS = 60.0
 _STOP_SECONDS = 20
 _LOG_LINES = 15
 
@@ -18,12 +22,51 @@ class ServiceDidNotStart(VoaClientError):
     """The service ended, or did not answer."""
 
 
+class Running(NamedTuple):
+    """A server process that answers."""
+
+    url: str
+    pid: int
+
+
+@contextmanager
+def running(module: str, options: Sequence[str], log: Path, ready: str = "/readyz") -> Iterator[Running]:
+    """Start `python -m MODULE --fd N OPTIONS` on a free port of 127.0.0.1 and stop it on leaving.
+
+    The socket is opened here and handed over, so the port is known and the first request waits for the server
+    instead of failing.
+
+    Args:
+        module: what to run.
+        options: of its command line, besides `--fd`.
+        log: where its stderr goes.
+        ready: a path that it answers when it is ready.
+
+    Raises:
+        ServiceDidNotStart: it ended, or did not answer.
+    """
+    with socket.create_server(("127.0.0.1", 0)) as listening, log.open("wb") as stderr:
+        url = f"http://127.0.0.1:{listening.getsockname()[1]}"
+        command = [sys.executable, "-m", module, "--fd", str(listening.fileno()), *options]
+        process = subprocess.Popen(command, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - ours
+    try:
+        try:
+            httpx2.get(url + ready, timeout=_START_SECONDS).raise_for_status()
+        except httpx2.HTTPError as error:
+            raise ServiceDidNotStart(f"{module} did not start ({error}):\n{_tail(log)}") from error
+        yield Running(url, process.pid)
+    finally:
+        process.terminate()
+        try:
+            process.wait(_STOP_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
 @contextmanager
 def local_service(folder: Path | None = None) -> Iterator[str]:
-    """Start `voa serve` on a free port of 127.0.0.1 and stop it on leaving; gives its URL.
-
-    The socket is opened here and handed over, so the port is known and the first request waits for the service
-    instead of failing.
+    """`voa serve` for the length of a `with`; gives its URL.
 
     Args:
         folder: where its database and log go; None: a temporary folder.
@@ -31,26 +74,9 @@ def local_service(folder: Path | None = None) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="voa-") as temporary:
         place = Path(temporary) if folder is None else folder
         place.mkdir(parents=True, exist_ok=True)
-        log = place / "service.log"
-        with socket.create_server(("127.0.0.1", 0)) as listening, log.open("wb") as stderr:
-            url = f"http://127.0.0.1:{listening.getsockname()[1]}"
-            command = [sys.executable, "-m", "voa_service", "--fd", str(listening.fileno())]
-            command += ["--database-url", f"sqlite:///{(place / 'voa.db').resolve()}"]
-            process = subprocess.Popen(command, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - ours
-        try:
-            try:
-                with Client(url) as client:
-                    client.ready()
-            except VoaClientError as error:
-                raise ServiceDidNotStart(f"the service did not start ({error}):\n{_tail(log)}") from error
-            yield url
-        finally:
-            process.terminate()
-            try:
-                process.wait(_STOP_SECONDS)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        database = f"sqlite:///{(place / 'voa.db').resolve()}"
+        with running("voa_service", ["--database-url", database], place / "service.log") as service:
+            yield service.url
 
 
 def _tail(log: Path) -> str:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from annotated_types import Ge, Len
-from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, StringConstraints
+from annotated_types import Ge, Le, Len
+from pydantic import BaseModel, BeforeValidator, ConfigDict, GetJsonSchemaHandler, JsonValue, StringConstraints
 from pydantic_core import CoreSchema
 
 
@@ -18,9 +18,9 @@ class Message(BaseModel):
 
 @dataclass(frozen=True)
 class LimitedBy:
-    """Marks a list whose length a setting of the service limits; `limit` is the setting's name.
+    """Marks a list whose length, or a count that, a setting of the service limits; `limit` is the setting's name.
 
-    The service enforces it and states it as `maxItems` in its OpenAPI document.
+    The service enforces it and states it as `maxItems` or `maximum` in its OpenAPI document.
     """
 
     limit: str
@@ -30,12 +30,41 @@ class LimitedBy:
         return handler(schema) | {"x-limit": self.limit}
 
 
+MOST_NESTED = 64
+
+
+def _kept(value: Any) -> Any:
+    """Refuse free values that cannot be kept and given back: nested without end, or text that is not Unicode."""
+    level = [value]
+    for _ in range(MOST_NESTED + 1):
+        texts = [item for item in level if isinstance(item, str)]
+        texts += [key for item in level if isinstance(item, dict) for key in item if isinstance(key, str)]
+        if any("\ud800" <= character <= "\udfff" for text in texts for character in text):
+            raise ValueError("expected Unicode text, got half of a surrogate pair")
+        nested = [item for item in level if isinstance(item, list | dict)]
+        if not nested:
+            return value
+        level = [child for item in nested for child in (item.values() if isinstance(item, dict) else item)]
+    raise ValueError(f"expected at most {MOST_NESTED} levels of lists and objects")
+
+
+Free = Annotated[JsonValue, BeforeValidator(_kept)]
+"""The user's own JSON, at most `MOST_NESTED` levels deep; kept and returned."""
+
 Name = Annotated[str, StringConstraints(min_length=1, max_length=128)]
-NotNegative = Annotated[float, Ge(0.0)]
-Point2 = Annotated[list[float], Len(2, 2)]
-Point3 = Annotated[list[float], Len(3, 3)]
-Quaternion = Annotated[list[float], Len(4, 4)]
-Range = NotNegative | None
+Id = Name
+"""A name that the service gave."""
+MOST = 1e6
+"""No length, angle or parameter of a lab is larger; beyond it squares and products stop being numbers."""
+LEAST = 1e-9
+"""Nor is one that must be above 0 smaller."""
+Real = Annotated[float, Ge(-MOST), Le(MOST)]
+NotNegative = Annotated[float, Ge(0.0), Le(MOST)]
+Positive = Annotated[float, Ge(LEAST), Le(MOST)]
+Point2 = Annotated[list[Real], Len(2, 2)]
+Point3 = Annotated[list[Real], Len(3, 3)]
+Quaternion = Annotated[list[Real], Len(4, 4)]
+Range = Annotated[float, Ge(0.0)] | None
 """A range in metres. In scans null means missing; in predictions it means no-return."""
 
 Ranges = Annotated[list[Range], Len(1), LimitedBy("beams")]

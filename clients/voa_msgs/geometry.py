@@ -1,20 +1,18 @@
 """Where sensors stand."""
 
-from pydantic import JsonValue
-
-from voa_msgs.base import Message, Name, NotNegative
+from voa_msgs.base import Free, Message, Name, NotNegative, Real
 
 
 class SensorPose(Message):
     """The lidar's own pose in the world frame (z up, the table at z = 0)."""
 
-    x: float
+    x: Real
     """Metres."""
-    y: float
+    y: Real
     """Metres."""
-    yaw_rad: float
+    yaw_rad: Real
     """Direction of beam angle 0, counter-clockwise from the world's +x."""
-    height_m: float | None = None
+    height_m: Real | None = None
     """Height of the scan plane over the table; null: the lidar's."""
 
 
@@ -24,7 +22,7 @@ class SensorConfiguration(SensorPose):
     name: Name
     cost: NotNegative = 0.0
     """What it costs to look from here, in success probability."""
-    data: JsonValue = None
+    data: Free = None
     """The user's own; kept and returned."""
 
 

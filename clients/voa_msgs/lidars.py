@@ -2,14 +2,13 @@
 
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Lt
+from annotated_types import Ge, Lt
 
-from voa_msgs.base import Message, Name, NotNegative
+from voa_msgs.base import LimitedBy, Message, Name, NotNegative, Positive, Real
 
 Zero = Literal["missing", "no_return"]
-Beams = Annotated[int, Ge(1)]
+Beams = Annotated[int, Ge(1), LimitedBy("beams")]
 Share = Annotated[float, Ge(0.0), Lt(1.0)]
-Positive = Annotated[float, Gt(0.0)]
 
 
 class Lidar(Message):
@@ -17,15 +16,15 @@ class Lidar(Message):
 
     preset: Name | None = None
     beams: Beams | None = None
-    angle_min: float | None = None
+    angle_min: Real | None = None
     """Angle of the first beam, radians, counter-clockwise from the sensor's +x."""
-    angle_increment: float | None = None
+    angle_increment: Real | None = None
     """Between neighbouring beams, radians; negative for a lidar that turns clockwise."""
     range_min: NotNegative | None = None
     """Metres; a shorter measurement is missing."""
     range_max: Positive | None = None
     """Metres; beyond it there is no return."""
-    height_m: float | None = None
+    height_m: Real | None = None
     """Height of the scan plane over the table; null where every sensor configuration has its own."""
     zero: Zero | None = None
     """What a measured range of exactly 0 means."""

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Len
 from pydantic import Discriminator, Tag
 
-from voa_msgs.base import Distribution, Message, Name, NotNegative, Point2
+from voa_msgs.base import Distribution, Message, Name, NotNegative, Point2, Real
 
 
 class PoseCategory(Message):
@@ -14,7 +14,7 @@ class PoseCategory(Message):
     pose: Name
     """A pose of the category; yaws are counted from it."""
     probability: NotNegative
-    yaw_mean_rad: float = 0.0
+    yaw_mean_rad: Real = 0.0
     yaw_concentration: NotNegative = 0.0
     """Of the von Mises distribution; 0: any yaw is as probable."""
     mean_xy: Point2 | None = None

@@ -27,6 +27,8 @@ class Problem(Message):
     """As in the service's log."""
     errors: list[ProblemField] | None = None
     """Field by field, where a body is not as expected."""
+    version: int | None = None
+    """The session's version, where the request asked for another."""
     known: list[str] | None = None
     """The names that exist, where one does not."""
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from annotated_types import Len
 from pydantic import Field
 
-from voa_msgs.base import Distribution, LimitedBy, Message, Name
+from voa_msgs.base import Distribution, Id, LimitedBy, Message, Name
 from voa_msgs.geometry import CandidateSensor
 
 Definition = Literal["posterior", "executed"]
@@ -28,7 +28,7 @@ class VoaRequest(Message):
 class RankingRequest(VoaRequest):
     """A ranking for the belief in the request; nothing is stored."""
 
-    scenario: str
+    scenario: Id
     belief: Distribution
 
 

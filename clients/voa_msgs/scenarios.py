@@ -4,13 +4,15 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import Discriminator, JsonValue, Tag
+from pydantic import Discriminator, Tag
 
-from voa_msgs.base import LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
 from voa_msgs.updates import BeamUpdate, UpdateRule
+
+MOST_ATTEMPTS = 1_000_000_000
 
 
 class Pose(Message):
@@ -26,15 +28,15 @@ class Grasp(Message):
     """A gripper configuration to attempt the grasp from."""
 
     name: Name
-    data: JsonValue = None
+    data: Free = None
     """The user's own; kept and returned."""
 
 
 class MeasuredScores(Message):
     """Successes of attempts, grasps x poses."""
 
-    attempts: Annotated[int, Ge(1)]
-    successes: Annotated[list[list[Annotated[int, Ge(0)]]], Len(1)]
+    attempts: Annotated[int, Ge(1), Le(MOST_ATTEMPTS)]
+    successes: Annotated[list[list[Annotated[int, Ge(0), Le(MOST_ATTEMPTS)]]], Len(1)]
 
 
 class GivenScores(Message):
@@ -64,7 +66,7 @@ class ScenarioRequest(Message):
     """What stays the same while one object is looked at."""
 
     name: Name
-    object: str | None = None
+    object: Id | None = None
     """Id of a stored object; null where all predictions are given."""
     poses: Annotated[list[Pose], Len(1), LimitedBy("poses")]
     grasps: Annotated[list[Grasp], Len(1), LimitedBy("grasps")]
@@ -73,7 +75,7 @@ class ScenarioRequest(Message):
     lidar: Lidar
     update: UpdateRule = BeamUpdate()
     workspace: Workspace | None = None
-    predictions: dict[str, dict[str, Ranges]] | None = None
+    predictions: dict[Name, dict[Name, Ranges]] | None = None
     """Per sensor and pose the ranges of all beams; null: no-return. They win over the mesh."""
     prior: Prior | None = None
     """Null: uniform."""

@@ -4,9 +4,9 @@ from datetime import datetime
 from typing import Annotated, Literal, Self
 
 from annotated_types import Ge
-from pydantic import Field, JsonValue, model_validator
+from pydantic import Field, model_validator
 
-from voa_msgs.base import Distribution, LimitedBy, Message, Name, NotNegative, Page, Ranges
+from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges, Real
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 
@@ -14,7 +14,7 @@ from voa_msgs.priors import Prior
 class SessionRequest(Message):
     """Open a session on a scenario."""
 
-    scenario: str
+    scenario: Id
     prior: Prior | None = None
     """Null: the scenario's."""
 
@@ -70,12 +70,12 @@ class Scan(Message):
     ranges: Ranges
     no_return: Annotated[list[Annotated[int, Ge(0)]], LimitedBy("beams")] = Field(default=[])
     """Indices of beams in whose direction nothing was in range: evidence. What `ranges` has there is ignored."""
-    angle_min: float | None = None
+    angle_min: Real | None = None
     """Radians; null: the lidar's, as the following."""
-    angle_increment: float | None = None
+    angle_increment: Real | None = None
     range_min: NotNegative | None = None
     range_max: NotNegative | None = None
-    stamp: JsonValue = None
+    stamp: Free = None
     """The user's own; kept and returned."""
 
 
@@ -97,7 +97,7 @@ class ScanRequest(Message):
 class UpdateRequest(ScanRequest):
     """A scan applied to the belief in the request; nothing is stored."""
 
-    scenario: str
+    scenario: Id
     belief: Distribution
 
 
@@ -118,6 +118,38 @@ class UpdateReport(Message):
     """The same over the beams on which both return."""
     best_fit_pose: str | None
     beams_compared: int
+
+
+class BeliefRequest(Message):
+    """Replace a session's belief."""
+
+    belief: Distribution | None
+    """Null: back to the session's prior."""
+
+
+class OutcomeRequest(Message):
+    """What came of a grasp attempt that left the object where it was."""
+
+    grasp: Name
+    success: bool
+
+
+class HistoryEntry(Message):
+    """One version of a session and what made it."""
+
+    version: int
+    kind: Literal["prior", "scan", "outcome", "belief"]
+    at: datetime
+    request: Free
+    """The body as it was received."""
+    update: UpdateReport | None
+    """What an observation did; null for a prior or a replaced belief."""
+
+
+class HistoryPage(Page):
+    """Versions of a session, ascending, the prior first."""
+
+    items: list[HistoryEntry]
 
 
 class UpdatedSession(Session):

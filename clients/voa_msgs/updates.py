@@ -2,11 +2,10 @@
 
 from typing import Annotated, Literal
 
-from annotated_types import Gt, Le
+from annotated_types import Ge, Le
 from pydantic import Field
 
-from voa_msgs.base import Message, NotNegative
-from voa_msgs.lidars import Positive
+from voa_msgs.base import LEAST, Message, NotNegative, Positive
 
 
 class _Update(Message):
@@ -57,7 +56,7 @@ class BeamUpdate(_Update):
     z_random: NotNegative | None = None
     sigma_hit_m: Positive | None = None
     lambda_short_per_m: Positive | None = None
-    temper: Annotated[float, Gt(0.0), Le(1.0)] | None = None
+    temper: Annotated[float, Ge(LEAST), Le(1.0)] | None = None
 
 
 UpdateRule = Annotated[

@@ -10,8 +10,10 @@ from threadpoolctl import threadpool_limits
 from voa_assets import lidar_presets
 from voa_msgs.lidars import LidarPreset
 from voa_service.cache import Cache
+from voa_service.changes import Changes
 from voa_service.compute import Threads, WorkQueue
 from voa_service.meshes.reader import SubprocessMeshReader
+from voa_service.metrics import Metrics
 from voa_service.models import Models
 from voa_service.ports import Clock, IdSource
 from voa_service.services import Services
@@ -41,9 +43,17 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     limits = settings.limits
     store = SqlStore(settings.database_url)
     threads = Threads(settings.workers)
-    models = Models(store, Cache(settings.cache_mebibytes * MEBIBYTE))
+    cache = Cache(settings.cache_mebibytes * MEBIBYTE)
+    models = Models(store, cache)
+    metrics = Metrics()
+    quick = WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue)
+    heavy = WorkQueue("heavy", settings.workers, settings.queue)
+    metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
+    metrics.gauge("voa_quick_requests", "Scans and reads under way or waiting.", lambda: quick.inside)
+    metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
-    sessions = Sessions(store, models, now, ids)
+    changes = Changes()
+    sessions = Sessions(store, models, now, ids, changes.moved, metrics.observation)
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
@@ -53,10 +63,13 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 sessions=sessions,
                 rankings=Rankings(sessions, models, threads),
                 store=store,
+                changes=changes,
+                metrics=metrics,
                 limits=limits,
-                quick=WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue),
-                heavy=WorkQueue("heavy", settings.workers, settings.queue),
+                quick=quick,
+                heavy=heavy,
             )
     finally:
+        changes.close()
         threads.close()
         store.close()

@@ -29,6 +29,11 @@ class WorkQueue:
         self._inside = 0
         self._lock = threading.Lock()
 
+    @property
+    def inside(self) -> int:
+        """Calls under way or in line."""
+        return self._inside
+
     async def run(self, work: Callable[[], T]) -> T:
         """`work()`, in a worker thread.
 

@@ -5,6 +5,7 @@ from typing import Any
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
 
 MALFORMED = ("malformed-json", 400, "The body is not JSON")
+MALFORMED_FORM = ("malformed-form", 400, "The body is not a multipart form")
 NOT_FOUND = ("not-found", 404, "There is no such thing")
 METHOD_NOT_ALLOWED = ("method-not-allowed", 405, "This path does not have that method")
 STALE = ("stale-version", 412, "The session has moved on")

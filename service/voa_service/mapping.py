@@ -1,6 +1,7 @@
 """Between messages and mathematics: the only place that knows both."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
-from voa_core.prediction import ObservationPredictor
+from voa_core.prediction import ObservationPredictor, Remember
 from voa_core.priors import Category, pose_model
 from voa_core.rules import defaults, rule_of
 from voa_core.scans import MISSING, NO_RETURN, Scan
@@ -81,13 +82,14 @@ def lidar_model(lidar: lidars.Lidar) -> LidarModel:
 
 
 def scenario_of(
-    request: scenarios.ScenarioRequest, contours_at: Callable[[PoseSet, float], Contours] | None
+    request: scenarios.ScenarioRequest, contours_at: Callable[[PoseSet, float], Contours] | None, remember: Remember
 ) -> Scenario:
     """The mathematics of a filled-in scenario.
 
     Args:
         request: with every default written out.
         contours_at: the cuts of the object at poses and a height; None: there is no object.
+        remember: keeps predictions.
 
     Raises:
         VoaError: what it says cannot be.
@@ -100,11 +102,8 @@ def scenario_of(
         raise InvalidInput("sensors", "names that differ", "a name twice")
     data = {} if request.predictions is None else _data(request.predictions, sorted(unique), poses.names)
     _check_predictable(request, contours_at is not None, data, sensors, poses)
-    if contours_at is None:
-        predictor = ObservationPredictor(poses, lidar, data)
-    else:
-        cut = contours_at
-        predictor = ObservationPredictor(poses, lidar, data, lambda height_m: cut(poses, height_m))
+    cuts = None if contours_at is None else partial(contours_at, poses)
+    predictor = ObservationPredictor(poses, lidar, data, cuts, remember)
     parameters = request.update.model_dump(exclude=set(POLICY_FIELDS))
     workspace = None
     if request.workspace is not None:
@@ -243,7 +242,11 @@ def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
         own.angle_increment if scan.angle_increment is None else scan.angle_increment,
     )
     ranges = np.array(_floats(scan.ranges, MISSING))
-    return Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)
+    found = Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)
+    low, high = found.limits(lidar)
+    if low > high:
+        raise InvalidInput("range_min", f"at most range_max ({high}, the scan's or the lidar's)", repr(low))
+    return found
 
 
 def prior_of(prior: list[float] | priors.PoseModelPrior | None, poses: PoseSet) -> Belief:

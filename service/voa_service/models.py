@@ -1,6 +1,6 @@
 """Stored scenarios as mathematics, with what is expensive about them kept in one bounded cache."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,6 +10,7 @@ from voa_core.cutting import Contours, cut_poses
 from voa_core.lidars import SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
+from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
@@ -72,7 +73,11 @@ class Models:
             if stored is None:
                 raise Failure(UNKNOWN, f"there is no object {request.object!r}: upload it with POST /v1/objects")
             contours_at = self._contours_at(id_, stored.object)
-        scenario = scenario_of(request, contours_at)
+
+        def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+            return self._cache.get(("prediction", id_, key), make)
+
+        scenario = scenario_of(request, contours_at, remember)
 
         def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool) -> Weigher:
             def make() -> Weigher:

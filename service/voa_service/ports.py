@@ -94,6 +94,18 @@ class Step:
 HistoryKind = Literal["prior", "scan", "outcome", "belief"]
 
 
+@dataclass(frozen=True, eq=False)
+class HistoryEntry:
+    """One version of a session: the state that it left, and what made it."""
+
+    state: SessionState
+    kind: HistoryKind
+    request: str
+    """The body as it was received."""
+    report: str | None
+    """A `voa_msgs.sessions.UpdateReport`."""
+
+
 @dataclass(frozen=True)
 class Write:
     """One write to a session as it came in."""
@@ -149,6 +161,9 @@ class Store(Protocol):
         another), the version that the caller has seen (`Failure` if stale), then `step`, which must be pure and
         quick: writers on one session wait for each other.
         """
+
+    def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
+        """At most `limit` versions of a session above `after`, ascending; -1 begins with the prior."""
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """Remove a session with its history; whether it was there. Key and version as in `change_session`."""

@@ -4,13 +4,16 @@ import argparse
 import socket
 import sys
 from collections.abc import Sequence
+from types import FrameType
 from typing import Any
 
 import structlog
 import uvicorn
 from pydantic import ValidationError
+from sqlalchemy import make_url
 
 from voa_service import bootstrap, logs
+from voa_service.changes import Changes
 from voa_service.http.app import create_app
 from voa_service.settings import Settings
 
@@ -49,9 +52,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         host, port = listening.getsockname()[:2]
         url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
-        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=settings.database_url)
-        uvicorn.Server(config).run([listening])
+        database = make_url(settings.database_url).render_as_string(hide_password=True)
+        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=database)
+        _Server(config, services.changes).run([listening])
     return 0
+
+
+class _Server(uvicorn.Server):
+    """Ends the streams that would never end by themselves as soon as it is told to stop."""
+
+    def __init__(self, config: uvicorn.Config, changes: Changes) -> None:
+        super().__init__(config)
+        self._changes = changes
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self._changes.close()
+        super().handle_exit(sig, frame)
 
 
 def _socket(settings: Settings, inherited: int | None) -> socket.socket:

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
+from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
+from voa_service.metrics import Metrics
 from voa_service.ports import Store
 from voa_service.settings import Limits
 from voa_service.usecases.objects import Objects
@@ -20,6 +22,8 @@ class Services:
     sessions: Sessions
     rankings: Rankings
     store: Store
+    changes: Changes
+    metrics: Metrics
     limits: Limits
     quick: WorkQueue
     """Scans and reads."""

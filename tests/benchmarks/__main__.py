@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from tests.benchmarks import growth, prediction, ranking, weights
+from tests.benchmarks import growth, prediction, ranking, service, weights
 from tests.benchmarks.measure import Result
 
 SUBJECTS: dict[str, Callable[[], list[Result]]] = {
@@ -22,6 +22,7 @@ SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "weights": weights.run,
     "ranking": ranking.run,
     "growth": growth.run,
+    "service": service.run,
 }
 _WIDTH = 110  # of the table in a pipe, where rich would guess 80
 _PACKAGES = ("numpy", "numba", "trimesh", "embreex")
@@ -73,7 +74,7 @@ def _table(subject: str, results: list[Result]) -> Table:
         table.add_column(column, justify="right")
     table.add_column("unit")
     for result in results:
-        figures = (f"{figure:.4g}" for figure in (result.ratio, result.ours, result.peer))
+        figures = ("" if figure is None else f"{figure:.4g}" for figure in (result.ratio, result.ours, result.peer))
         table.add_row(result.name, *figures, result.unit)
     return table
 

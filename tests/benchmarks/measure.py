@@ -14,14 +14,14 @@ class Result(NamedTuple):
     Attributes:
         name: what was measured, on what, against whom; and what the ratio is where it is no quotient of times.
         ratio: peer / ours: how many times faster ours is, unless the name says otherwise.
-        ours, peer: the two figures, in `unit`.
+        ours, peer: the two figures, in `unit`; ratio and peer are None for a figure that has no peer.
         unit: usually "ms", of CPU time.
     """
 
     name: str
-    ratio: float
+    ratio: float | None
     ours: float
-    peer: float
+    peer: float | None
     unit: str
 
 

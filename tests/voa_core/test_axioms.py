@@ -444,10 +444,11 @@ def test_predictions_agree_with_the_twins_ray_caster(seed: int, grid: BeamGrid) 
         ]
         before, at, after = np.minimum(around, 1e3)
         same = np.abs(np.minimum(ours, 1e3) - at) <= 1e-8
-        # On the brink of an edge, or of the range limit, a rounding decides; so it does for any ray caster.
+        # On the brink of an edge, or of the range limit, a rounding decides which side of it is seen; so it does for
+        # any ray caster.
         brink = np.maximum(np.abs(before - at), np.abs(after - at)) > 1e-8
-        assert (same | brink).all()
-        assert brink.sum() <= 1
+        either = np.abs(np.minimum(ours, 1e3) - np.minimum(around, 1e3)).min(axis=0) <= 1e-6
+        assert (same | (brink & either)).all()
 
 
 def random_mesh(rng: np.random.Generator) -> tuple[Floats, list[list[int]]]:

@@ -28,9 +28,22 @@ def test_a_mesh_that_is_none_is_refused(vertices: Any, faces: Any, message: str)
         Object.from_arrays(vertices, faces)
 
 
+@pytest.mark.parametrize(
+    ("scale", "message"),
+    [
+        (float("nan"), "scale: expected a number above 0.0, got nan"),
+        (0.0, "scale: expected a number above 0.0, got 0.0"),
+        (-1.0, "scale: expected a number above 0.0, got -1.0"),
+    ],
+)
+def test_a_scale_that_is_none_is_refused(scale: float, message: str) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        Object.from_arrays(TRIANGLE, [[0, 1, 2]], scale=scale)
+
+
 def test_a_scale_that_leaves_no_finite_size_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="scale: expected finite numbers"):
-        Object.from_arrays(TRIANGLE, [[0, 1, 2]], scale=float("nan"))
+    with np.errstate(over="ignore"), pytest.raises(InvalidInput, match="scale: expected finite numbers"):
+        Object.from_arrays(10.0 * np.array(TRIANGLE), [[0, 1, 2]], scale=1e308)
 
 
 def test_equal_corners_are_one_vertex_and_the_scale_gives_metres() -> None:

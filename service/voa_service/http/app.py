@@ -3,10 +3,11 @@
 from importlib.metadata import version
 
 from fastapi import FastAPI
+from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
 from voa_service.http.middleware import BodyLimit, RequestLog
-from voa_service.http.routes import health, objects, rankings, scenarios, sessions
+from voa_service.http.routes import events, health, objects, observations, rankings, scenarios, sessions
 from voa_service.services import Services
 
 _DESCRIPTION = (
@@ -18,17 +19,17 @@ _DESCRIPTION = (
 
 def create_app(services: Services) -> FastAPI:
     """The application; whoever built the services releases them."""
-    app = FastAPI(
+    app = FastAPIOffline(
         title="Value of Assistance for grasping",
         version=version("voa"),
         description=_DESCRIPTION,
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, rankings, health):
+    for module in (objects, scenarios, sessions, observations, events, rankings, health):
         app.include_router(module.routes(services))
     problems.install(app)
     openapi.install(app, services.limits)
     app.add_middleware(BodyLimit, limits=services.limits)
-    app.add_middleware(RequestLog)
+    app.add_middleware(RequestLog, metrics=services.metrics)
     return app

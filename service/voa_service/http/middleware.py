@@ -1,5 +1,6 @@
 """Plain ASGI around the application: request ids, the access log, and the limits on bodies."""
 
+import codecs
 import re
 import secrets
 import time
@@ -12,6 +13,7 @@ from starlette.exceptions import HTTPException
 
 from voa_service.failures import TOO_LARGE, Failure
 from voa_service.http.problems import problem_response
+from voa_service.metrics import Metrics
 from voa_service.settings import Limits
 
 Message = MutableMapping[str, Any]
@@ -21,15 +23,17 @@ Send = Callable[[Message], Awaitable[None]]
 Asgi = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
-_QUIET = ("/livez", "/readyz")
+_METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+_QUIET = ("/livez", "/readyz", "/metrics")
 _FORM_OVERHEAD = 65_536
 
 
 class RequestLog:
-    """Gives every request an id (the caller's `X-Request-Id` if it is sane) and logs one line when it ends."""
+    """Gives every request an id (the caller's `X-Request-Id` if it is sane), logs one line and counts when it ends."""
 
-    def __init__(self, app: Asgi) -> None:
+    def __init__(self, app: Asgi, metrics: Metrics) -> None:
         self._app = app
+        self._metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""
@@ -54,20 +58,25 @@ class RequestLog:
             await self._app(scope, receive, send_with_id)
         except Exception:
             if status == 0:
+                status = 500
                 raise  # nothing was answered: the server must
         finally:
+            seconds = time.perf_counter() - began
+            route = getattr(scope.get("route"), "path", "none")
+            method = scope["method"] if scope["method"] in _METHODS else "other"
+            self._metrics.request(method, route, status, seconds)
             if scope["path"] not in _QUIET:
                 structlog.get_logger().info(
                     "request",
                     method=scope["method"],
                     path=scope["path"],
                     status=status,
-                    milliseconds=round(1e3 * (time.perf_counter() - began), 3),
+                    milliseconds=round(1e3 * seconds, 3),
                 )
 
 
 class BodyLimit:
-    """Refuses bodies with too many bytes, declared or not, or with too many values, before they are parsed."""
+    """Refuses bodies too long, declared or not, with too many values, or not in UTF-8, before they are parsed."""
 
     def __init__(self, app: Asgi, limits: Limits) -> None:
         self._app = app
@@ -87,6 +96,7 @@ class BodyLimit:
             await problem_response(failure)(scope, receive, send)
             return
         size = values = 0
+        text = codecs.getincrementaldecoder("utf-8")()
 
         async def limited() -> Message:
             nonlocal size, values
@@ -98,6 +108,18 @@ class BodyLimit:
                 raise HTTPException(413, f"expected a body of at most {most} bytes")
             if values > self._limits.numbers:
                 raise HTTPException(413, f"expected a body of at most {self._limits.numbers} values")
+            if not form and message["type"] == "http.request":
+                _check_text(text, chunk, last=not message.get("more_body", False))
             return message
 
         await self._app(scope, limited, send)
+
+
+def _check_text(text: codecs.IncrementalDecoder, chunk: bytes, *, last: bool) -> None:
+    """Refuse what is not UTF-8: the JSON parser would take UTF-16 and half surrogate pairs, the history could not."""
+    try:
+        text.decode(chunk, last)
+    except UnicodeDecodeError as error:
+        raise HTTPException(400, str(error)) from error
+    if b"\0" in chunk:
+        raise HTTPException(400, "a NUL byte")

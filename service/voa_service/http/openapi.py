@@ -55,7 +55,7 @@ def _state_limits(node: Any, limits: Limits) -> None:
     if isinstance(node, dict):
         name = node.pop("x-limit", None)
         if name is not None:
-            node["maxItems"] = getattr(limits, name)
+            node["maximum" if node.get("type") == "integer" else "maxItems"] = getattr(limits, name)
         for child in node.values():
             _state_limits(child, limits)
     elif isinstance(node, list):

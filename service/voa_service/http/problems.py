@@ -11,7 +11,17 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.routing import Route, compile_path
 
-from voa_service.failures import INTERNAL, INVALID, MALFORMED, METHOD_NOT_ALLOWED, NOT_FOUND, TOO_LARGE, Failure, Kind
+from voa_service.failures import (
+    INTERNAL,
+    INVALID,
+    MALFORMED,
+    MALFORMED_FORM,
+    METHOD_NOT_ALLOWED,
+    NOT_FOUND,
+    TOO_LARGE,
+    Failure,
+    Kind,
+)
 
 MEDIA_TYPE = "application/problem+json"
 _MOST_ERRORS = 20
@@ -53,7 +63,10 @@ def install(app: FastAPI) -> None:
 
     async def on_bug(_: Request, error: Exception) -> Response:
         structlog.get_logger().exception("unexpected error", exc_info=error)
-        return problem_response(Failure(INTERNAL, "this is a defect of the service; its log has the request id"))
+        # This answer leaves outside of `RequestLog`, which else adds the id.
+        headers = {"X-Request-Id": str(structlog.contextvars.get_contextvars().get("request_id"))}
+        detail = "this is a defect of the service; its log has the request id"
+        return problem_response(Failure(INTERNAL, detail, headers))
 
     app.add_exception_handler(Failure, on_failure)
     app.add_exception_handler(RequestValidationError, on_invalid)
@@ -79,6 +92,8 @@ def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
         allowed = _methods(app, request)
         headers["Allow"] = ", ".join(allowed)
         detail = f"{request.url.path} has {', '.join(allowed)}, not {request.method}"
+    elif error.status_code == 400 and request.headers.get("content-type", "").startswith("multipart/"):
+        kind, detail = MALFORMED_FORM, f"expected a multipart form: {detail}"
     elif error.status_code == 400:
         detail = "expected JSON in UTF-8, nested a few hundred deep at most"
     elif error.status_code == 404:

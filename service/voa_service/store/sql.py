@@ -1,21 +1,25 @@
-"""The store on SQLite.
+"""The store on a relational database.
 
-One connection writes, in BEGIN IMMEDIATE transactions that wait for each other; others read. Every commit is
-synced (WAL, synchronous=FULL): what was answered survives a kill.
+A write is one transaction: lock the session (SQLite: BEGIN IMMEDIATE, one writer; PostgreSQL: its row), look for the
+idempotency key, check the version, apply, append to the history, keep the answer. Writers wait for each other and
+never retry. What was answered is committed and synced.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from sqlalchemy import Connection, Engine, Row, Select, Table, create_engine, delete, event, insert, select, update
+from sqlalchemy import Connection, Row, Table, bindparam, delete, insert, select, update
+from sqlalchemy.exc import IntegrityError
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
 from voa_service.failures import KEY_REUSED, STALE, Failure
 from voa_service.ports import (
     Answered,
+    HistoryEntry,
     IdempotencyKey,
     Listed,
     SessionState,
@@ -24,32 +28,44 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
-from voa_service.store.tables import answers, history, metadata, objects, scenarios, sessions
+from voa_service.store.engines import connect
+from voa_service.store.migrate import is_current, migrate
+from voa_service.store.tables import answers, history, objects, scenarios, sessions
 
 T = TypeVar("T")
 
-_READERS = 8
-_BUSY_MS = 10_000
-_WAIT_SECONDS = 30
+# Built once: SQLAlchemy then finds their compiled form without looking at them anew.
+_INSERT = {table: insert(table) for table in (objects, scenarios, sessions, history, answers)}
+_BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios, sessions)}
+_LOCK_SESSION = _BY_ID[sessions].with_for_update()
+_UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
+_DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
+_HISTORY = (
+    select(history)
+    .where(history.c.session == bindparam("by_id"), history.c.version > bindparam("by_version"))
+    .order_by(history.c.version)
+    .limit(bindparam("by_limit"))
+)
+_ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
 
 class SqlStore:
-    """`ports.Store` on a database URL of SQLAlchemy's form, `sqlite:///voa.db`."""
+    """`ports.Store` on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`."""
 
     def __init__(self, url: str) -> None:
-        self._writer = _engine(url, begin="BEGIN IMMEDIATE", connections=1)
-        self._readers = _engine(url, begin="BEGIN", connections=_READERS)
-        metadata.create_all(self._writer)
+        self._engines = connect(url)
+        self._writer, self._readers = self._engines
+        migrate(self._writer)
 
     def ping(self) -> None:
-        """Read one row."""
+        """Read, and see whether the tables are this version's."""
         with self._readers.begin() as connection:
-            connection.execute(select(scenarios.c.seq).limit(1)).all()
+            if not is_current(connection):
+                raise RuntimeError("the tables are those of another version of the service")
 
     def close(self) -> None:
         """Close every connection."""
-        self._readers.dispose()
-        self._writer.dispose()
+        self._engines.dispose()
 
     def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
         """See `ports.Store`."""
@@ -89,14 +105,21 @@ class SqlStore:
 
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
         """See `ports.Store`."""
-        with self._writer.begin() as connection:
-            before = _answered(connection, write.key)
-            if before is not None:
-                return before
-            connection.execute(insert(sessions).values(id=state.id, scenario=state.scenario, **_columns(state)))
-            _append(connection, state, write, None)
-            _remember(connection, write.key, answer)
-        return answer
+        try:
+            with self._writer.begin() as connection:
+                before = _answered(connection, write.key)
+                if before is not None:
+                    return before
+                connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
+                _append(connection, state, write, None)
+                _remember(connection, write.key, answer)
+            return answer
+        except IntegrityError:  # another process took the same key at the same instant, and was first
+            with self._readers.begin() as connection:
+                first = _answered(connection, write.key)
+            if first is None:
+                raise
+            return first
 
     def get_session(self, id_: str) -> SessionState | None:
         """See `ports.Store`."""
@@ -110,45 +133,57 @@ class SqlStore:
     def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
         """See `ports.Store`."""
         with self._writer.begin() as connection:
-            before = _answered(connection, write.key)
-            if before is not None:
-                return before
             state = _locked(connection, id_)
-            if state is None:
-                return None
+            before = _answered(connection, write.key)
+            if before is not None or state is None:
+                return before
             _check_version(state, write.if_match)
             change = step(state)
             if change.after is not None:
-                connection.execute(update(sessions).where(sessions.c.id == id_).values(**_columns(change.after)))
+                connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
                 _append(connection, change.after, write, change.report)
             _remember(connection, write.key, change.answer)
         return change.answer
 
+    def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
+        """See `ports.Store`."""
+        with self._readers.begin() as connection:
+            row = connection.execute(_BY_ID[sessions], {"by_id": id_}).one_or_none()
+            if row is None:
+                return []
+            found = connection.execute(_HISTORY, {"by_id": id_, "by_version": after, "by_limit": limit}).all()
+        return [_entry(_session(row), entry) for entry in found]
+
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """See `ports.Store`."""
         with self._writer.begin() as connection:
+            state = _locked(connection, id_)
             if _answered(connection, key) is not None:
                 return True
-            state = _locked(connection, id_)
             if state is None:
                 return False
             _check_version(state, if_match)
-            connection.execute(delete(sessions).where(sessions.c.id == id_))
+            connection.execute(_DELETE_SESSION, {"by_id": id_})
             _remember(connection, key, Answered("", state.version))
         return True
 
     def _put(self, table: Table, row: dict[str, Any]) -> tuple[Row[Any], bool]:
         """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
-        with self._writer.begin() as connection:
-            there = connection.execute(_by_id(table, row["id"])).one_or_none()
-            if there is not None:
-                return there, False
-            connection.execute(insert(table).values(**row))
-            return connection.execute(_by_id(table, row["id"])).one(), True
+        named = {"by_id": row["id"]}
+        try:
+            with self._writer.begin() as connection:
+                there = connection.execute(_BY_ID[table], named).one_or_none()
+                if there is not None:
+                    return there, False
+                connection.execute(_INSERT[table], row)
+                return connection.execute(_BY_ID[table], named).one(), True
+        except IntegrityError:  # another process stored the same content at the same instant
+            with self._readers.begin() as connection:
+                return connection.execute(_BY_ID[table], named).one(), False
 
     def _get(self, table: Table, id_: str) -> Row[Any] | None:
         with self._readers.begin() as connection:
-            return connection.execute(_by_id(table, id_)).one_or_none()
+            return connection.execute(_BY_ID[table], {"by_id": id_}).one_or_none()
 
     def _list(self, table: Table, make: Callable[[Row[Any]], T], limit: int, after: str | None) -> Listed[T]:
         query = select(table).order_by(table.c.seq).limit(limit + 1)
@@ -160,33 +195,8 @@ class SqlStore:
         return Listed([make(row) for row in rows[:limit]], str(rows[limit - 1].seq) if more else None)
 
 
-def _engine(url: str, *, begin: str, connections: int) -> Engine:
-    engine = create_engine(url, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
-
-    def prepare(connection: Any, _record: Any) -> None:
-        connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
-        for pragma in (
-            "journal_mode=WAL",
-            "synchronous=FULL",
-            f"busy_timeout={_BUSY_MS}",
-            "foreign_keys=ON",
-        ):
-            connection.execute(f"PRAGMA {pragma}")
-
-    def start(connection: Connection) -> None:
-        connection.exec_driver_sql(begin)
-
-    event.listen(engine, "connect", prepare)
-    event.listen(engine, "begin", start)
-    return engine
-
-
-def _by_id(table: Table, id_: str) -> Select[Any]:
-    return select(table).where(table.c.id == id_)
-
-
 def _locked(connection: Connection, id_: str) -> SessionState | None:
-    row = connection.execute(_by_id(sessions, id_).with_for_update()).one_or_none()
+    row = connection.execute(_LOCK_SESSION, {"by_id": id_}).one_or_none()
     return None if row is None else _session(row)
 
 
@@ -204,8 +214,7 @@ def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | 
     """What was answered under the key before."""
     if key is None:
         return None
-    query = select(answers).where(answers.c.scope == key.scope, answers.c.key == key.key)
-    row = connection.execute(query).one_or_none()
+    row = connection.execute(_ANSWERED, {"by_scope": key.scope, "by_key": key.key}).one_or_none()
     if row is None:
         return None
     if row.fingerprint != key.fingerprint:
@@ -215,25 +224,22 @@ def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | 
 
 def _remember(connection: Connection, key: IdempotencyKey | None, answer: Answered) -> None:
     if key is not None:
-        connection.execute(
-            insert(answers).values(
-                scope=key.scope, key=key.key, fingerprint=key.fingerprint, body=answer.body, version=answer.version
-            )
-        )
+        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint}
+        connection.execute(_INSERT[answers], named | {"body": answer.body, "version": answer.version})
 
 
 def _append(connection: Connection, state: SessionState, write: Write, report: str | None) -> None:
-    connection.execute(
-        insert(history).values(
-            session=state.id,
-            version=state.version,
-            kind=write.kind,
-            at=state.updated_at.isoformat(),
-            request=write.request,
-            report=report,
-            belief=_blob(state.belief),
-        )
-    )
+    entry = {
+        "session": state.id,
+        "version": state.version,
+        "kind": write.kind,
+        "at": state.updated_at.isoformat(),
+        "request": write.request,
+        "report": report,
+        "belief": _blob(state.belief),
+        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
+    }
+    connection.execute(_INSERT[history], entry)
 
 
 def _columns(state: SessionState) -> dict[str, Any]:
@@ -278,3 +284,15 @@ def _session(row: Row[Any]) -> SessionState:
         datetime.fromisoformat(row.created_at),
         datetime.fromisoformat(row.updated_at),
     )
+
+
+def _entry(session: SessionState, row: Row[Any]) -> HistoryEntry:
+    """A history row with the session as it was then."""
+    then = replace(
+        session,
+        version=row.version,
+        belief=_belief(row.belief),
+        last_fit_rmsd_mm=row.last_fit_rmsd_mm,
+        updated_at=datetime.fromisoformat(row.at),
+    )
+    return HistoryEntry(then, row.kind, row.request, row.report)

@@ -50,6 +50,7 @@ history = Table(
     Column("request", Text, nullable=False),
     Column("report", Text),
     Column("belief", LargeBinary, nullable=False),
+    Column("last_fit_rmsd_mm", Float),
     UniqueConstraint("session", "version"),
 )
 

@@ -35,15 +35,16 @@ def session_fields(state: SessionState, scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def report_of(scenario: Scenario, evidence: Evidence, update: Update) -> UpdateReport:
-    """What a scan did."""
-    compared = evidence.beams_compared > 0
+def report_of(scenario: Scenario, update: Update, evidence: Evidence | None = None) -> UpdateReport:
+    """What an observation did; a grasp's outcome has no `evidence` of beams."""
+    compared = 0 if evidence is None else evidence.beams_compared
+    fitted = evidence if compared else None
     return UpdateReport(
         accepted=update.accepted,
         reason=update.reason,
         log_evidence=update.log_evidence,
-        fit_rmsd_mm=evidence.fit_rmsd_mm,
-        fit_hit_rmsd_mm=evidence.fit_hit_rmsd_mm,
-        best_fit_pose=scenario.poses.names[evidence.best_fit] if compared else None,
-        beams_compared=evidence.beams_compared,
+        fit_rmsd_mm=fitted.fit_rmsd_mm if fitted else None,
+        fit_hit_rmsd_mm=fitted.fit_hit_rmsd_mm if fitted else None,
+        best_fit_pose=scenario.poses.names[fitted.best_fit] if fitted else None,
+        beams_compared=compared,
     )

@@ -20,7 +20,18 @@ def page(
     Raises:
         Failure: `after` is not a cursor of ours.
     """
-    if after is not None and not (after.isascii() and after.isdigit() and len(after) <= _LONGEST_CURSOR):
-        raise Failure(INVALID, f"after: expected the `next` of a page, got {after[:40]!r}")
+    if after is not None:
+        position(after)
     found = listing(limit, after)
     return {"items": [make(item) for item in found.items], "next": found.next}
+
+
+def position(cursor: str) -> int:
+    """The place that a cursor of ours means.
+
+    Raises:
+        Failure: it is none of ours.
+    """
+    if not (cursor.isascii() and cursor.isdigit() and len(cursor) <= _LONGEST_CURSOR):
+        raise Failure(INVALID, f"after: expected the `next` of a page, got {cursor[:40]!r}")
+    return int(cursor)

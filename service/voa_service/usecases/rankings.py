@@ -51,8 +51,9 @@ class Rankings:
     def grasps(self, id_: str, names: Sequence[str] | None) -> RankedGrasps:
         """Grasps under a session's belief, those that are reachable now."""
         state = self.sessions.state(id_)
+        table = self.sessions.scenario_of(state).table
         try:
-            table = self.sessions.scenario_of(state).table.reachable(names)
+            table = table.reachable(None if names is None else _separated(names, table.names))
         except VoaError as error:
             raise of_core(error) from error
         expected = table.expected_scores(state.belief.p)
@@ -93,6 +94,12 @@ class Rankings:
             raise of_core(error) from error
         outer = belief if sensor_belief is None else sensor_belief
         return _message(ranking, table, scenario, outer, request, version, precision)
+
+
+def _separated(names: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Names as they come in a query: repeated, or separated by commas where that is no name itself."""
+    parts = ([name] if name in known else name.split(",") for name in names)
+    return [part for found in parts for part in found]
 
 
 def _message(

@@ -1,13 +1,19 @@
 """Sessions: open one, send scans, read what is believed."""
 
+import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from voa_core.errors import VoaError
+from voa_core.errors import UnknownName, VoaError
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
+from voa_core.grasps import log_outcome_weights
 from voa_core.scenario import Scenario
-from voa_core.updating import update
+from voa_core.updating import Update, update, update_by_outcome
 from voa_msgs.sessions import (
+    BeliefRequest,
+    HistoryPage,
+    OutcomeRequest,
     ScanRequest,
     Session,
     SessionPage,
@@ -15,14 +21,18 @@ from voa_msgs.sessions import (
     SessionSummary,
     UpdatedEstimate,
     UpdatedSession,
+    UpdateReport,
     UpdateRequest,
 )
+from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
 from voa_service.failures import UNKNOWN, Failure, not_found, of_core
 from voa_service.mapping import place_of, prior_of, scan_of
 from voa_service.models import Models
-from voa_service.ports import Answered, Clock, IdempotencyKey, IdSource, SessionState, Step, Store, Write
+from voa_service.ports import Answered, Clock, HistoryEntry, IdempotencyKey, IdSource, SessionState, Step, Store, Write
 from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
-from voa_service.usecases.pages import page
+from voa_service.usecases.pages import page, position
+
+_MOST_NEWS = 100
 
 
 @dataclass(frozen=True)
@@ -33,6 +43,10 @@ class Sessions:
     models: Models
     now: Clock
     new_id: IdSource
+    moved: Callable[[str], None]
+    """Told after each write to a session."""
+    observed: Callable[[str, str], None]
+    """Told the kind of each observation, and what became of it: "accepted", or the reason why not."""
 
     def create(self, request: SessionRequest, write: Write) -> Answered:
         """Open a session on a scenario, at version 0."""
@@ -59,6 +73,7 @@ class Sessions:
         """Remove a session and its history."""
         if not self.store.delete_session(id_, key, if_match):
             raise not_found("session", id_)
+        self.moved(id_)
 
     def apply_scan(self, id_: str, request: ScanRequest, write: Write) -> Answered:
         """Update the belief by a raw scan.
@@ -71,24 +86,87 @@ class Sessions:
 
         def step(state: SessionState) -> Step:
             done = update(state.belief, evidence, scenario.policy)
-            report = report_of(scenario, evidence, done)
-            after = None
-            if done.accepted:
-                after = replace(
-                    state,
-                    version=state.version + 1,
-                    belief=done.belief,
-                    last_fit_rmsd_mm=evidence.fit_rmsd_mm,
-                    updated_at=self.now(),
-                )
-            now = after or state
-            answer = UpdatedSession(**session_fields(now, scenario), update=report)
-            return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
+            self.observed("scan", done.reason or "accepted")
+            return self._observed(state, scenario, done, report_of(scenario, done, evidence), evidence.fit_rmsd_mm)
 
+        return self._change(id_, write, step)
+
+    def report_outcome(self, id_: str, request: OutcomeRequest, write: Write) -> Answered:
+        """Update the belief by what came of a grasp attempt."""
+        scenario = self.scenario_of(self.state(id_))
+        if request.grasp not in scenario.table.names:
+            raise of_core(UnknownName("grasp", request.grasp, scenario.table.names))
+        scores = scenario.table.scores[scenario.table.names.index(request.grasp)]
+        log_weights = log_outcome_weights(scores, request.success, scenario.policy.score_floor)
+
+        def step(state: SessionState) -> Step:
+            done = update_by_outcome(state.belief, log_weights)
+            self.observed("outcome", done.reason or "accepted")
+            return self._observed(state, scenario, done, report_of(scenario, done), state.last_fit_rmsd_mm)
+
+        return self._change(id_, write, step)
+
+    def put_belief(self, id_: str, request: BeliefRequest, write: Write) -> Answered:
+        """Replace the belief; null: back to the session's prior."""
+        scenario = self.scenario_of(self.state(id_))
+        try:
+            given = None if request.belief is None else Belief.of(request.belief, "belief", len(scenario.poses))
+        except VoaError as error:
+            raise of_core(error) from error
+
+        def step(state: SessionState) -> Step:
+            belief = state.prior if given is None else given
+            after = replace(state, version=state.version + 1, belief=belief, updated_at=self.now())
+            answer = Session(**session_fields(after, scenario))
+            return Step(after, Answered(answer.model_dump_json(), after.version), None)
+
+        return self._change(id_, write, step)
+
+    def history(self, id_: str, limit: int, after: str | None) -> HistoryPage:
+        """Every version and what made it, the prior first."""
+        self.state(id_)
+        seen = -1 if after is None else position(after)
+        entries = self.store.history(id_, seen, limit + 1)
+        more = len(entries) > limit
+        return HistoryPage(
+            items=[_history_message(entry) for entry in entries[:limit]],
+            next=str(entries[limit - 1].state.version) if more else None,
+        )
+
+    def since(self, id_: str, seen: int | None) -> Sequence[Session] | None:
+        """The session at every version after `seen`; None for `seen`: as it stands. None: it is gone."""
+        state = self.store.get_session(id_)
+        if state is None:
+            return None
+        if seen is None or seen > state.version:
+            states = [state]
+        else:
+            states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS)]
+        return [Session(**session_fields(each, self.scenario_of(each))) for each in states]
+
+    def _change(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered:
         answered = self.store.change_session(id_, write, step)
         if answered is None:
             raise not_found("session", id_)
+        self.moved(id_)
         return answered
+
+    def _observed(
+        self, state: SessionState, scenario: Scenario, done: Update, report: UpdateReport, fit_rmsd_mm: float | None
+    ) -> Step:
+        """The effect of an observation: a new version, or an answer that says why not."""
+        after = None
+        if done.accepted:
+            after = replace(
+                state,
+                version=state.version + 1,
+                belief=done.belief,
+                last_fit_rmsd_mm=fit_rmsd_mm,
+                updated_at=self.now(),
+            )
+        now = after or state
+        answer = UpdatedSession(**session_fields(now, scenario), update=report)
+        return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """The same for a belief in the request; nothing is stored."""
@@ -104,7 +182,7 @@ class Sessions:
             scenario=request.scenario,
             version=None,
             last_fit_rmsd_mm=evidence.fit_rmsd_mm if done.accepted else None,
-            update=report_of(scenario, evidence, done),
+            update=report_of(scenario, done, evidence),
         )
 
     def state(self, id_: str) -> SessionState:
@@ -138,3 +216,13 @@ def evidence_of(scenario: Scenario, request: ScanRequest) -> Evidence:
         return scenario.evidence(scan_of(request.scan, scenario.lidar), sensor, uncertainty)
     except VoaError as error:
         raise of_core(error) from error
+
+
+def _history_message(entry: HistoryEntry) -> HistoryEntryMessage:
+    return HistoryEntryMessage(
+        version=entry.state.version,
+        kind=entry.kind,
+        at=entry.state.updated_at,
+        request=json.loads(entry.request),
+        update=None if entry.report is None else UpdateReport.model_validate_json(entry.report),
+    )

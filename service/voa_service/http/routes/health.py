@@ -1,6 +1,8 @@
-"""/livez and /readyz."""
+"""/livez, /readyz and /metrics."""
 
 from fastapi import APIRouter, Response
+from prometheus_client import CONTENT_TYPE_LATEST
+from starlette.responses import PlainTextResponse
 
 from voa_msgs.problems import Health
 from voa_service.failures import NOT_READY, Failure
@@ -30,5 +32,10 @@ def routes(services: Services) -> APIRouter:
             return Health(status="ready")
 
         return await answer(services.quick, work)
+
+    @router.get("/metrics", response_class=PlainTextResponse)
+    async def get_metrics() -> Response:
+        """Figures for Prometheus."""
+        return Response(services.metrics.text(), media_type=CONTENT_TYPE_LATEST)
 
     return router

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Form, Response, UploadFile
 
 from voa_msgs.base import Name
 from voa_msgs.objects import Object, ObjectPage, StablePoses
-from voa_service.failures import INVALID_MESH, Failure
+from voa_service.failures import TOO_LARGE, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.services import Services
@@ -40,7 +40,7 @@ def routes(services: Services) -> APIRouter:
         mesh_type = path.suffix.lower().removeprefix(".")
         content = await file.read()
         if len(content) > services.limits.upload_bytes:
-            raise Failure(INVALID_MESH, f"expected a file of at most {services.limits.upload_bytes} bytes")
+            raise Failure(TOO_LARGE, f"expected a file of at most {services.limits.upload_bytes} bytes")
         called = name or path.stem[:_LONGEST_NAME] or "object"
         return await created(services.heavy, lambda: objects.create(content, mesh_type, called, scale))
 

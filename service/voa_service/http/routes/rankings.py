@@ -37,7 +37,8 @@ def routes(services: Services) -> APIRouter:
     async def rank_grasps(
         id: str,  # noqa: A002 - the contract's name
         grasps: Annotated[
-            list[str] | None, Query(description="The grasps that are reachable now, repeated; without it, all.")
+            list[str] | None,
+            Query(description="The grasps that are reachable now, repeated or with commas between; without it, all."),
         ] = None,
     ) -> Response:
         """Grasps by their expected score."""

@@ -1,0 +1,72 @@
+"""Who waits for a session to move, and how they hear of it.
+
+A write in this process wakes its watchers at once; one by another process is seen at the next look at the store.
+"""
+
+import asyncio
+import threading
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class Watch:
+    """One waiter on one session."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._moved = asyncio.Event()
+        self.closed = False
+
+    def wake(self, *, closing: bool = False) -> None:
+        """From any thread: something moved, or the service is closing."""
+        self.closed = self.closed or closing
+        self._loop.call_soon_threadsafe(self._moved.set)
+
+    async def wait(self, seconds: float) -> None:
+        """Until woken, at most so long; what happened since the last wait counts."""
+        try:
+            async with asyncio.timeout(seconds):
+                await self._moved.wait()
+        except TimeoutError:
+            return
+        self._moved.clear()
+
+
+class Changes:
+    """The watchers of all sessions."""
+
+    def __init__(self) -> None:
+        self._watches: defaultdict[str, set[Watch]] = defaultdict(set)
+        self._lock = threading.Lock()
+        self._closed = False
+
+    @contextmanager
+    def watching(self, session: str) -> Iterator[Watch]:
+        """A watch on a session for the length of a `with`."""
+        watch = Watch()
+        watch.closed = self._closed
+        with self._lock:
+            self._watches[session].add(watch)
+        try:
+            yield watch
+        finally:
+            with self._lock:
+                self._watches[session].discard(watch)
+                if not self._watches[session]:
+                    del self._watches[session]
+
+    def moved(self, session: str) -> None:
+        """A session has a new version, or is gone."""
+        with self._lock:
+            watches = list(self._watches.get(session, ()))
+        for watch in watches:
+            watch.wake()
+
+    def close(self) -> None:
+        """Send every watcher home: the service is ending."""
+        self._closed = True
+        with self._lock:
+            watches = [watch for held in self._watches.values() for watch in held]
+        for watch in watches:
+            watch.wake(closing=True)

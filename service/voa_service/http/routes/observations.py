@@ -1,0 +1,83 @@
+"""What moves a session: scans, grasp outcomes, replaced beliefs; and /v1/updates, which stores nothing."""
+
+from fastapi import APIRouter, Request, Response
+
+from voa_msgs.sessions import (
+    BeliefRequest,
+    OutcomeRequest,
+    ScanRequest,
+    Session,
+    UpdatedEstimate,
+    UpdatedSession,
+    UpdateRequest,
+)
+from voa_service.http.headers import IfMatch, Key, idempotency_key, write_of
+from voa_service.http.limits import check
+from voa_service.http.openapi import problems
+from voa_service.http.routes.responses import answer, versioned
+from voa_service.services import Services
+
+_WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
+
+
+def routes(services: Services) -> APIRouter:
+    """Scans in, beliefs out."""
+    router = APIRouter(prefix="/v1", tags=["sessions"])
+    sessions = services.sessions
+
+    @router.post(
+        "/sessions/{id}/scans",
+        response_model=UpdatedSession,
+        responses=_WRITE_PROBLEMS,
+    )
+    async def apply_scan(
+        id: str,  # noqa: A002 - the contract's name
+        request: ScanRequest,
+        http: Request,
+        key: Key = None,
+        if_match: IfMatch = None,
+    ) -> Response:
+        """Update the belief by a raw scan; one that is not accepted changes nothing and says why."""
+        check(request, services.limits)
+        named = idempotency_key(key, f"session:{id}", "scan", request)
+        write = write_of("scan", await http.body(), named, if_match)
+        return await versioned(services.quick, lambda: sessions.apply_scan(id, request, write))
+
+    @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
+    async def put_belief(
+        id: str,  # noqa: A002 - the contract's name
+        request: BeliefRequest,
+        http: Request,
+        key: Key = None,
+        if_match: IfMatch = None,
+    ) -> Response:
+        """Replace the belief; null: back to the session's prior."""
+        check(request, services.limits)
+        named = idempotency_key(key, f"session:{id}", "belief", request)
+        write = write_of("belief", await http.body(), named, if_match)
+        return await versioned(services.quick, lambda: sessions.put_belief(id, request, write))
+
+    @router.post(
+        "/sessions/{id}/grasp-outcomes",
+        response_model=UpdatedSession,
+        responses=_WRITE_PROBLEMS,
+    )
+    async def report_outcome(
+        id: str,  # noqa: A002 - the contract's name
+        request: OutcomeRequest,
+        http: Request,
+        key: Key = None,
+        if_match: IfMatch = None,
+    ) -> Response:
+        """Update the belief by what came of a grasp attempt that left the object where it was."""
+        named = idempotency_key(key, f"session:{id}", "outcome", request)
+        write = write_of("outcome", await http.body(), named, if_match)
+        return await versioned(services.quick, lambda: sessions.report_outcome(id, request, write))
+
+    @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
+    async def update_once(request: UpdateRequest) -> Response:
+        """Update the belief in the request; nothing is stored."""
+        check(request, services.limits)
+        return await answer(services.quick, lambda: sessions.update_once(request))
+
+    return router

@@ -1,0 +1,76 @@
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from tests.voa_core.worlds import lidar_of
+from voa_core.filtering import Belief
+from voa_core.grasps import Choice, GraspTable
+from voa_core.lidars import SensorConfiguration
+from voa_core.prediction import Prediction
+from voa_core.ranking import Ranking, rank
+from voa_core.rules import rule_of
+from voa_core.updating import UpdatePolicy
+from voa_core.weights import Weigher
+
+LIDAR = lidar_of(1, range_max=2.0)
+TABLE = GraspTable.of_probabilities(["left", "right"], [[1.0, 0.0], [0.0, 1.0]], 2)
+BELIEF = Belief.of([0.75, 0.25])
+"""Grasping at once succeeds with 0.75; a look that tells the poses apart is worth 0.25."""
+
+
+def weigher_of(sensor: SensorConfiguration) -> Weigher:
+    """A sensor at x > 0 tells the poses apart, others do not."""
+    ranges = np.array([[0.5], [1.0 if sensor.x > 0.0 else 0.5]])
+    return Weigher.of(rule_of("margin", LIDAR), Prediction.of_dense(LIDAR.grid, ranges), np.float64, keep=True)
+
+
+def ranked(*sensors: tuple[str, float, float]) -> Ranking:
+    stands = [SensorConfiguration(name, x, 0.0, 0.0, cost=cost) for name, x, cost in sensors]
+    return rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy())
+
+
+def names(ranking: Ranking) -> list[str]:
+    return [look.sensor.name for look in ranking.looks]
+
+
+def test_looks_come_best_first_with_what_they_are_worth() -> None:
+    ranking = ranked(("blind", -1.0, 0.0), ("seeing", 1.0, 0.0))
+    assert names(ranking) == ["seeing", "blind"]
+    assert [look.assistance.voa for look in ranking.looks] == pytest.approx([0.25, 0.0])
+    assert ranking.before == Choice(0, 0.75)
+    assert ranking.worth_looking
+
+
+def test_costs_are_taken_off() -> None:
+    ranking = ranked(("far", 1.0, 0.2), ("near", 1.0, 0.1), ("blind", -1.0, 0.0), ("dear", 1.0, 0.4))
+    assert names(ranking) == ["near", "far", "blind", "dear"]
+    assert [look.net_value for look in ranking.looks] == pytest.approx([0.15, 0.05, 0.0, -0.15])
+
+
+def test_ties_stay_as_listed_and_a_rounding_does_not_break_them() -> None:
+    assert names(ranked(("b", 1.0, 0.1), ("a", 1.0, 0.1), ("c", 1.0, 0.1 - 2e-13))) == ["b", "a", "c"]
+    assert names(ranked(("b", 1.0, 0.1), ("a", 1.0, 0.1), ("c", 1.0, 0.1 - 2e-12))) == ["c", "b", "a"]
+
+
+@pytest.mark.parametrize(("cost", "worth"), [(0.25 - 1e-8, True), (0.25 - 1e-10, False), (0.25, False), (0.5, False)])
+def test_a_look_is_worth_it_if_it_gains_more_than_a_billionth(cost: float, worth: bool) -> None:
+    assert ranked(("a", 1.0, cost)).worth_looking is worth
+
+
+def test_threads_give_the_same_ranking() -> None:
+    stands = [SensorConfiguration(str(i), math.sin(i), 0.0, 0.0, cost=0.01 * (i % 3)) for i in range(12)]
+    alone = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy())
+    with ThreadPoolExecutor(2) as pool:
+        spread = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), spread=pool.map)
+    assert names(spread) == names(alone)
+
+
+def test_the_definition_and_the_sensor_agents_belief_reach_every_look() -> None:
+    stands = [SensorConfiguration("a", 1.0, 0.0, 0.0)]
+    sure = Belief.of([0.0, 1.0])
+    posterior = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), sensor_belief=sure)
+    executed = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), sensor_belief=sure, definition="executed")
+    assert posterior.looks[0].net_value == pytest.approx(1.0 - 0.75)
+    assert executed.looks[0].net_value == pytest.approx(1.0 - 0.0)

@@ -1,0 +1,90 @@
+import math
+
+import numpy as np
+import pytest
+
+from tests.voa_core.worlds import box, lidar_of, standing
+from voa_core.errors import NoMesh, UnknownName
+from voa_core.filtering import Belief
+from voa_core.grasps import GraspTable
+from voa_core.lidars import SensorConfiguration, SensorUncertainty
+from voa_core.poses import PoseSet
+from voa_core.prediction import ObservationPredictor, predictor_of_mesh
+from voa_core.rules import rule_of
+from voa_core.scans import scan_of
+from voa_core.scenario import Scenario
+from voa_core.updating import UpdatePolicy
+from voa_core.workspace import Workspace
+
+LIDAR = lidar_of(4, range_max=2.0)
+Q1, Q2 = SensorConfiguration("Q1", -0.3, 0.1, 0.0), SensorConfiguration("Q2", -0.5, 0.1, 0.0)
+MESH = predictor_of_mesh(box(0.2, 0.2, 0.2), standing((0.0, 0.0, 0.0), (0.3, 0.0, 0.0)), LIDAR)
+DATA = ObservationPredictor(
+    PoseSet.named(["P0", "P1"]),
+    LIDAR,
+    {"Q1": np.array([[0.3, math.inf, 1.2, math.inf], [0.6, math.inf, 1.2, math.inf]]), "Q2": np.full((2, 4), math.inf)},
+)
+
+
+def scenario_of(predictor: ObservationPredictor, workspace: Workspace | None = None) -> Scenario:
+    return Scenario(
+        predictor.poses,
+        GraspTable.of_probabilities(["G"], [[0.5, 0.5]], 2),
+        (Q1, Q2),
+        predictor,
+        rule_of("exponential", LIDAR),
+        UpdatePolicy(),
+        Belief.uniform(2),
+        workspace,
+    )
+
+
+def test_sensors_are_found_by_name() -> None:
+    scenario = scenario_of(MESH)
+    assert scenario.sensor("Q2") is Q2
+    assert scenario.rankable(None) == (Q1, Q2)
+    assert scenario.rankable(["Q2", "Q1"]) == (Q2, Q1)
+    assert scenario.lidar is LIDAR
+
+
+@pytest.mark.parametrize("names", [["Q3"], ["Q1", "Q3"]])
+def test_a_sensor_that_does_not_exist_is_refused_with_those_that_do(names: list[str]) -> None:
+    with pytest.raises(UnknownName, match="there is no sensor 'Q3'; there are: 'Q1', 'Q2'"):
+        scenario_of(MESH).rankable(names)
+
+
+def test_data_hold_where_the_scenarios_own_sensors_stand_and_nowhere_else() -> None:
+    scenario = scenario_of(DATA)
+    scan = scan_of(LIDAR, [0.3, math.inf, 1.2, math.inf])
+    assert scenario.evidence(scan, Q1).distances[0] == 0.0
+    moved = SensorConfiguration("Q1", -0.31, 0.1, 0.0)
+    assert scenario.lists(Q1)
+    assert not scenario.lists(moved)
+    with pytest.raises(NoMesh):
+        scenario.evidence(scan, moved)
+    with pytest.raises(NoMesh):
+        scenario.weigher(moved, np.float64, keep=False)
+
+
+def test_evidence_takes_an_uncertain_sensor_pose() -> None:
+    scan = scan_of(LIDAR, [0.32, math.inf, math.inf, math.inf])
+    exact = scenario_of(MESH).evidence(scan, Q1)
+    vague = scenario_of(MESH).evidence(scan, Q1, SensorUncertainty(0.02, 0.0))
+    assert exact.distances[0] == pytest.approx(0.02)
+    assert vague.distances[0] == pytest.approx(0.02 * math.sqrt(1.5) - 0.02)
+
+
+def test_what_is_compared_in_a_ranking_lies_in_the_workspace() -> None:
+    near = scenario_of(DATA, Workspace((-0.1, -0.1), (0.1, 0.4)))
+    everywhere = scenario_of(DATA)
+    np.testing.assert_array_equal(everywhere.weigher(Q1, np.float64, keep=False).ranges, [[0.3, 1.2], [0.6, 1.2]])
+    np.testing.assert_array_equal(
+        near.weigher(Q1, np.float64, keep=False).ranges, [[0.3, math.inf], [math.inf, math.inf]]
+    )
+
+
+def test_weighers_are_as_asked_for() -> None:
+    kept = scenario_of(MESH).weigher(Q1, np.float32, keep=True)
+    assert kept.matrix is not None
+    assert kept.dtype == np.float32
+    assert scenario_of(MESH).weigher(Q1, np.float64, keep=False).matrix is None
