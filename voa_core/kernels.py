@@ -16,6 +16,10 @@ Array = NDArray[Any]
 """Float arrays of either size: float64 for updates, float32 for large rankings."""
 
 _MARGIN_SLACK_M = 1e-9
+_TILE = 16
+_LEAST = -700.0  # exp of less is not worth a float64's last exponents
+_LN_2, _LOG2_E = math.log(2.0), math.log2(math.e)
+_EXP = tuple(1.0 / math.factorial(power) for power in range(14))
 
 
 @sum_kernel
@@ -33,15 +37,30 @@ def squared_distances(observed: Array, predicted: Array, out: Array) -> None:
 @sum_kernel
 def squared_distances_among(scans: Array, out: Array) -> None:
     """`squared_distances(scans, scans)` by one triangle."""
-    for i in range(scans.shape[0]):
-        out[i, i] = 0.0
-        for j in range(i + 1, scans.shape[0]):
-            total = scans.dtype.type(0.0)
-            for k in range(scans.shape[1]):
-                difference = scans[i, k] - scans[j, k]
-                total += difference * difference
-            out[i, j] = total
-            out[j, i] = total
+    n, c = scans.shape
+    columns = np.zeros(((c + 3) // 4 * 4, n), dtype=scans.dtype)  # in fours: rows of `out` are gone over less often
+    columns[:c] = scans.T
+    for i in range(n):
+        row = out[i, i:]
+        row[:] = 0.0
+        for k in range(0, len(columns), 4):
+            z0, z1, z2, z3 = columns[k, i], columns[k + 1, i], columns[k + 2, i], columns[k + 3, i]
+            c0, c1, c2, c3 = columns[k, i:], columns[k + 1, i:], columns[k + 2, i:], columns[k + 3, i:]
+            for j in range(len(row)):
+                d0, d1, d2, d3 = z0 - c0[j], z1 - c1[j], z2 - c2[j], z3 - c3[j]
+                row[j] += d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3
+    _mirror(out)
+
+
+@kernel
+def _mirror(square: Array) -> None:
+    """Copy the upper triangle to the lower, in tiles: whole columns would miss the cache at every entry."""
+    n = len(square)
+    for top in range(0, n, _TILE):
+        for left in range(top, n, _TILE):
+            for i in range(top, min(top + _TILE, n)):
+                for j in range(max(left, i + 1), min(left + _TILE, n)):
+                    square[j, i] = square[i, j]
 
 
 @kernel
@@ -57,54 +76,117 @@ def disagreements(observed: Array, predicted: Array, margin: float, out: Array) 
 
 
 @kernel
-def mixture_log_likelihoods(
+def mixture_likelihoods(
     observed: Array,
-    predicted: Array,
     short_decay: Floats,
-    log_if_none: Floats,
+    if_none: Floats,
+    unseen: Floats,
+    start: NDArray[np.int64],
+    poses: NDArray[np.int64],
+    predicted: Floats,
     inverse_sigma: Floats,
     hit_peak: Floats,
     short_peak: Floats,
-    log_lost: float,
     random_density: float,
-    log_both_none: float,
-    out: Array,
+    beams_per_logarithm: int,
+    products: Floats,
+    logs: Floats,
 ) -> None:
-    """Sum over beams of the logarithm of the mixture that `rules.Beam` states; inf is a no-return.
+    """Likelihoods of whole scans under the mixture that `rules.Beam` states, as `products * exp(logs)`.
+
+    Each beam multiplies a row of densities, one for every predicted scan, into a row of `products`. The normal
+    density is wanted only where a return is predicted: those h returns are given apart, beam after beam.
 
     Args:
-        observed: (m, c) ranges.
-        predicted: (n, c) ranges.
+        observed: (m, c) ranges; inf is a no-return.
         short_decay: (m, c) exp(-lambda z) of the observed range.
-        log_if_none: (m, c) log-density of the observed return where none is predicted.
-        inverse_sigma: (n, c) 1 / standard deviation of the predicted range.
-        hit_peak: (n, c) density of a hit at the predicted range itself.
-        short_peak: (n, c) factor of `short_decay` in the density of a return before the predicted one.
-        log_lost: log-probability of a no-return where a return is predicted.
+        if_none: (m, c) density of the observed return where none is predicted.
+        unseen: (c, n) probability of a no-return.
+        start: (c + 1,) where the predicted returns of each beam begin.
+        poses: (h,) which of the n scans predicts them.
+        predicted: (h,) their ranges.
+        inverse_sigma: (h,) 1 / standard deviation.
+        hit_peak: (h,) density of a hit at the predicted range itself.
+        short_peak: (h,) factor of `short_decay` in the density of a return before the predicted one.
         random_density: density of a return anywhere.
-        log_both_none: log-probability of a no-return where none is predicted.
-        out: (m, n).
+        beams_per_logarithm: how many densities a product holds; then its logarithm goes to `logs`.
+        products, logs: (m, n), written.
     """
-    for i in range(observed.shape[0]):
-        for j in range(predicted.shape[0]):
-            total = 0.0
-            product = 1.0  # of densities: one logarithm for many beams
-            for k in range(observed.shape[1]):
-                z, expected = observed[i, k], predicted[j, k]
-                if expected == np.inf:
-                    total += log_both_none if z == np.inf else log_if_none[i, k]
-                elif z == np.inf:
-                    total += log_lost
-                else:
-                    off = (z - expected) * inverse_sigma[j, k]
-                    density = random_density + hit_peak[j, k] * math.exp(-0.5 * off * off)
-                    if z <= expected:
-                        density += short_peak[j, k] * short_decay[i, k]
-                    if density < 1e-100:  # the product might underflow, its logarithm does not
-                        total += math.log(density) if density > 0.0 else -math.inf
-                        continue
-                    product *= density
-                    if not 1e-100 < product < 1e100:
-                        total += math.log(product)
-                        product = 1.0
-            out[i, j] = total + math.log(product)
+    row = np.zeros(unseen.shape[1])
+    bits, found = np.zeros(len(row), dtype=np.int64), np.zeros(len(row))
+    for i in range(len(observed)):
+        product, log = products[i], logs[i]
+        product[:] = 1.0
+        log[:] = 0.0
+        for k in range(observed.shape[1]):
+            z, a, b = observed[i, k], start[k], start[k + 1]
+            if z == np.inf:
+                _multiply(product, unseen[k])
+            else:
+                _normal(z, predicted[a:b], inverse_sigma[a:b], bits, found)
+                _mix(z, short_decay[i, k], random_density, predicted[a:b], hit_peak[a:b], short_peak[a:b], found)
+                row[:] = if_none[i, k]
+                where = poses[a:b]
+                for h in range(len(where)):
+                    row[where[h]] = found[h]
+                _multiply(product, row)
+            if (k + 1) % beams_per_logarithm == 0:
+                for j in range(len(product)):
+                    log[j] += np.log(product[j])
+                product[:] = 1.0
+
+
+@kernel
+def _multiply(product: Floats, row: Floats) -> None:
+    """In place, (n,) each; numba would make a temporary array of `product *= row`."""
+    for j in range(len(product)):
+        product[j] *= row[j]
+
+
+@sum_kernel
+def _mix(
+    z: float,
+    short_decay: float,
+    random_density: float,
+    predicted: Floats,
+    hit_peak: Floats,
+    short_peak: Floats,
+    normal: Floats,
+) -> None:
+    """Densities of one return under (h,) predicted ones, written over the normal densities' share of their peak."""
+    for h in range(len(predicted)):
+        short = short_decay if z <= predicted[h] else 0.0
+        normal[h] = random_density + hit_peak[h] * normal[h] + short_peak[h] * short
+
+
+@sum_kernel
+def _normal(z: float, mean: Floats, inverse_sigma: Floats, bits: NDArray[np.int64], out: Floats) -> None:
+    """exp(-((z - mean) / sigma)^2 / 2) for (h,) means, in vector registers; below exp(-700) it is 0.
+
+    exp(x) = 2^k exp(r), with r = x - k ln 2 small enough for a short series, and 2^k written as the bits of a
+    float64. `bits` is scratch.
+    """
+    powers = bits.view(np.float64)
+    for h in range(len(mean)):
+        off = (z - mean[h]) * inverse_sigma[h]
+        x = -0.5 * off * off
+        k = math.floor(max(x, _LEAST) * _LOG2_E + 0.5)
+        r = max(x, _LEAST) - k * _LN_2
+        p = _EXP[13]
+        p = p * r + _EXP[12]
+        p = p * r + _EXP[11]
+        p = p * r + _EXP[10]
+        p = p * r + _EXP[9]
+        p = p * r + _EXP[8]
+        p = p * r + _EXP[7]
+        p = p * r + _EXP[6]
+        p = p * r + _EXP[5]
+        p = p * r + _EXP[4]
+        p = p * r + _EXP[3]
+        p = p * r + _EXP[2]
+        p = p * r + _EXP[1]
+        p = p * r + _EXP[0]
+        out[h] = p if x > _LEAST else 0.0
+        bits[h] = (k + 1023) << 52
+    for h in range(len(mean)):
+        out[h] *= powers[h]

@@ -27,7 +27,7 @@ from voa_core.errors import InvalidInput, UnknownName
 from voa_core.kernels import (
     Array,
     disagreements,
-    mixture_log_likelihoods,
+    mixture_likelihoods,
     squared_distances,
     squared_distances_among,
 )
@@ -110,8 +110,8 @@ class Exponential(_ByDistance):
     """w = exp(-d)."""
 
     def log_weights(self, statistic: Array, _beams: int, /) -> Array:
-        log_weights: Array = -np.sqrt(statistic)
-        return log_weights
+        log_weights: Array = np.sqrt(statistic)
+        return np.negative(log_weights, out=log_weights)
 
 
 @dataclass(frozen=True)
@@ -135,6 +135,14 @@ class InverseRmsd(_ByDistance):
         rmsd = np.sqrt(statistic / statistic.dtype.type(beams))
         log_weights: Array = -np.log(np.maximum(rmsd, statistic.dtype.type(self.floor_m)))
         return log_weights
+
+
+def _factors_in_range(random_density: float, lost: float, highest: float) -> int:
+    """How many factors between the lowest and the highest a product of float64 can surely hold, at least 1."""
+    if random_density == 0.0:
+        return 1  # nothing bounds the tails of the normal density
+    lowest = min(random_density, lost) if lost > 0.0 else random_density
+    return max(1, int(600.0 / max(abs(math.log(lowest)), abs(math.log(highest)), 1.0)))
 
 
 @dataclass(frozen=True)
@@ -193,31 +201,38 @@ class Beam:
             share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
         )
         decay = self.lambda_short_per_m
-        seen = np.asarray(observed, dtype=np.float64)
-        expected = np.minimum(predicted, self.range_max, dtype=np.float64)
-        sigma = np.maximum(self.sigma_hit_m, self.noise_ratio * expected)
-        short_decay = np.exp(-decay * seen)
+        returned = np.isfinite(predicted.T)
+        poses = np.nonzero(returned)[1]
+        expected = predicted.T[returned].astype(np.float64)
+        within = np.clip(expected, 1e-9, self.range_max)
+        sigma = np.maximum(self.sigma_hit_m, self.noise_ratio * within)
+        hit_peak = hit / (math.sqrt(2.0 * math.pi) * sigma)
+        short_peak = short * decay / -np.expm1(-decay * within)
+        highest = random / self.range_max + hit_peak.max(initial=0.0) + short_peak.max(initial=0.0)
+        short_decay = np.exp(-decay * observed.astype(np.float64))
         background = (0.5 * hit + random) / self.range_max
+        if_none = background + short * decay * short_decay / -math.expm1(-decay * self.range_max)
+        products, logs = (np.zeros((len(observed), len(predicted))) for _ in range(2))
         with np.errstate(divide="ignore"):
-            log_if_none = np.log(background + short * decay * short_decay / -math.expm1(-decay * self.range_max))
-            log_lost = float(np.log(lost))
-            log_both_none = float(np.log(0.5 * hit + lost))
-            short_peak = short * decay / -np.expm1(-decay * np.maximum(expected, 1e-9))
-        out = np.zeros((len(observed), len(predicted)), dtype=observed.dtype)
-        mixture_log_likelihoods(
-            observed,
-            predicted,
-            short_decay,
-            log_if_none,
-            1.0 / sigma,
-            hit / (math.sqrt(2.0 * math.pi) * sigma),
-            short_peak,
-            log_lost,
-            random / self.range_max,
-            log_both_none,
-            out,
-        )
-        return out
+            mixture_likelihoods(
+                observed,
+                short_decay,
+                if_none,
+                np.where(returned, lost, 0.5 * hit + lost),
+                np.concatenate([[0], np.cumsum(returned.sum(axis=1))]),
+                poses,
+                expected,
+                1.0 / sigma,
+                hit_peak,
+                short_peak,
+                random / self.range_max,
+                _factors_in_range(random / self.range_max, lost, highest),
+                products,
+                logs,
+            )
+            np.log(products, out=products)
+        products += logs
+        return products.astype(observed.dtype, copy=False)
 
     def statistic_among(self, ranges: Array) -> Array:
         return self.statistic(ranges, ranges)

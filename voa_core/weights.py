@@ -74,6 +74,7 @@ def _scaled(log_weights: Array) -> Array:
     """Weights whose largest in each row is 1; a row without any weight stays 0."""
     highest = log_weights.max(axis=1, keepdims=True)
     highest[highest == -np.inf] = 0.0
-    log_weights -= highest
+    if highest.any():  # not among predictions under most rules: the diagonal holds weights of 1
+        log_weights -= highest
     np.exp(log_weights, out=log_weights)
     return log_weights
