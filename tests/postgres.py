@@ -40,21 +40,19 @@ def cluster() -> Iterator[str]:
             os.chown(home, owner.pw_uid, owner.pw_gid)
             as_whom = {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
         data = home / "data"
-        subprocess.run(
-            [where / "initdb", "-N", "-A", "trust", "-U", "voa", "-E", "UTF8", "-D", data],
-            check=True,
-            capture_output=True,
-            cwd=home,
-            **as_whom,
-        )
         port = _free_port()
         options = f"-c port={port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={home} -c fsync=off"
-        control = [where / "pg_ctl", "-D", data, "-w", "-l", home / "log"]
-        subprocess.run([*control, "-o", options, "start"], check=True, capture_output=True, cwd=home, **as_whom)
+        control = [str(where / "pg_ctl"), "-D", str(data), "-w", "-l", str(home / "log")]
+
+        def run(*command: str) -> None:
+            subprocess.run(command, check=True, capture_output=True, cwd=home, **as_whom)
+
+        run(str(where / "initdb"), "-N", "-A", "trust", "-U", "voa", "-E", "UTF8", "-D", str(data))
+        run(*control, "-o", options, "start")
         try:
             yield f"postgresql://voa@127.0.0.1:{port}/postgres"
         finally:
-            subprocess.run([*control, "-m", "immediate", "stop"], check=True, capture_output=True, cwd=home, **as_whom)
+            run(*control, "-m", "immediate", "stop")
 
 
 def _free_port() -> int:
