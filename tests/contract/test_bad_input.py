@@ -572,10 +572,15 @@ METHODS = {
     "/v1/sessions/{data_session}/scans": {"POST"},
     "/v1/sessions/{data_session}/voa": {"GET", "POST"},
     "/v1/sessions/{data_session}/grasps": {"GET"},
+    "/v1/sessions/{data_session}/belief": {"PUT"},
+    "/v1/sessions/{data_session}/grasp-outcomes": {"POST"},
+    "/v1/sessions/{data_session}/history": {"GET"},
+    "/v1/sessions/{data_session}/events": {"GET"},
     "/v1/updates": {"POST"},
     "/v1/rankings": {"POST"},
     "/livez": {"GET"},
     "/readyz": {"GET"},
+    "/metrics": {"GET"},
 }
 
 
