@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Literal, Self
 
 from annotated_types import Ge
-from pydantic import Field, model_validator
+from pydantic import Field, JsonValue, model_validator
 
 from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges, Real
 from voa_msgs.geometry import UncertainSensorPose
@@ -140,7 +140,7 @@ class HistoryEntry(Message):
     version: int
     kind: Literal["prior", "scan", "outcome", "belief"]
     at: datetime
-    request: Free
+    request: JsonValue
     """The body as it was received."""
     update: UpdateReport | None
     """What an observation did; null for a prior or a replaced belief."""

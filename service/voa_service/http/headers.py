@@ -49,4 +49,5 @@ def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel |
 
 def write_of(kind: HistoryKind, received: bytes, key: IdempotencyKey | None, if_match: str | None = None) -> Write:
     """One write as it came in."""
-    return Write(kind, received.decode(), key, versions(if_match))
+    # Without a byte order mark: JSON parsers take one before a body, none takes it back.
+    return Write(kind, received.decode("utf-8-sig"), key, versions(if_match))
