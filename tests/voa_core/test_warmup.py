@@ -5,7 +5,6 @@ import pytest
 
 from voa_core import kernels, rasterising, warmup
 
-
 KERNELS = ("squared_distances", "squared_distances_among", "disagreements", "mixture_likelihoods")
 
 
