@@ -10,6 +10,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
@@ -36,7 +37,7 @@ def _list(client: Client, options: argparse.Namespace) -> None:
     if options.json:
         print(f"[{', '.join(session.model_dump_json() for session in found)}]")
         return
-    table = Table(*(Column(name, no_wrap=True) for name in ("session", "version", "best grasp", "score", "updated")))
+    table = _table("session", "version", "best grasp", "score", "updated")
     for session in found:
         updated = f"{session.updated_at:%m-%d %H:%M:%S}"
         best = session.best_grasp or "none"
@@ -52,7 +53,7 @@ def _show(client: Client, options: argparse.Namespace) -> None:
     console = Console()
     console.print(f"session {session.id}, version {session.version}, scenario {session.scenario}", soft_wrap=True)
     console.print(f"best grasp [bold]{session.best_grasp or 'none'}[/bold], score {session.expected_score:.3f}")
-    table = Table("pose", "belief", "")
+    table = _table("pose", "belief", "")
     for share, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
         table.add_row(pose, f"{share:.4f}", "█" * round(30 * share))
     console.print(table)
@@ -63,8 +64,7 @@ def _history(client: Client, options: argparse.Namespace) -> None:
     if options.json:
         print(f"[{', '.join(entry.model_dump_json() for entry in entries)}]")
         return
-    headings = ("version", "kind", "at", "result", "ln evidence", "fit (mm)", "best fit")
-    table = Table(*(Column(name, no_wrap=True) for name in headings))
+    table = _table("version", "kind", "at", "result", "ln evidence", "fit (mm)", "best fit")
     for entry in entries:
         report = entry.update
         result = "" if report is None else report.reason or "accepted"
@@ -79,6 +79,11 @@ def _history(client: Client, options: argparse.Namespace) -> None:
 
 def _export(client: Client, options: argparse.Namespace) -> None:
     print(export_session(client, options.id).model_dump_json(indent=1))
+
+
+def _table(*headings: str) -> Table:
+    """Narrow enough for 80 columns, ids whole."""
+    return Table(*(Column(heading, no_wrap=True) for heading in headings), box=SIMPLE_HEAD, pad_edge=False)
 
 
 def _parser() -> argparse.ArgumentParser:
