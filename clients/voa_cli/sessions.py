@@ -64,7 +64,7 @@ def _history(client: Client, options: argparse.Namespace) -> None:
     if options.json:
         print(f"[{', '.join(entry.model_dump_json() for entry in entries)}]")
         return
-    table = _table("version", "kind", "at", "result", "ln evidence", "fit (mm)", "best fit")
+    table = _table("version", "kind", "at", "result", "evidence", "fit (mm)", "best fit")
     for entry in entries:
         report = entry.update
         result = "" if report is None else report.reason or "accepted"
@@ -73,7 +73,7 @@ def _history(client: Client, options: argparse.Namespace) -> None:
             evidence, fit = report.log_evidence, report.fit_rmsd_mm
             figures = ["" if evidence is None else f"{evidence:.3f}", "" if fit is None else f"{fit:.1f}"]
             figures.append(report.best_fit_pose or "")
-        table.add_row(str(entry.version), entry.kind, f"{entry.at:%m-%d %H:%M:%S}", result, *figures)
+        table.add_row(str(entry.version), entry.kind, f"{entry.at:%H:%M:%S}", result, *figures)
     Console().print(table)
 
 
