@@ -125,12 +125,13 @@ def test_a_request_id_is_given_back_if_it_is_sane_and_made_up_if_not(service: Se
 
 def test_lists_go_on_where_the_page_before_ended(service: Service, data_id: str) -> None:
     opened = [service.open(data_id) for _ in range(5)]
-    found, after = [], ""
-    while after is not None:
-        page = service.get(f"/v1/sessions?limit=2{f'&after={after}' if after else ''}")
+    found: list[str] = []
+    query = "limit=2"
+    while query:
+        page = service.get(f"/v1/sessions?{query}")
         assert len(page["items"]) <= 2
         found += [item["id"] for item in page["items"]]
-        after = page["next"]
+        query = f"limit=2&after={page['next']}" if page["next"] else ""
     assert found[-5:] == opened
     assert len(set(found)) == len(found)
     assert "belief" not in service.get("/v1/sessions")["items"][0]
