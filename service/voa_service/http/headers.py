@@ -11,7 +11,7 @@ from voa_service.ports import HistoryKind, IdempotencyKey, Write
 
 IfMatch = Annotated[
     str | None,
-    Header(description='Only if the session is at this version, `"v<version>"`.', examples=['"v3"']),
+    Header(alias="If-Match", description='Only if the session is at this version, `"v<version>"`.', examples=['"v3"']),
 ]
 Key = Annotated[
     str | None,
