@@ -33,7 +33,7 @@ def test_a_message_is_strict_closed_finite_and_immutable(message: type[Message])
 def test_a_message_cannot_be_changed() -> None:
     pose = SensorPose(x=0.0, y=0.0, yaw_rad=0.0)
     with pytest.raises(ValidationError):
-        setattr(pose, "x", 1.0)  # noqa: B010 - mypy refuses the plain form
+        setattr(pose, "x", 1.0)  # noqa: B010 - mypy would not let us
 
 
 def nested(levels: int, leaf: Any = 0) -> Any:
