@@ -5,8 +5,31 @@ from pathlib import Path
 
 import pytest
 
+from tests.postgres import Server, server
+from tests.scale import SCALE
 from tests.serving import Service, box_obj, data_scenario, mesh_scenario, serving
 from voa_cli.local_service import local_service
+
+
+def pytest_report_header() -> str:
+    """Say it once, at the top."""
+    return f"VOA_TEST_SCALE: {SCALE}"
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[Server]:
+    """A real PostgreSQL for all tests of this process; each takes a database of its own."""
+    with server() as own:
+        yield own
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """An empty database of each kind that the service supports."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'voa.db'}"
+    own: Server = request.getfixturevalue("postgres")
+    return own.new_database()
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psycopg
+
 DEBIAN_BINARIES = Path("/usr/lib/postgresql")
 HOW_TO_INSTALL = "PostgreSQL's server is not installed; on Debian: apt-get install postgresql"
 
@@ -28,16 +30,17 @@ def binaries() -> Path:
     return found[-1] if found else Path(str(on_path)).parent
 
 
-@contextmanager
-def cluster() -> Iterator[str]:
-    """The URL of a database on a cluster of our own, which goes away afterwards."""
-    where = binaries()
-    with tempfile.TemporaryDirectory(prefix="voa-pg-") as folder:
-        home = Path(folder)
-        as_whom: dict[str, Any] = {}
+class Server:
+    """A cluster of our own: databases to make, and a server to stop and start."""
+
+    def __init__(self, home: Path) -> None:
+        self._binaries = binaries()
+        self._home = home
+        self._as_whom: dict[str, Any] = {}
         if os.geteuid() == 0:  # initdb refuses root
             owner = pwd.getpwnam("postgres")
             os.chown(home, owner.pw_uid, owner.pw_gid)
+<<<<<<< HEAD
             as_whom = {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
         data = home / "data"
         port = _free_port()
@@ -49,10 +52,64 @@ def cluster() -> Iterator[str]:
 
         run(str(where / "initdb"), "-N", "-A", "trust", "-U", "voa", "-E", "UTF8", "-D", str(data))
         run(*control, "-o", options, "start")
+=======
+            self._as_whom = {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
+        self._port = _free_port()
+        self._made = 0
+        self._run("initdb", "-N", "-A", "trust", "-U", "voa", "-E", "UTF8")
+
+    def url(self, database: str = "postgres") -> str:
+        """The URL of one database."""
+        return f"postgresql://voa@127.0.0.1:{self._port}/{database}"
+
+    def start(self) -> None:
+        """Returns when it answers."""
+        address = f"-c port={self._port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={self._home}"
+        self._run("pg_ctl", "-w", "-l", self._home / "log", "-o", f"{address} -c fsync=off", "start")
+
+    def stop(self) -> None:
+        """Cut every connection and end; what was committed is kept."""
+        self._run("pg_ctl", "-w", "-m", "fast", "stop")
+
+    def end(self) -> None:
+        """Stop without care for the data."""
+        self._run("pg_ctl", "-m", "immediate", "stop")
+
+    def new_database(self) -> str:
+        """The URL of an empty database that nobody else has."""
+        self._made += 1
+        name = f"voa_{self._made}"
+        with psycopg.connect(self.url(), autocommit=True) as connection:
+            connection.execute(f"CREATE DATABASE {name}")
+        return self.url(name)
+
+    def _run(self, program: str, *arguments: str | Path) -> None:
+        command = [self._binaries / program, "-D", self._home / "data", *arguments]
+        subprocess.run(command, check=True, capture_output=True, cwd=self._home, **self._as_whom)
+
+
+@contextmanager
+def server() -> Iterator[Server]:
+    """A cluster that runs, and goes away afterwards."""
+    with tempfile.TemporaryDirectory(prefix="voa-pg-") as folder:
+        own = Server(Path(folder))
+        own.start()
+>>>>>>> store-tests
         try:
-            yield f"postgresql://voa@127.0.0.1:{port}/postgres"
+            yield own
         finally:
+<<<<<<< HEAD
             run(*control, "-m", "immediate", "stop")
+=======
+            own.end()
+
+
+@contextmanager
+def cluster() -> Iterator[str]:
+    """The URL of a database on a cluster of our own, which goes away afterwards."""
+    with server() as own:
+        yield own.url()
+>>>>>>> store-tests
 
 
 def _free_port() -> int:

@@ -51,7 +51,8 @@ def _kept(value: Any) -> Any:
 Free = Annotated[JsonValue, BeforeValidator(_kept)]
 """The user's own JSON, at most `MOST_NESTED` levels deep; kept and returned."""
 
-Name = Annotated[str, StringConstraints(min_length=1, max_length=128)]
+Name = Annotated[str, StringConstraints(min_length=1, max_length=128, pattern=r"^[^\x00]*$")]
+"""Any text without a NUL, which PostgreSQL could not keep."""
 Id = Name
 """A name that the service gave."""
 MOST = 1e6

@@ -38,16 +38,17 @@ class Changes:
 
     def __init__(self) -> None:
         self._watches: defaultdict[str, set[Watch]] = defaultdict(set)
-        self._lock = threading.Lock()
+        # A signal handler calls `close`, in a thread that may be anywhere in here.
+        self._lock = threading.RLock()
         self._closed = False
 
     @contextmanager
     def watching(self, session: str) -> Iterator[Watch]:
         """A watch on a session for the length of a `with`."""
         watch = Watch()
-        watch.closed = self._closed
         with self._lock:
             self._watches[session].add(watch)
+            watch.closed = watch.closed or self._closed
         try:
             yield watch
         finally:
@@ -65,8 +66,8 @@ class Changes:
 
     def close(self) -> None:
         """Send every watcher home: the service is ending."""
-        self._closed = True
         with self._lock:
+            self._closed = True
             watches = [watch for held in self._watches.values() for watch in held]
         for watch in watches:
             watch.wake(closing=True)

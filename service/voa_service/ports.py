@@ -119,7 +119,10 @@ class Write:
 
 
 class Store(Protocol):
-    """Keeps every answered write. All methods block; they are called from worker threads."""
+    """Keeps every answered write. All methods block; they are called from worker threads.
+
+    Every method raises `Failure` (503, with a time to try again) where the database does not work.
+    """
 
     def ping(self) -> None:
         """Return if the store works; raise whatever is wrong."""

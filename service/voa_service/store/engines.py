@@ -1,13 +1,24 @@
 """Connections: how each kind of database is opened."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
+import structlog
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedError, ProgrammingError
+from sqlalchemy.exc import TimeoutError as NoConnection
+
+from voa_service.failures import NOT_READY, OVERLOADED, Failure
 
 _READERS = 8
 _CONNECTIONS = 16
 _BUSY_MS = 10_000
 _WAIT_SECONDS = 30
+_CONNECT_SECONDS = 5
+_TRY_AGAIN = {"Retry-After": "1"}
+_OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
+"""What a statement of ours did; every other error of a database is that of the database."""
 
 
 class Engines(NamedTuple):
@@ -22,12 +33,40 @@ class Engines(NamedTuple):
         self.writer.dispose()
 
 
+@contextmanager
+def transaction(engine: Engine) -> Iterator[Connection]:
+    """One transaction, committed on leaving.
+
+    Raises:
+        Failure: the database is gone, full, locked or broken: not the caller's fault, and it may pass. Where the
+            connection broke during the commit nobody knows if it happened: hence the idempotency keys.
+    """
+    try:
+        with engine.begin() as connection:
+            yield connection
+    except _OURS:
+        raise
+    except DBAPIError as error:
+        structlog.get_logger().error("the database failed", error=f"{type(error.orig).__name__}: {error.orig}")
+        detail = "the database does not work at the moment: try again, writes with the same Idempotency-Key"
+        raise Failure(NOT_READY, detail, _TRY_AGAIN) from error
+    except NoConnection as error:
+        structlog.get_logger().error("the database is too slow", waited_seconds=_WAIT_SECONDS)
+        raise Failure(OVERLOADED, "too many requests wait for the database: try again", _TRY_AGAIN) from error
+
+
 def connect(url: str) -> Engines:
     """Engines for `sqlite:///file` or `postgresql://user@host/database`."""
     if make_url(url).get_backend_name() == "sqlite":
         return Engines(_sqlite(url, "BEGIN IMMEDIATE", connections=1), _sqlite(url, "BEGIN", connections=_READERS))
-    # pre_ping: a database that went and came back costs one query, not an error.
-    engine = create_engine(url, pool_size=_CONNECTIONS, max_overflow=0, pool_timeout=_WAIT_SECONDS, pool_pre_ping=True)
+    engine = create_engine(
+        url,
+        pool_size=_CONNECTIONS,
+        max_overflow=0,
+        pool_timeout=_WAIT_SECONDS,
+        pool_pre_ping=True,  # a database that went and came back costs one query, not an error
+        connect_args={"connect_timeout": make_url(url).query.get("connect_timeout", _CONNECT_SECONDS)},
+    )
     return Engines(engine, engine)
 
 

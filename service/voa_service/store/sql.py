@@ -11,7 +11,7 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from sqlalchemy import Connection, Row, Table, bindparam, delete, insert, select, update
+from sqlalchemy import BigInteger, Connection, Row, Select, Table, bindparam, delete, insert, literal, select, update
 from sqlalchemy.exc import IntegrityError
 
 from voa_core.filtering import Belief
@@ -28,7 +28,7 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
-from voa_service.store.engines import connect
+from voa_service.store.engines import connect, transaction
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
 
@@ -42,7 +42,7 @@ _UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
 _DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
 _HISTORY = (
     select(history)
-    .where(history.c.session == bindparam("by_id"), history.c.version > bindparam("by_version"))
+    .where(history.c.session == bindparam("by_id"), history.c.version > bindparam("by_version", type_=BigInteger))
     .order_by(history.c.version)
     .limit(bindparam("by_limit"))
 )
@@ -59,7 +59,7 @@ class SqlStore:
 
     def ping(self) -> None:
         """Read, and see whether the tables are this version's."""
-        with self._readers.begin() as connection:
+        with transaction(self._readers) as connection:
             if not is_current(connection):
                 raise RuntimeError("the tables are those of another version of the service")
 
@@ -106,7 +106,7 @@ class SqlStore:
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
         """See `ports.Store`."""
         try:
-            with self._writer.begin() as connection:
+            with transaction(self._writer) as connection:
                 before = _answered(connection, write.key)
                 if before is not None:
                     return before
@@ -115,7 +115,7 @@ class SqlStore:
                 _remember(connection, write.key, answer)
             return answer
         except IntegrityError:  # another process took the same key at the same instant, and was first
-            with self._readers.begin() as connection:
+            with transaction(self._readers) as connection:
                 first = _answered(connection, write.key)
             if first is None:
                 raise
@@ -132,7 +132,7 @@ class SqlStore:
 
     def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
         """See `ports.Store`."""
-        with self._writer.begin() as connection:
+        with transaction(self._writer) as connection:
             state = _locked(connection, id_)
             before = _answered(connection, write.key)
             if before is not None or state is None:
@@ -147,8 +147,8 @@ class SqlStore:
 
     def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
         """See `ports.Store`."""
-        with self._readers.begin() as connection:
-            row = connection.execute(_BY_ID[sessions], {"by_id": id_}).one_or_none()
+        with transaction(self._readers) as connection:
+            row = _named(connection, _BY_ID[sessions], id_)
             if row is None:
                 return []
             found = connection.execute(_HISTORY, {"by_id": id_, "by_version": after, "by_limit": limit}).all()
@@ -156,7 +156,7 @@ class SqlStore:
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """See `ports.Store`."""
-        with self._writer.begin() as connection:
+        with transaction(self._writer) as connection:
             state = _locked(connection, id_)
             if _answered(connection, key) is not None:
                 return True
@@ -171,32 +171,37 @@ class SqlStore:
         """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
         named = {"by_id": row["id"]}
         try:
-            with self._writer.begin() as connection:
+            with transaction(self._writer) as connection:
                 there = connection.execute(_BY_ID[table], named).one_or_none()
                 if there is not None:
                     return there, False
                 connection.execute(_INSERT[table], row)
                 return connection.execute(_BY_ID[table], named).one(), True
         except IntegrityError:  # another process stored the same content at the same instant
-            with self._readers.begin() as connection:
+            with transaction(self._readers) as connection:
                 return connection.execute(_BY_ID[table], named).one(), False
 
     def _get(self, table: Table, id_: str) -> Row[Any] | None:
-        with self._readers.begin() as connection:
-            return connection.execute(_BY_ID[table], {"by_id": id_}).one_or_none()
+        with transaction(self._readers) as connection:
+            return _named(connection, _BY_ID[table], id_)
 
     def _list(self, table: Table, make: Callable[[Row[Any]], T], limit: int, after: str | None) -> Listed[T]:
         query = select(table).order_by(table.c.seq).limit(limit + 1)
         if after is not None:
-            query = query.where(table.c.seq > int(after))
-        with self._readers.begin() as connection:
+            query = query.where(table.c.seq > literal(int(after), BigInteger))
+        with transaction(self._readers) as connection:
             rows = connection.execute(query).all()
         more = len(rows) > limit
         return Listed([make(row) for row in rows[:limit]], str(rows[limit - 1].seq) if more else None)
 
 
+def _named(connection: Connection, query: Select[Any], id_: str) -> Row[Any] | None:
+    """The row of an id. PostgreSQL has no text with a NUL in it, so nothing is named so."""
+    return None if "\0" in id_ else connection.execute(query, {"by_id": id_}).one_or_none()
+
+
 def _locked(connection: Connection, id_: str) -> SessionState | None:
-    row = connection.execute(_LOCK_SESSION, {"by_id": id_}).one_or_none()
+    row = _named(connection, _LOCK_SESSION, id_)
     return None if row is None else _session(row)
 
 
@@ -212,7 +217,7 @@ def _check_version(state: SessionState, seen: frozenset[int] | None) -> None:
 
 def _answered(connection: Connection, key: IdempotencyKey | None) -> Answered | None:
     """What was answered under the key before."""
-    if key is None:
+    if key is None or "\0" in key.scope:  # see `_named`
         return None
     row = connection.execute(_ANSWERED, {"by_scope": key.scope, "by_key": key.key}).one_or_none()
     if row is None:

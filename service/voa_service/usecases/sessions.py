@@ -81,7 +81,10 @@ class Sessions:
         What the scan says of every pose does not depend on the belief: it is worked out first, and the
         transaction only applies it, so that writers on one session hardly wait for each other.
         """
-        scenario = self.scenario_of(self.state(id_))
+        state = self.store.get_session(id_)
+        if state is None:
+            return self._answered_before(id_, write)
+        scenario = self.scenario_of(state)
         evidence = evidence_of(scenario, request)
 
         def step(state: SessionState) -> Step:
@@ -93,7 +96,10 @@ class Sessions:
 
     def report_outcome(self, id_: str, request: OutcomeRequest, write: Write) -> Answered:
         """Update the belief by what came of a grasp attempt."""
-        scenario = self.scenario_of(self.state(id_))
+        state = self.store.get_session(id_)
+        if state is None:
+            return self._answered_before(id_, write)
+        scenario = self.scenario_of(state)
         if request.grasp not in scenario.table.names:
             raise of_core(UnknownName("grasp", request.grasp, scenario.table.names))
         scores = scenario.table.scores[scenario.table.names.index(request.grasp)]
@@ -108,7 +114,10 @@ class Sessions:
 
     def put_belief(self, id_: str, request: BeliefRequest, write: Write) -> Answered:
         """Replace the belief; null: back to the session's prior."""
-        scenario = self.scenario_of(self.state(id_))
+        state = self.store.get_session(id_)
+        if state is None:
+            return self._answered_before(id_, write)
+        scenario = self.scenario_of(state)
         try:
             given = None if request.belief is None else Belief.of(request.belief, "belief", len(scenario.poses))
         except VoaError as error:
@@ -143,6 +152,17 @@ class Sessions:
         else:
             states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS)]
         return [Session(**session_fields(each, self.scenario_of(each))) for each in states]
+
+    def _answered_before(self, id_: str, write: Write) -> Answered:
+        """What a write to a session that is gone was answered while it was there; its key is remembered."""
+
+        def step(_: SessionState) -> Step:
+            raise not_found("session", id_)
+
+        answered = self.store.change_session(id_, write, step)
+        if answered is None:
+            raise not_found("session", id_)
+        return answered
 
     def _change(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered:
         answered = self.store.change_session(id_, write, step)

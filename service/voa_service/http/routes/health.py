@@ -27,6 +27,8 @@ def routes(services: Services) -> APIRouter:
         def work() -> Health:
             try:
                 services.store.ping()
+            except Failure:
+                raise
             except Exception as error:
                 raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
             return Health(status="ready")
