@@ -40,19 +40,6 @@ class Server:
         if os.geteuid() == 0:  # initdb refuses root
             owner = pwd.getpwnam("postgres")
             os.chown(home, owner.pw_uid, owner.pw_gid)
-<<<<<<< HEAD
-            as_whom = {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
-        data = home / "data"
-        port = _free_port()
-        options = f"-c port={port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={home} -c fsync=off"
-        control = [str(where / "pg_ctl"), "-D", str(data), "-w", "-l", str(home / "log")]
-
-        def run(*command: str) -> None:
-            subprocess.run(command, check=True, capture_output=True, cwd=home, **as_whom)
-
-        run(str(where / "initdb"), "-N", "-A", "trust", "-U", "voa", "-E", "UTF8", "-D", str(data))
-        run(*control, "-o", options, "start")
-=======
             self._as_whom = {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
         self._port = _free_port()
         self._made = 0
@@ -94,13 +81,9 @@ def server() -> Iterator[Server]:
     with tempfile.TemporaryDirectory(prefix="voa-pg-") as folder:
         own = Server(Path(folder))
         own.start()
->>>>>>> store-tests
         try:
             yield own
         finally:
-<<<<<<< HEAD
-            run(*control, "-m", "immediate", "stop")
-=======
             own.end()
 
 
@@ -109,7 +92,6 @@ def cluster() -> Iterator[str]:
     """The URL of a database on a cluster of our own, which goes away afterwards."""
     with server() as own:
         yield own.url()
->>>>>>> store-tests
 
 
 def _free_port() -> int:
