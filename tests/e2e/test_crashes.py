@@ -18,7 +18,7 @@ import httpx2
 import pytest
 
 from tests.postgres import Server
-from tests.replicas import Replica, replicas
+from tests.replicas import replicas
 from tests.scale import SCALE, scaled
 from tests.serving import Json, data_scenario, scan_of
 from voa_core.filtering import Belief
