@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _replay_session(options, to_terminal)
     try:
         experiment = read_experiment(options.folder)
-        with service_at(options.url) as client, Progress(console=Console(stderr=True), transient=True) as progress:
+        with service_at(options.url) as client, _progress() as progress:
             report = replay(client, experiment, options.predict, options.rules, progress)
     except VoaClientError as error:
         print(f"voa replay: {error}", file=sys.stderr)
@@ -67,6 +67,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     agrees = apart <= _AGREES
     to_terminal.print(f"expected.json: {'agrees' if agrees else 'DISAGREES'}, largest difference {apart:.1e}")
     return 0 if agrees else 1
+
+
+def _progress() -> Progress:
+    """On a terminal; quiet in a pipe."""
+    console = Console(stderr=True)
+    return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
 def _replay_session(options: argparse.Namespace, console: Console) -> int:
@@ -154,6 +160,8 @@ def predict_from_mesh(client: Client, experiment: RecordedExperiment) -> Predict
             f"{experiment.name}: predictions from the mesh need plane heights, and position and quaternion_wxyz "
             "of every pose"
         )
+    if not all({"x", "y", "yaw_deg"} <= sensor.model_fields_set for sensor in experiment.sensors):
+        raise InvalidExperiment(f"{experiment.name}: predictions from the mesh need x, y and yaw_deg of every sensor")
     mesh = client.create_object(experiment.mesh, experiment.name, experiment.scale)
     scenario = client.create_scenario(_scenario(experiment, MarginUpdate(rule="margin"), None, mesh.id))
     levels = sorted({height for height in heights.values() if height is not None})

@@ -18,16 +18,18 @@ import csv
 import json
 import math
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self, TypeGuard
 
 from annotated_types import Gt
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from voa_client.errors import VoaClientError
 from voa_msgs.base import Point3, Quaternion
 
+_COLUMNS = ("sensor", "pose", "angle_deg", "measured", "predicted")
 _ON_GRID = 0.01  # of a beam spacing
 
 
@@ -63,12 +65,18 @@ class RecordedObject(_Part):
     scale: Annotated[float, Gt(0.0)] = 1.0
 
 
+def _turning(increment_deg: float) -> float:
+    if increment_deg == 0.0:
+        raise ValueError("expected a number other than 0")
+    return increment_deg
+
+
 class RecordedLidar(_Part):
     """The lidar's beams and limits."""
 
     beams: Annotated[int, Gt(0)] = 360
     angle_min_deg: float = 0.0
-    angle_increment_deg: float = 1.0
+    angle_increment_deg: Annotated[float, AfterValidator(_turning)] = 1.0
     range_min: float = 0.12
     range_max: float = 3.5
 
@@ -103,12 +111,30 @@ class _ExperimentFile(_Part):
     @field_validator("poses", "sensors", mode="before")
     @classmethod
     def _name_alone(cls, items: Any) -> Any:
-        return [{"name": item} if isinstance(item, str) else item for item in items] if items else items
+        return [{"name": item} if isinstance(item, str) else item for item in items] if _is_list(items) else items
 
     @field_validator("grasps", mode="before")
     @classmethod
     def _names(cls, items: Any) -> Any:
+        if not _is_list(items):
+            return items
         return [item["name"] if isinstance(item, dict) and "name" in item else item for item in items]
+
+    @model_validator(mode="after")
+    def _named_once(self) -> Self:
+        for what, names in (
+            ("poses", [pose.name for pose in self.poses]),
+            ("sensors", [sensor.name for sensor in self.sensors]),
+            ("grasps", self.grasps),
+        ):
+            twice = [name for name, count in Counter(names).items() if count > 1]
+            if twice:
+                raise ValueError(f"{what}: {twice[0]!r} twice")
+        return self
+
+
+def _is_list(items: Any) -> TypeGuard[list[Any]]:
+    return isinstance(items, list)
 
 
 @dataclass(frozen=True)
@@ -201,7 +227,7 @@ def read_experiment(folder: Path) -> RecordedExperiment:
     if not source.is_file():
         raise InvalidExperiment(f"{folder} has no experiment.json: expected a folder with a recorded experiment")
     try:
-        told = _ExperimentFile.model_validate_json(source.read_text(encoding="utf-8"))
+        told = _ExperimentFile.model_validate_json(source.read_bytes())
     except ValidationError as error:
         first = error.errors()[0]
         raise InvalidExperiment(f"{source}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
@@ -210,11 +236,11 @@ def read_experiment(folder: Path) -> RecordedExperiment:
         mesh = None
     expected = folder / "expected.json"
     names = [pose.name for pose in told.poses]
+    if told.scores is None and (told.successes is None or told.attempts is None):
+        raise InvalidExperiment(f"{source}: expected `scores`, or `successes` with `attempts`")
     scores, successes = (
         None if table is None else _matrix(source, table, told.grasps, names) for table in (told.scores, told.successes)
     )
-    if scores is None and (successes is None or told.attempts is None):
-        raise InvalidExperiment(f"{source}: expected `scores`, or `successes` with `attempts`")
     return RecordedExperiment(
         name=told.name,
         poses=tuple(told.poses),
@@ -228,8 +254,18 @@ def read_experiment(folder: Path) -> RecordedExperiment:
         scans=_scans(folder / "scans.csv", told.lidar, {sensor.name for sensor in told.sensors}, set(names)),
         mesh=mesh,
         scale=1.0 if told.object is None else told.object.scale,
-        expected=json.loads(expected.read_text(encoding="utf-8")) if expected.is_file() else None,
+        expected=_expected(expected) if expected.is_file() else None,
     )
+
+
+def _expected(source: Path) -> dict[str, Any]:
+    try:
+        told = json.loads(source.read_bytes())
+    except ValueError as error:
+        raise InvalidExperiment(f"{source} is not JSON: {error}") from error
+    if not isinstance(told, dict):
+        raise InvalidExperiment(f"{source}: expected an object with `before` and `rules`")
+    return told
 
 
 def _matrix(
@@ -249,7 +285,7 @@ def _scans(
     beams: dict[tuple[str, str], list[Beam]] = {}
     heights: dict[tuple[str, str], float | None] = {}
     with source.open(encoding="utf-8", newline="") as lines:
-        for number, row in enumerate(csv.DictReader(lines), start=2):
+        for number, row in _rows(source, lines):
             try:
                 pair = (row["sensor"], row["pose"])
                 if pair[0] not in sensors or pair[1] not in poses:
@@ -262,6 +298,21 @@ def _scans(
     return {pair: RecordedScan(heights[pair], tuple(found)) for pair, found in beams.items()}
 
 
+def _rows(source: Path, lines: Iterable[str]) -> Iterator[tuple[int, dict[str, str]]]:
+    """The rows of a CSV file with the number of their line."""
+    try:
+        reader = csv.DictReader(lines)
+        absent = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
+        if absent:
+            raise InvalidExperiment(f"{source}: expected columns {', '.join(_COLUMNS)}, got none for {absent[0]}")
+        for row in reader:
+            yield reader.line_num, row
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InvalidExperiment(f"{source} is not CSV in UTF-8: {error}") from error
+
+
 def _metres(text: str | None) -> float | None:
-    value = float(text) if text else math.nan
+    value = float(text) if text and not text.isspace() else math.nan
+    if value < 0.0:
+        raise ValueError(f"expected metres, got {value}")
     return value if math.isfinite(value) else None
