@@ -152,8 +152,8 @@ def test_last_event_id_of_the_future_gets_the_current_state(world: World, last: 
 
 @pytest.mark.parametrize("last", ["-1", "v1", "1.0", "9" * 19, "²"])
 def test_a_last_event_id_that_is_none_is_422(world: World, last: str) -> None:
-    headers = {"Last-Event-ID": last.encode("latin-1")}
-    answer = world.here.get(f"/v1/sessions/{world.session()}/events", headers=httpx2.Headers(headers))
+    headers = httpx2.Headers([(b"Last-Event-ID", last.encode("latin-1"))])
+    answer = world.here.get(f"/v1/sessions/{world.session()}/events", headers=headers)
     assert answer.status_code == 422
     assert answer.headers["content-type"] == "application/problem+json"
 
