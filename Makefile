@@ -27,10 +27,20 @@ $(STAMP): requirements.lock pyproject.toml
 demo: setup  ## the main job, end to end, told in the terminal
 	@$(BIN)/voa demo --out build/demo
 
-test: setup  ## all tests
+test: setup system-packages  ## all tests; PostgreSQL is installed by itself where that is allowed
 	$(BIN)/python -m pytest -n 2 tests
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q tests/voa_core
 	$(BIN)/python -m coverage report --show-missing --skip-covered --fail-under=100
+
+.PHONY: system-packages
+system-packages:
+	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    echo "installing PostgreSQL for the tests" && apt-get -qq update && \
+	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends postgresql >/dev/null; \
+	  else \
+	    echo "the tests need PostgreSQL's server; on Debian: apt-get install postgresql"; exit 1; \
+	  fi
 
 lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .

@@ -19,7 +19,7 @@ from voa_core.checks import Floats
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief, condition
 from voa_core.grasps import TIE, GraspTable, best_grasp, choose
-from voa_core.kernels import Array
+from voa_core.kernels import Array, choose_each
 from voa_core.updating import UpdatePolicy, nearest
 from voa_core.weights import Weigher
 
@@ -103,16 +103,16 @@ def _after_each(
     A score hardly depends on which of nearly equal grasps is chosen, but what a choice then scores at one pose
     does: with `sure`, choices that the precision of the weights leaves open are made again in logarithms.
 
-    One matrix product per block: with B = [b * Q^T | b], row q of W B holds sum_p W[q, p] b[p] Q[x, p] for every
-    grasp, and its last entry the normaliser.
+    One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
+    every grasp, and its last entry the normaliser.
     """
     columns = np.flatnonzero(belief.p > 0.0)
     if weigher.matrix is not None and len(columns) >= _GATHER_BELOW * len(belief.p):
         columns = np.arange(len(belief.p))
     masses = belief.p[columns]
-    right = np.ascontiguousarray(
-        np.concatenate([masses * table.scores[:, columns], masses[None, :]]).T.astype(weigher.dtype)
-    )
+    right = np.zeros((len(table.scores) + 1, len(columns)), dtype=weigher.dtype)
+    right[:-1] = masses * (table.scores if len(columns) == len(belief.p) else table.scores[:, columns])
+    right[-1] = masses
     chosen = np.zeros(len(outcomes), dtype=np.intp)
     scores = np.zeros(len(outcomes))
     rows_at_once = max(1, _BLOCK_BYTES // (weigher.dtype.itemsize * len(columns)))
@@ -120,9 +120,9 @@ def _after_each(
         rows_at_once = len(outcomes)  # the kept matrix itself: nothing is copied
     for start in range(0, len(outcomes), rows_at_once):
         block = slice(start, start + rows_at_once)
-        product = weigher.weights(outcomes[block], columns) @ right
+        product = right @ weigher.weights(outcomes[block], columns).T
         chosen[block], scores[block], doubtful = _choose_each(product)
-        again = product[:, -1] < _LEAST_NORM[weigher.dtype.name]
+        again = product[-1] < _LEAST_NORM[weigher.dtype.name]
         for row in np.flatnonzero(again | doubtful if sure else again):
             chosen[start + row], scores[start + row] = _after_one(
                 weigher, int(outcomes[start + row]), belief, table, policy
@@ -131,21 +131,21 @@ def _after_each(
 
 
 def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """`grasps.choose` for every row of (k, m + 1) unnormalised expected scores with the normaliser last.
+    """`grasps.choose` for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
 
     The third answer says where rounding or underflow may have decided: no score is left, or a float32 cannot tell
     the best from the next.
     """
-    norm = product[:, -1]
-    best = product[:, :-1].max(axis=1)
-    slack = norm * norm.dtype.type(_TIE[norm.dtype.name])
-    tied = product[:, :-1] >= (best - slack)[:, None]
+    chosen, tied = np.zeros((2, product.shape[1]), dtype=np.intp)
+    best = np.zeros(product.shape[1])
+    choose_each(product, _TIE[product.dtype.name], chosen, best, tied)
+    norm = product[-1].astype(np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
-        scores = best.astype(np.float64) / norm.astype(np.float64)
-    doubtful = best <= slack
-    if norm.dtype == np.float32:
-        doubtful |= tied.sum(axis=1) > 1
-    return np.where(best > 0.0, np.argmax(tied, axis=1), -1), scores, doubtful
+        scores = best / norm
+    doubtful = best <= _TIE[product.dtype.name] * norm
+    if product.dtype == np.float32:
+        doubtful |= tied > 1
+    return chosen, scores, doubtful
 
 
 def _after_one(

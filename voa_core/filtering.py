@@ -15,6 +15,7 @@ from voa_core.checks import Floats, finite_array, frozen
 from voa_core.errors import InvalidInput
 
 SUM_TOLERANCE = 1e-6
+_NO_SHARE = 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +43,7 @@ class Belief:
         p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
         if (p < 0.0).any():
             raise InvalidInput(field, "numbers of at least 0", f"{p.min():g} at {int(p.argmin())}")
-        try:
-            total = math.fsum(p)
-        except OverflowError:
-            total = math.inf
+        total = math.fsum(np.minimum(p, _NO_SHARE))  # the sum of the largest floats is none
         if abs(total - 1.0) > SUM_TOLERANCE:
             raise InvalidInput(field, "a sum within 1e-6 of 1", f"a sum of {total:.9g}")
         p = p / total

@@ -190,3 +190,33 @@ def _normal(z: float, mean: Floats, inverse_sigma: Floats, bits: NDArray[np.int6
         bits[h] = (k + 1023) << 52
     for h in range(len(mean)):
         out[h] *= powers[h]
+
+
+@kernel
+def choose_each(product: Array, tie: float, chosen: NDArray[np.intp], best: Floats, tied: NDArray[np.intp]) -> None:
+    """The best grasp of each of k beliefs, in loops that run in vector registers.
+
+    Args:
+        product: (m + 1, k) unnormalised expected scores, the normaliser last.
+        tie: scores within this share of the normaliser are as good as the best.
+        chosen: (k,) written: the first listed that is as good as the best; -1 where the best is 0.
+        best: (k,) written: the best score, unnormalised.
+        tied: (k,) written: how many are as good as the best.
+    """
+    m = len(product) - 1
+    best[:] = product[0]
+    for x in range(1, m):
+        scores = product[x]
+        for j in range(len(best)):
+            best[j] = max(best[j], scores[j])
+    enough = best - tie * product[m]
+    chosen[:] = -1
+    tied[:] = 0
+    for x in range(m - 1, -1, -1):
+        scores = product[x]
+        for j in range(len(best)):
+            as_good = scores[j] >= enough[j]
+            chosen[j] = x if as_good else chosen[j]
+            tied[j] += as_good
+    for j in range(len(best)):
+        chosen[j] = chosen[j] if best[j] > 0.0 else -1

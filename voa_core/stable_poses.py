@@ -6,15 +6,20 @@ facets, yet the object rolls over their edges at a breath: the physically distin
 basins of the height of the centre of mass that need a real push to leave.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput
 from voa_core.geometry import quaternion_of_matrix, upright_rotation
 from voa_core.objects import Object
+
+if TYPE_CHECKING:
+    import trimesh
 
 _PUSH = 0.01  # of the object's size: a centre of mass that must rise by less does not hold the object
 
@@ -37,6 +42,8 @@ def propose_stable_poses(object_: Object) -> list[StablePose]:
     Raises:
         InvalidInput: the mesh has no volume to rest on (flat, or fewer than four points).
     """
+    import trimesh  # noqa: PLC0415 - a second of everybody's start-up, needed for this alone
+
     mesh = trimesh.Trimesh(object_.vertices, object_.faces, process=False)
     try:
         hull = mesh.convex_hull

@@ -19,6 +19,7 @@ from rich.table import Table
 from voa_cli.local_service import service_at
 from voa_client import Client, VoaClientError
 from voa_client.recorded import InvalidExperiment, RecordedExperiment, read_experiment
+from voa_client.session_file import read_session_file, replay_session
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
@@ -46,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Replay, print, and return 0; 1 if something is wrong or the expected numbers do not come out."""
     options = _parser().parse_args(arguments)
     to_terminal = Console()
+    if options.folder.is_file():
+        return _replay_session(options, to_terminal)
     try:
         experiment = read_experiment(options.folder)
         with service_at(options.url) as client, Progress(console=Console(stderr=True), transient=True) as progress:
@@ -64,6 +67,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     agrees = apart <= _AGREES
     to_terminal.print(f"expected.json: {'agrees' if agrees else 'DISAGREES'}, largest difference {apart:.1e}")
     return 0 if agrees else 1
+
+
+def _replay_session(options: argparse.Namespace, console: Console) -> int:
+    try:
+        with service_at(options.url) as client:
+            done = replay_session(client, read_session_file(options.folder), options.mesh)
+    except VoaClientError as error:
+        print(f"voa replay: {error}", file=sys.stderr)
+        return 1
+    if options.json:
+        print(done.session.model_dump_json(indent=1))
+    else:
+        told = "exactly what the first one did" if done.same else "something ELSE than the first one did"
+        console.print(f"session {done.session.id}, version {done.session.version}: believes {told}", highlight=False)
+    return 0 if done.same else 1
 
 
 def replay(
@@ -312,7 +330,8 @@ def _print(console: Console, report: dict[str, Any]) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa replay", description=(__doc__ or "").partition("\n\n")[2])
-    parser.add_argument("folder", type=Path, help="folder of a recorded experiment (see README.md)")
+    parser.add_argument("folder", type=Path, help="folder of a recorded experiment, or a session file")
+    parser.add_argument("--mesh", type=Path, help="of a session file: the object's mesh, where the service lacks it")
     parser.add_argument(
         "--predict", choices=["recorded", "mesh"], default="recorded", help="where predictions are from"
     )

@@ -1,5 +1,6 @@
 """The synchronous client over HTTP: one method per call of the service."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -14,9 +15,15 @@ from voa_msgs.problems import Health, Problem
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest
 from voa_msgs.sessions import (
+    BeliefRequest,
+    HistoryEntry,
+    HistoryPage,
+    OutcomeRequest,
     ScanRequest,
     Session,
+    SessionPage,
     SessionRequest,
+    SessionSummary,
     UpdatedEstimate,
     UpdatedSession,
     UpdateRequest,
@@ -82,6 +89,38 @@ class Client:
         """A session as it stands."""
         return self._call("GET", f"/v1/sessions/{session_id}", Session)
 
+    def list_sessions(self) -> Iterator[SessionSummary]:
+        """Every session, oldest first, a page at a time."""
+        after: dict[str, str] = {}
+        while True:
+            page = self._call("GET", "/v1/sessions", SessionPage, params=after)
+            yield from page.items
+            if page.next is None:
+                return
+            after = {"after": page.next}
+
+    def delete_session(self, session_id: str) -> None:
+        """Remove a session and its history."""
+        self._request("DELETE", f"/v1/sessions/{session_id}")
+
+    def history(self, session_id: str) -> Iterator[HistoryEntry]:
+        """Every version of a session and what made it, the prior first."""
+        after: dict[str, str] = {}
+        while True:
+            page = self._call("GET", f"/v1/sessions/{session_id}/history", HistoryPage, params=after)
+            yield from page.items
+            if page.next is None:
+                return
+            after = {"after": page.next}
+
+    def put_belief(self, session_id: str, request: BeliefRequest) -> Session:
+        """Replace a session's belief; null: back to its prior."""
+        return self._send(f"/v1/sessions/{session_id}/belief", request, Session, method="PUT")
+
+    def report_outcome(self, session_id: str, request: OutcomeRequest) -> UpdatedSession:
+        """Update a session's belief by what came of a grasp attempt."""
+        return self._send(f"/v1/sessions/{session_id}/grasp-outcomes", request, UpdatedSession)
+
     def apply_scan(self, session_id: str, request: ScanRequest) -> UpdatedSession:
         """Update a session's belief by a raw scan."""
         return self._send(f"/v1/sessions/{session_id}/scans", request, UpdatedSession)
@@ -103,19 +142,22 @@ class Client:
         """Rank looks for a belief of one's own; nothing is stored."""
         return self._send("/v1/rankings", request, Ranking)
 
-    def _send(self, path: str, request: BaseModel, answer: type[M]) -> M:
+    def _send(self, path: str, request: BaseModel, answer: type[M], method: str = "POST") -> M:
         body = request.model_dump_json(exclude_unset=True)
-        return self._call("POST", path, answer, content=body, headers={"Content-Type": "application/json"})
+        return self._call(method, path, answer, content=body, headers={"Content-Type": "application/json"})
 
     def _call(self, method: str, path: str, answer: type[M], **more: Any) -> M:
+        # An old robot may talk to a new service: what it does not know in an answer, it ignores.
+        return answer.model_validate_json(self._request(method, path, **more), extra="ignore")
+
+    def _request(self, method: str, path: str, **more: Any) -> bytes:
         try:
             response = self._http.request(method, path, **more)
         except httpx2.TransportError as error:
             raise UnreachableError(f"no answer from {self._http.base_url}: {error or type(error).__name__}") from error
         if response.is_error:
             raise ProblemError(_problem(response))
-        # An old robot may talk to a new service: what it does not know in an answer, it ignores.
-        return answer.model_validate_json(response.content, extra="ignore")
+        return response.content
 
 
 def _problem(response: httpx2.Response) -> Problem:

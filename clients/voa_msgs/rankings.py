@@ -5,7 +5,9 @@ from typing import Annotated, Literal
 from annotated_types import Len
 from pydantic import Field
 
+from voa_msgs import examples
 from voa_msgs.base import Distribution, Id, LimitedBy, Message, Name
+from voa_msgs.examples import exemplified
 from voa_msgs.geometry import Candidate
 
 Definition = Literal["posterior", "executed"]
@@ -13,6 +15,8 @@ Definition = Literal["posterior", "executed"]
 
 class VoaRequest(Message):
     """Which looks to rank, for which grasps."""
+
+    model_config = exemplified(examples.VOA)
 
     sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
     """Names of the scenario's configurations, or any sensor poses; null: all of the scenario's."""
@@ -27,6 +31,8 @@ class VoaRequest(Message):
 
 class RankingRequest(VoaRequest):
     """A ranking for the belief in the request; nothing is stored."""
+
+    model_config = exemplified(examples.RANKING)
 
     scenario: Id
     belief: Distribution

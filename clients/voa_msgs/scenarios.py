@@ -4,9 +4,11 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import Discriminator, Tag
+from pydantic import ConfigDict, Discriminator, Tag
 
+from voa_msgs import examples
 from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.examples import exemplified
 from voa_msgs.geometry import Candidate, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
@@ -65,6 +67,8 @@ class Workspace(Message):
 class ScenarioRequest(Message):
     """What stays the same while one object is looked at."""
 
+    model_config = exemplified(examples.SCENARIO)
+
     name: Name
     object: Id | None = None
     """Id of a stored object; null where all predictions are given."""
@@ -83,6 +87,8 @@ class ScenarioRequest(Message):
 
 class Scenario(ScenarioRequest):
     """A stored scenario: the request with every default filled in."""
+
+    model_config = ConfigDict(json_schema_extra={})
 
     id: str
     """Digest of the content, name included."""
@@ -110,6 +116,8 @@ class ScenarioPage(Page):
 
 class PredictionsRequest(Message):
     """The sensor poses to predict from; null: the scenario's own configurations."""
+
+    model_config = exemplified(examples.PREDICTIONS)
 
     sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
 

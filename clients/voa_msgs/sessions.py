@@ -4,15 +4,19 @@ from datetime import datetime
 from typing import Annotated, Literal, Self
 
 from annotated_types import Ge
-from pydantic import Field, model_validator
+from pydantic import Field, JsonValue, model_validator
 
+from voa_msgs import examples
 from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges, Real
+from voa_msgs.examples import exemplified
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 
 
 class SessionRequest(Message):
     """Open a session on a scenario."""
+
+    model_config = exemplified(examples.SESSION)
 
     scenario: Id
     prior: Prior | None = None
@@ -82,6 +86,8 @@ class Scan(Message):
 class ScanRequest(Message):
     """A raw scan, and where it was taken: exactly one of `sensor` and `sensor_pose`."""
 
+    model_config = exemplified(examples.SCAN)
+
     sensor: Name | None = None
     """A sensor configuration of the scenario."""
     sensor_pose: UncertainSensorPose | None = None
@@ -96,6 +102,8 @@ class ScanRequest(Message):
 
 class UpdateRequest(ScanRequest):
     """A scan applied to the belief in the request; nothing is stored."""
+
+    model_config = exemplified(examples.UPDATE)
 
     scenario: Id
     belief: Distribution
@@ -123,12 +131,16 @@ class UpdateReport(Message):
 class BeliefRequest(Message):
     """Replace a session's belief."""
 
+    model_config = exemplified(examples.BELIEF)
+
     belief: Distribution | None
     """Null: back to the session's prior."""
 
 
 class OutcomeRequest(Message):
     """What came of a grasp attempt that left the object where it was."""
+
+    model_config = exemplified(examples.OUTCOME)
 
     grasp: Name
     success: bool
@@ -140,7 +152,7 @@ class HistoryEntry(Message):
     version: int
     kind: Literal["prior", "scan", "outcome", "belief"]
     at: datetime
-    request: Free
+    request: JsonValue
     """The body as it was received."""
     update: UpdateReport | None
     """What an observation did; null for a prior or a replaced belief."""

@@ -1,6 +1,6 @@
 """The composition root: builds the service from its settings. Nothing is built anywhere else."""
 
-import uuid
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -34,7 +34,7 @@ def utc_now() -> datetime:
 
 def new_id() -> str:
     """A name that nobody has yet."""
-    return uuid.uuid4().hex
+    return secrets.token_hex(8)
 
 
 @contextmanager

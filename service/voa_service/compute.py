@@ -1,10 +1,10 @@
 """Work off the event loop: bounded queues in front of worker threads, and threads for the parts of one ranking."""
 
+import asyncio
 import math
-import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import anyio
 import anyio.to_thread
@@ -26,13 +26,12 @@ class WorkQueue:
         self._name = name
         self._limiter = anyio.CapacityLimiter(workers)
         self._most = workers + waiting
-        self._inside = 0
-        self._lock = threading.Lock()
+        self._calls: set[asyncio.Future[Any]] = set()
 
     @property
     def inside(self) -> int:
         """Calls under way or in line."""
-        return self._inside
+        return len(self._calls)
 
     async def run(self, work: Callable[[], T]) -> T:
         """`work()`, in a worker thread.
@@ -40,19 +39,22 @@ class WorkQueue:
         Raises:
             Failure: overloaded; nothing was done.
         """
-        with self._lock:
-            if self._inside >= self._most:
-                raise Failure(
-                    OVERLOADED,
-                    f"{self._inside} {self._name} requests are under way or waiting already: try again in a second",
-                    headers={"Retry-After": str(max(1, math.ceil(self._most / 64)))},
-                )
-            self._inside += 1
-        try:
-            return await anyio.to_thread.run_sync(work, limiter=self._limiter)
-        finally:
-            with self._lock:
-                self._inside -= 1
+        if self.inside >= self._most:
+            raise Failure(
+                OVERLOADED,
+                f"{self.inside} {self._name} requests are under way or waiting already: try again in a second",
+                headers={"Retry-After": str(max(1, math.ceil(self._most / 64)))},
+            )
+        call = asyncio.ensure_future(anyio.to_thread.run_sync(work, limiter=self._limiter))
+        self._calls.add(call)
+        call.add_done_callback(self._ended)
+        # A thread cannot be stopped: a caller that is cancelled leaves, its call keeps its place and its worker.
+        return await asyncio.shield(call)
+
+    def _ended(self, call: asyncio.Future[Any]) -> None:
+        self._calls.discard(call)
+        if not call.cancelled():
+            call.exception()  # seen, even if the caller has gone
 
 
 class Threads:

@@ -59,6 +59,7 @@ PACKAGES = {
         "voa_core",
         "voa_msgs",
         "voa_assets",
+        "alembic",
         "anyio",
         "fastapi",
         "fastapi_offline",

@@ -330,10 +330,11 @@ SCAN_CASES = [
 UPDATE: Json = {"scenario": "{data}", "belief": [0.2, 0.3, 0.5], **scan_of(GOOD)}
 RANK: Json = {"scenario": "{data}", "belief": [0.2, 0.3, 0.5]}
 VOA = "/v1/sessions/{data_session}/voa"
+OUTCOMES = "/v1/sessions/{data_session}/grasp-outcomes"
 PREDICT = "/v1/scenarios/{data}/predictions"
 
 
-def beliefs(path: str, body: Json) -> Iterator[Case]:
+def beliefs(path: str, body: Json, method: str = "POST") -> Iterator[Case]:
     """What is wrong with a belief, wherever one is sent."""
     for name, belief, says in (
         ("of another length", [0.5, 0.5], "3"),
@@ -350,11 +351,16 @@ def beliefs(path: str, body: Json) -> Iterator[Case]:
         ("of more poses than allowed", [0.04] * 25, "at most 20"),
         ("that is no list", 1.0, "belief"),
     ):
-        yield Case(f"{path}: a belief {name}", path, body | {"belief": belief}, says=says)
-    yield Case(f"{path}: no belief", path, without(body, "belief"), says="belief")
+        yield Case(f"{path}: a belief {name}", path, body | {"belief": belief}, says=says, method=method)
+    yield Case(f"{path}: no belief", path, without(body, "belief"), says="belief", method=method)
+    yield Case(f"{path}: an unknown field", path, body | {"colour": 1}, says="colour", method=method)
+
+
+def stateless(path: str, body: Json) -> Iterator[Case]:
+    """What is wrong with a computation for the belief in the request."""
+    yield from beliefs(path, body)
     yield Case(f"{path}: an unknown scenario", path, body | {"scenario": "nothing"}, 422, UNKNOWN, "POST /v1/scenarios")
     yield Case(f"{path}: half a surrogate pair as scenario", path, body | {"scenario": "\ud800"}, says="unicode")
-    yield Case(f"{path}: an unknown field", path, body | {"colour": 1}, says="colour")
 
 
 def rankings(path: str, body: Json) -> Iterator[Case]:
@@ -433,6 +439,18 @@ PATHS = [
     Case("a ranking for it", "/v1/sessions/nothing/voa", {}, 404, "not-found", "'nothing'"),
     Case("its ranking", "/v1/sessions/nothing/voa", None, 404, "not-found", "'nothing'", "GET"),
     Case("its grasps", "/v1/sessions/nothing/grasps", None, 404, "not-found", "'nothing'", "GET"),
+    Case("its history", "/v1/sessions/nothing/history", None, 404, "not-found", "'nothing'", "GET"),
+    Case("its events", "/v1/sessions/nothing/events", None, 404, "not-found", "'nothing'", "GET"),
+    Case("a belief for it", "/v1/sessions/nothing/belief", {"belief": None}, 404, "not-found", "'nothing'", "PUT"),
+    Case(
+        "an outcome for it",
+        "/v1/sessions/nothing/grasp-outcomes",
+        {"grasp": "G1", "success": True},
+        404,
+        "not-found",
+        "'nothing'",
+    ),
+    Case("events after no version", SESSION + "/events", None, says="", method="GET", headers={"last-event-id": "abc"}),
     Case("bytes that are no text in an id", "/v1/sessions/%ed%a0%80", None, 404, "not-found", "", "GET"),
     Case("an unknown grasp in a query", SESSION + "/grasps?grasps=G9", None, 422, UNKNOWN, "'G1', 'G2'", "GET"),
     Case("a grasp twice in a query", SESSION + "/grasps?grasps=G1&grasps=G1", None, says="twice", method="GET"),
@@ -440,7 +458,7 @@ PATHS = [
     Case("outcomes that are not yes or no", VOA + "?outcomes=perhaps", None, says="boolean", method="GET"),
     *(
         Case(f"{what}: {name}", f"/v1/{what}?{query}", None, says=says, method="GET")
-        for what in ("objects", "scenarios", "sessions")
+        for what in ("objects", "scenarios", "sessions", "sessions/{data_session}/history")
         for name, query, says in (
             ("a cursor of another service", "after=abc", "`next` of a page"),
             ("a negative cursor", "after=-1", "`next` of a page"),
@@ -466,6 +484,10 @@ HEADERS = [
     Case("If-Match of 30 digits", SCANS, scan_of(GOOD), 412, "stale-version", "v1",
          headers={"if-match": '"v' + "9" * 30 + '"'}),
     Case("an old If-Match to delete", SESSION, None, 412, "stale-version", "v0", "DELETE", {"if-match": '"v0"'}),
+    Case("an old If-Match for a belief", SESSION + "/belief", {"belief": None}, 412, "stale-version", "v0", "PUT",
+         {"if-match": '"v0"'}),
+    Case("an old If-Match for an outcome", OUTCOMES, {"grasp": "G1", "success": True}, 412, "stale-version", "v0",
+         headers={"if-match": '"v0"'}),
     Case("an empty Idempotency-Key", SCANS, scan_of(GOOD), says="Idempotency-Key", headers={"idempotency-key": ""}),
     Case("an Idempotency-Key of 256 characters", SCANS, scan_of(GOOD), says="at most 255",
          headers={"idempotency-key": "k" * 256}),
@@ -487,8 +509,16 @@ CASES = [
     *SCENARIOS,
     *SESSIONS,
     *SCAN_CASES,
-    *beliefs("/v1/updates", UPDATE),
-    *beliefs("/v1/rankings", RANK),
+    *stateless("/v1/updates", UPDATE),
+    *stateless("/v1/rankings", RANK),
+    *beliefs("/v1/sessions/{data_session}/belief", {"belief": [0.2, 0.3, 0.5]}, "PUT"),
+    Case("outcome: an unknown grasp", OUTCOMES, {"grasp": "G9", "success": True}, 422, UNKNOWN, "'G1', 'G2'"),
+    Case("outcome: half a surrogate pair as grasp", OUTCOMES, {"grasp": "\ud800", "success": True}, says="unicode"),
+    Case("outcome: no grasp", OUTCOMES, {"success": True}, says="grasp"),
+    Case("outcome: no success", OUTCOMES, {"grasp": "G1"}, says="success"),
+    Case("outcome: a number as success", OUTCOMES, {"grasp": "G1", "success": 1}, says="boolean"),
+    Case("outcome: a string as success", OUTCOMES, {"grasp": "G1", "success": "true"}, says="boolean"),
+    Case("outcome: an unknown field", OUTCOMES, {"grasp": "G1", "success": True, "colour": 1}, says="colour"),
     *rankings("/v1/rankings", RANK),
     *rankings(VOA, {}),
     Case("update: an unknown sensor", "/v1/updates", UPDATE | {"sensor": "Q9"}, 422, UNKNOWN, "'Q1', 'Q2'"),
@@ -570,12 +600,17 @@ METHODS = {
     "/v1/sessions": {"GET", "POST"},
     "/v1/sessions/{data_session}": {"GET", "DELETE"},
     "/v1/sessions/{data_session}/scans": {"POST"},
+    "/v1/sessions/{data_session}/belief": {"PUT"},
+    "/v1/sessions/{data_session}/grasp-outcomes": {"POST"},
+    "/v1/sessions/{data_session}/history": {"GET"},
+    "/v1/sessions/{data_session}/events": {"GET"},
     "/v1/sessions/{data_session}/voa": {"GET", "POST"},
     "/v1/sessions/{data_session}/grasps": {"GET"},
     "/v1/updates": {"POST"},
     "/v1/rankings": {"POST"},
     "/livez": {"GET"},
     "/readyz": {"GET"},
+    "/metrics": {"GET"},
 }
 
 

@@ -22,6 +22,7 @@ def test_a_belief_is_made_to_sum_to_1() -> None:
         ([0.5, 0.4], None, "belief: expected a sum within 1e-6 of 1, got a sum of 0.9"),
         ([0.5, math.nan], None, r"belief: expected finite numbers, got nan at \[1\]"),
         ([], None, "belief: expected a sum within 1e-6 of 1, got a sum of 0"),
+        ([1.7e308, 1.7e308], None, "belief: expected a sum within 1e-6 of 1, got a sum of"),
     ],
 )
 def test_a_belief_that_is_none_is_refused(values: Any, length: int | None, message: str) -> None:

@@ -31,6 +31,8 @@ def test_angles_start_at_angle_min_and_turn_by_the_increment() -> None:
         (4, math.nan, 0.1, "angle_min: expected a finite number"),
         (4, 0.0, math.inf, "angle_increment: expected a finite number"),
         (4, 0.0, 0.0, "angle_increment: expected a number other than 0"),
+        (4, 0.0, 1e300, "angle_increment: expected .* rad to a turn, to either side, got 1e[+]300"),
+        (4, 0.0, -1e-300, "angle_increment: expected .* rad to a turn, to either side, got -1e-300"),
     ],
 )
 def test_a_grid_that_is_none_is_refused(beams: int, start: float, increment: float, message: str) -> None:

@@ -5,10 +5,12 @@ import pytest
 
 from voa_core import kernels, rasterising, warmup
 
+KERNELS = ("squared_distances", "squared_distances_among", "disagreements", "mixture_likelihoods")
+
 
 def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.MonkeyPatch) -> None:
     met: set[tuple[str, str]] = set()
-    for name in ("squared_distances", "squared_distances_among", "disagreements", "mixture_log_likelihoods"):
+    for name in KERNELS:
         plain = getattr(kernels, name)
 
         def spying(*arguments: object, name: str = name, plain: object = plain) -> None:
@@ -17,11 +19,7 @@ def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.Mo
 
         monkeypatch.setattr(f"voa_core.rules.{name}", spying)
     warmup.warm_up()
-    assert met == {
-        (name, dtype)
-        for name in ("squared_distances", "squared_distances_among", "disagreements", "mixture_log_likelihoods")
-        for dtype in ("float32", "float64")
-    }
+    assert met == {(name, dtype) for name in KERNELS for dtype in ("float32", "float64")}
 
 
 def test_it_is_a_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from voa_service.ports import HistoryKind, IdempotencyKey, Write
 
 IfMatch = Annotated[
     str | None,
-    Header(description='Only if the session is at this version, `"v<version>"`.', examples=['"v3"']),
+    Header(alias="If-Match", description='Only if the session is at this version, `"v<version>"`.', examples=['"v3"']),
 ]
 Key = Annotated[
     str | None,
@@ -49,4 +49,5 @@ def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel |
 
 def write_of(kind: HistoryKind, received: bytes, key: IdempotencyKey | None, if_match: str | None = None) -> Write:
     """One write as it came in."""
-    return Write(kind, received.decode(), key, versions(if_match))
+    # Without a byte order mark: JSON parsers take one before a body, none takes it back.
+    return Write(kind, received.decode("utf-8-sig"), key, versions(if_match))

@@ -1,0 +1,40 @@
+"""One example of every request, for the OpenAPI document and for whoever reads this."""
+
+from typing import Any
+
+from pydantic import ConfigDict
+
+SCENARIO_ID = "7c1f5e1c3b0d4c5e9a1f0b2d3c4e5f60718293a4b5c6d7e8f90a1b2c3d4e5f60"
+BEAMS = [0.201, 0.198, None, 0.199, None, 0.0, 0.205, None]
+
+SCENARIO: dict[str, Any] = {
+    "name": "two-poses",
+    "object": None,
+    "poses": [{"name": "P1"}, {"name": "P2"}],
+    "grasps": [{"name": "G1", "data": {"width_m": 0.018}}, {"name": "G2"}],
+    "scores": {"attempts": 15, "successes": [[13, 0], [4, 9]]},
+    "sensors": [{"name": "Q1", "x": -0.16, "y": 0.0, "yaw_rad": 0.0, "cost": 0.01}],
+    "lidar": {"preset": "lds-01", "beams": 8, "angle_increment": 0.7853981633974483},
+    "update": {"rule": "exponential", "no_return_m": 1.0, "on_no_match": "reject"},
+    "workspace": {"min": [-0.2, -0.2], "max": [0.2, 0.2]},
+    "predictions": {
+        "Q1": {
+            "P1": [0.2, 0.2, None, 0.2, None, None, 0.2, None],
+            "P2": [0.3, 0.25, None, 0.2, None, None, None, None],
+        }
+    },
+    "prior": None,
+}
+SCAN: dict[str, Any] = {"sensor": "Q1", "scan": {"ranges": BEAMS, "no_return": [4, 7]}}
+VOA: dict[str, Any] = {"sensors": ["Q1"], "grasps": ["G1", "G2"], "outcomes": True}
+PREDICTIONS: dict[str, Any] = {"sensors": ["Q1"]}
+SESSION: dict[str, Any] = {"scenario": SCENARIO_ID, "prior": [0.5, 0.5]}
+BELIEF: dict[str, Any] = {"belief": [0.25, 0.75]}
+OUTCOME: dict[str, Any] = {"grasp": "G1", "success": True}
+UPDATE: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **SCAN}
+RANKING: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **VOA}
+
+
+def exemplified(example: dict[str, Any]) -> ConfigDict:
+    """The `model_config` of a message that shows an example."""
+    return ConfigDict(json_schema_extra={"examples": [example]})

@@ -1,0 +1,94 @@
+"""In which precision rankings are computed, and that it hardly matters."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.serving import LIDAR, Json, data_scenario, serving
+from voa_core.assistance import value_of_assistance
+from voa_service.bootstrap import services
+from voa_service.cache import Cache
+from voa_service.models import Models, Precision
+from voa_service.settings import MEBIBYTE, Settings
+
+POSES, SENSORS, BEAMS = 200, 4, 12
+
+
+def large() -> Json:
+    rng = np.random.default_rng(5)
+    names = [f"P{i}" for i in range(POSES)]
+    ranges = rng.uniform(0.2, 1.9, (SENSORS, POSES, BEAMS)).round(4).tolist()
+    return data_scenario(
+        poses=[{"name": name} for name in names],
+        scores={"probabilities": rng.uniform(0.0, 1.0, (2, POSES)).tolist()},
+        sensors=[{"name": f"S{a}", "x": 0.0, "y": 0.0, "yaw_rad": 0.0} for a in range(SENSORS)],
+        predictions={f"S{a}": dict(zip(names, ranges[a], strict=True)) for a in range(SENSORS)},
+        lidar=LIDAR | {"beams": BEAMS},
+        update={"rule": "exponential"},
+    )
+
+
+def ranked(folder: Path, mebibytes: int) -> Any:
+    with serving(folder, cache_mebibytes=mebibytes) as service:
+        session = service.open(service.create(large()))
+        first = service.get(f"/v1/sessions/{session}/voa?outcomes=true")
+        assert service.get(f"/v1/sessions/{session}/voa?outcomes=true") == first
+        return first
+
+
+def test_float64_and_float32_agree(tmp_path_factory: pytest.TempPathFactory) -> None:
+    # 4 sensors x 200^2 poses: 1.28 MB in float64, 0.64 MB in float32.
+    exact, rough = (ranked(tmp_path_factory.mktemp(str(size)), size) for size in (64, 1))
+    assert (exact["precision"], rough["precision"]) == ("float64", "float32")
+    values = {look["sensor"]: look["voa"] for look in exact["ranking"]}
+    assert {look["sensor"]: look["voa"] for look in rough["ranking"]} == pytest.approx(values, abs=1e-5)
+    assert rough["expected_score_before"] == pytest.approx(exact["expected_score_before"], abs=1e-12)
+
+
+def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        model = service.inside.sessions.models.get(service.create(large()))
+        assert model is not None
+        sensor = model.scenario.sensors[0]
+        scenario = model.scenario
+        kinds: list[tuple[Precision, bool]] = [(p, keep) for p in ("float64", "float32") for keep in (True, False)]
+        found = [
+            value_of_assistance(model.weigher(sensor, precision, keep), scenario.prior, scenario.table, scenario.policy)
+            for precision, keep in kinds
+        ]
+    assert found[0].voa == pytest.approx(found[1].voa, abs=1e-12)
+    for other in found[2:]:
+        assert other.voa == pytest.approx(found[0].voa, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("sensors", "poses", "expected"),
+    [
+        (1, 100, ("float64", True)),
+        (11, 100, ("float64", True)),
+        (12, 100, ("float32", True)),
+        (23, 100, ("float32", True)),
+        (24, 100, ("float32", False)),
+        (1, 20_000, ("float32", False)),
+    ],
+)
+def test_the_budget_decides_on_the_precision(
+    tmp_path: Path, sensors: int, poses: int, expected: tuple[str, bool]
+) -> None:
+    with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
+        models = Models(inside.store, Cache(MEBIBYTE))
+        assert models.precision(sensors, poses) == expected
+
+
+def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        scenario = service.create(data_scenario())
+        small = Models(service.inside.store, Cache(1))
+        first, second = small.get(scenario), small.get(scenario)
+        assert first is not None
+        assert second is not None
+        assert first is not second
+        assert first.scenario.poses.names == second.scenario.poses.names
+        assert small.get("nothing") is None

@@ -1,0 +1,95 @@
+"""`voa serve` starts where it may and says why where it may not."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from voa_cli.local_service import local_service
+from voa_service.serve import main
+from voa_service.settings import Limits, Settings
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.lab", "10.0.0.1"])  # noqa: S104
+def test_other_addresses_than_loopback_are_refused_unless_insecure(
+    host: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--host", host]) == 2
+    assert host in (said := capsys.readouterr().err)
+    assert "--insecure" in said
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost"])
+def test_loopback_is_loopback(host: str) -> None:
+    assert Settings(host=host).is_loopback
+
+
+@pytest.mark.parametrize("arguments", [["--port", "70000"], ["--port", "-1"]])
+def test_a_setting_that_cannot_be_is_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == 2
+    assert "port" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--colour"], ["--port", "many"], ["--log-level", "LOUD"]])
+def test_an_option_that_does_not_exist_is_a_usage_error(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert "usage: voa serve" in capsys.readouterr().err
+
+
+def test_a_port_that_is_taken_is_said_so(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = subprocess.run(
+            [sys.executable, "-m", "voa_service", "--port", str(port)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            timeout=60,
+        )
+    assert done.returncode == 1
+    assert f"cannot listen on 127.0.0.1:{port}" in done.stderr
+    assert not (tmp_path / "voa.db").exists()
+
+
+def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VOA_PORT", "8123")
+    monkeypatch.setenv("VOA_LIMITS__POSES", "5")
+    settings = Settings()
+    assert settings.port == 8123
+    assert settings.limits == Limits(poses=5)
+    assert Settings(port=9000).port == 9000
+
+
+def test_the_log_is_one_json_object_a_line_with_the_request_id(tmp_path: Path) -> None:
+    with local_service(tmp_path) as url:
+        request = f"import httpx2; httpx2.get('{url}/v1/lidars', headers={{'x-request-id': 'robot-1'}})"
+        subprocess.run([sys.executable, "-c", request], check=True, env=os.environ)
+    lines = [json.loads(line) for line in (tmp_path / "service.log").read_text().splitlines()]
+    assert any(line["event"] == "listening" and line["url"] == url for line in lines)
+    mine = [line for line in lines if line.get("request_id") == "robot-1"]
+    assert [(line["event"], line["path"], line["status"]) for line in mine] == [("request", "/v1/lidars", 200)]
+    assert not any(line.get("path") == "/readyz" for line in lines)
+
+
+def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) -> None:
+    # A database that is not there: the service ends, whatever it says goes to stderr.
+    url = "postgresql+psycopg://voa:s3cret@127.0.0.1:1/voa"
+    done = subprocess.run(
+        [sys.executable, "-m", "voa_service", "--port", "0", "--database-url", url],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=60,
+    )
+    assert done.returncode != 0
+    assert "s3cret" not in done.stdout + done.stderr
