@@ -363,7 +363,7 @@ def test_a_full_disk_is_a_503_that_loses_nothing_and_passes(
             with stored(url) as store:
                 assert assert_everything_happened_once(store, done) == len(done)
     with capsys.disabled():
-        print(f"\n   disk full: {len(done)} scans answered, then none, then again")
+        print(f"\n  disk full ({disk.what}): {len(done)} scans answered, then none, then again")
 
 
 # ------------------------------------------------------------------------------------- database gone, caller gone
