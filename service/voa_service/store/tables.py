@@ -1,13 +1,16 @@
 """The tables. Times are ISO 8601 in UTC; float arrays are little-endian float64 blobs."""
 
-from sqlalchemy import Column, Float, ForeignKey, Integer, LargeBinary, MetaData, String, Table, Text, UniqueConstraint
+from sqlalchemy import BigInteger, Column, Float, ForeignKey, Integer, LargeBinary, MetaData, String, Table, Text
 
 metadata = MetaData()
+
+Sequence = BigInteger().with_variant(Integer, "sqlite")
+"""SQLite counts up in INTEGER alone, of 64 bits."""
 
 objects = Table(
     "objects",
     metadata,
-    Column("seq", Integer, primary_key=True, autoincrement=True),
+    Column("seq", Sequence, primary_key=True, autoincrement=True),
     Column("id", String(64), nullable=False, unique=True),
     Column("name", Text, nullable=False),
     Column("created_at", String(32), nullable=False),
@@ -18,7 +21,7 @@ objects = Table(
 scenarios = Table(
     "scenarios",
     metadata,
-    Column("seq", Integer, primary_key=True, autoincrement=True),
+    Column("seq", Sequence, primary_key=True, autoincrement=True),
     Column("id", String(64), nullable=False, unique=True),
     Column("name", Text, nullable=False),
     Column("created_at", String(32), nullable=False),
@@ -28,7 +31,7 @@ scenarios = Table(
 sessions = Table(
     "sessions",
     metadata,
-    Column("seq", Integer, primary_key=True, autoincrement=True),
+    Column("seq", Sequence, primary_key=True, autoincrement=True),
     Column("id", String(64), nullable=False, unique=True),
     Column("scenario", String(64), ForeignKey("scenarios.id"), nullable=False),
     Column("version", Integer, nullable=False),
@@ -42,16 +45,14 @@ sessions = Table(
 history = Table(
     "history",
     metadata,
-    Column("seq", Integer, primary_key=True, autoincrement=True),
-    Column("session", String(64), ForeignKey("sessions.id", ondelete="CASCADE"), nullable=False),
-    Column("version", Integer, nullable=False),
+    Column("session", String(64), ForeignKey("sessions.id", ondelete="CASCADE"), primary_key=True),
+    Column("version", Integer, primary_key=True, autoincrement=False),
     Column("kind", String(16), nullable=False),
     Column("at", String(32), nullable=False),
     Column("request", Text, nullable=False),
     Column("report", Text),
     Column("belief", LargeBinary, nullable=False),
     Column("last_fit_rmsd_mm", Float),
-    UniqueConstraint("session", "version"),
 )
 
 answers = Table(

@@ -11,9 +11,10 @@ depends_on = None
 
 def upgrade() -> None:
     """One step forward; there is none back: what was answered stays readable."""
+    sequence = sa.BigInteger().with_variant(sa.Integer, "sqlite")  # SQLite counts up in INTEGER alone, of 64 bits
     op.create_table(
         "objects",
-        sa.Column("seq", sa.Integer, primary_key=True, autoincrement=True),
+        sa.Column("seq", sequence, primary_key=True, autoincrement=True),
         sa.Column("id", sa.String(64), nullable=False, unique=True),
         sa.Column("name", sa.Text, nullable=False),
         sa.Column("created_at", sa.String(32), nullable=False),
@@ -22,7 +23,7 @@ def upgrade() -> None:
     )
     op.create_table(
         "scenarios",
-        sa.Column("seq", sa.Integer, primary_key=True, autoincrement=True),
+        sa.Column("seq", sequence, primary_key=True, autoincrement=True),
         sa.Column("id", sa.String(64), nullable=False, unique=True),
         sa.Column("name", sa.Text, nullable=False),
         sa.Column("created_at", sa.String(32), nullable=False),
@@ -30,7 +31,7 @@ def upgrade() -> None:
     )
     op.create_table(
         "sessions",
-        sa.Column("seq", sa.Integer, primary_key=True, autoincrement=True),
+        sa.Column("seq", sequence, primary_key=True, autoincrement=True),
         sa.Column("id", sa.String(64), nullable=False, unique=True),
         sa.Column("scenario", sa.String(64), sa.ForeignKey("scenarios.id"), nullable=False),
         sa.Column("version", sa.Integer, nullable=False),
@@ -42,16 +43,14 @@ def upgrade() -> None:
     )
     op.create_table(
         "history",
-        sa.Column("seq", sa.Integer, primary_key=True, autoincrement=True),
-        sa.Column("session", sa.String(64), sa.ForeignKey("sessions.id", ondelete="CASCADE"), nullable=False),
-        sa.Column("version", sa.Integer, nullable=False),
+        sa.Column("session", sa.String(64), sa.ForeignKey("sessions.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("version", sa.Integer, primary_key=True, autoincrement=False),
         sa.Column("kind", sa.String(16), nullable=False),
         sa.Column("at", sa.String(32), nullable=False),
         sa.Column("request", sa.Text, nullable=False),
         sa.Column("report", sa.Text),
         sa.Column("belief", sa.LargeBinary, nullable=False),
         sa.Column("last_fit_rmsd_mm", sa.Float),
-        sa.UniqueConstraint("session", "version"),
     )
     op.create_table(
         "answers",
