@@ -10,7 +10,7 @@ from pathlib import Path
 
 import httpx2
 
-START_SECONDS = 60.0
+START_SECONDS = 120.0
 STOP_SECONDS = 30.0
 
 
@@ -36,10 +36,18 @@ class Replica:
 
     def start(self) -> None:
         """Returns when it is ready."""
+        self.launch()
+        self.wait_until_ready()
+
+    def launch(self) -> None:
+        """Returns at once."""
         options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url]
         command = [sys.executable, "-m", "voa_service", *options]
         with self.log.open("ab") as stderr:
             self._process = subprocess.Popen(command, stderr=stderr, pass_fds=[self._listening.fileno()])
+
+    def wait_until_ready(self) -> None:
+        """It answers, and so does its database."""
         httpx2.get(f"{self.url}/readyz", timeout=START_SECONDS).raise_for_status()
 
     def kill(self) -> None:
@@ -68,10 +76,10 @@ class Replica:
 def replicas(database_url: str, folder: Path, count: int = 1) -> Iterator[list[Replica]]:
     """So many processes on one database."""
     with ExitStack() as stack:
-        started = []
-        for number in range(count):
-            replica = Replica(database_url, folder / f"service-{number}.log")
+        own = [Replica(database_url, folder / f"service-{number}.log") for number in range(count)]
+        for replica in own:
             stack.callback(replica.end)
-            replica.start()
-            started.append(replica)
-        yield started
+            replica.launch()
+        for replica in own:
+            replica.wait_until_ready()
+        yield own

@@ -137,6 +137,9 @@ class InverseRmsd(_ByDistance):
         return log_weights
 
 
+_BLOCK_POSES = 512  # what the beam rule knows of so many predicted scans stays in a core's cache
+
+
 def _factors_in_range(random_density: float, lost: float, highest: float) -> int:
     """How many factors between the lowest and the highest a product of float64 can surely hold, at least 1."""
     if random_density == 0.0:
@@ -197,6 +200,11 @@ class Beam:
         return self.z_hit + self.z_short + self.z_no_return + self.z_random
 
     def statistic(self, observed: Array, predicted: Array) -> Array:
+        parts = [predicted[start : start + _BLOCK_POSES] for start in range(0, len(predicted), _BLOCK_POSES)]
+        return np.concatenate([self._log_likelihoods(observed, part) for part in parts], axis=1)
+
+    def _log_likelihoods(self, observed: Array, predicted: Array) -> Array:
+        """Logarithms of the products over beams: (m, c) and (n, c) give (m, n)."""
         hit, short, lost, random = (
             share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
         )

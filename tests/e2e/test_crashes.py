@@ -9,7 +9,7 @@ import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -34,8 +34,8 @@ from voa_service.usecases.sessions import evidence_of
 
 SESSIONS = scaled(10, 100)
 WRITERS = scaled(4, 16)
-KILLS = scaled(3, 12)
-ANSWERS_BETWEEN_KILLS = scaled((10, 40), (200, 500))
+KILLS = scaled(3, 10)
+ANSWERS_BETWEEN_KILLS = scaled((10, 40), (200, 400))
 DUPLICATES = scaled(5, 50)
 VANISHING = scaled(10, 200)
 
@@ -105,7 +105,9 @@ def some_write(rng: random.Random, session: str, key: str) -> Sent:
         first, second = sorted((rng.random(), rng.random()))
         given = rng.choice([None, [first, second - first, 1.0 - second]])
         return Sent("PUT", f"{root}/belief", json.dumps({"belief": given}), key)
-    ranges = [None] * 4 if kind == "nothing" else [round(rng.uniform(0.2, 1.2), 6) for _ in range(4)]
+    ranges: list[float | None] = (
+        [None] * 4 if kind == "nothing" else [round(rng.uniform(0.2, 1.2), 6) for _ in range(4)]
+    )
     return Sent("POST", f"{root}/scans", json.dumps(scan_of(ranges, rng.choice(["Q1", "Q2"]), stamp=key)), key)
 
 
@@ -264,6 +266,7 @@ def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothin
 class Disk(NamedTuple):
     """A place that becomes full."""
 
+    what: str
     folder: Path
     fill: Callable[[int], None]
     """For a process: there is no more room."""
@@ -282,7 +285,7 @@ def small_disk(folder: Path) -> Iterator[Disk]:
         subprocess.run(["mount", "-o", "remount,size=64m", place], check=True, capture_output=True)
 
     try:
-        yield Disk(place, lambda _: None, free)
+        yield Disk("a tmpfs of 1 MB", place, lambda _: None, free)
     finally:
         subprocess.run(["umount", "--lazy", place], check=True, capture_output=True)
 
@@ -297,7 +300,9 @@ def limited_files(folder: Path) -> Iterator[Disk]:
         hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]
         resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, hard))
 
-    yield Disk(place, lambda pid: limit(pid, 2**20), lambda pid: limit(pid, resource.RLIM_INFINITY))
+    yield Disk(
+        "RLIMIT_FSIZE of 1 MB", place, lambda pid: limit(pid, 2**20), lambda pid: limit(pid, resource.RLIM_INFINITY)
+    )
 
 
 def can_mount(folder: Path = Path("/tmp")) -> bool:  # noqa: S108 - only a mount point, and only if root
@@ -315,14 +320,19 @@ def can_mount(folder: Path = Path("/tmp")) -> bool:  # noqa: S108 - only a mount
         place.rmdir()
 
 
+DISKS = [small_disk, limited_files] if can_mount() else [limited_files]
+
+
 def padded_scan(session: str, number: int) -> Sent:
     """A scan whose request is 20 kB long."""
     body = scan_of([0.5, 0.5 + number / 1000, None, 1.0], stamp=f"{number} " + "x" * 20_000)
     return Sent("POST", f"/v1/sessions/{session}/scans", json.dumps(body), f"key {number}")
 
 
-def test_a_full_disk_is_a_503_that_loses_nothing_and_passes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    kind = small_disk if can_mount() else limited_files
+@pytest.mark.parametrize("kind", DISKS[: scaled(1, 2)], ids=lambda kind: kind.__name__)
+def test_a_full_disk_is_a_503_that_loses_nothing_and_passes(
+    kind: Callable[[Path], AbstractContextManager[Disk]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with kind(tmp_path) as disk:
         url = f"sqlite:///{disk.folder / 'voa.db'}"
         with replicas(url, tmp_path) as (replica,), httpx2.Client(base_url=replica.url, timeout=TIMEOUT) as http:
@@ -353,7 +363,7 @@ def test_a_full_disk_is_a_503_that_loses_nothing_and_passes(tmp_path: Path, caps
             with stored(url) as store:
                 assert assert_everything_happened_once(store, done) == len(done)
     with capsys.disabled():
-        print(f"\n  {kind.__name__}: {len(done)} scans answered, then none, then again")
+        print(f"\n  disk full ({disk.what}): {len(done)} scans answered, then none, then again")
 
 
 # ------------------------------------------------------------------------------------- database gone, caller gone
