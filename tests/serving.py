@@ -3,7 +3,7 @@
 import copy
 import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,8 +80,8 @@ def mesh_scenario(object_id: str, **changes: Any) -> Json:
     return copy.deepcopy(body | changes)
 
 
-def scan_of(ranges: list[float | None], sensor: str = "Q1", **more: Any) -> Json:
-    return {"sensor": sensor, "scan": {"ranges": ranges} | more}
+def scan_of(ranges: Sequence[float | None], sensor: str = "Q1", **more: Any) -> Json:
+    return {"sensor": sensor, "scan": {"ranges": list(ranges)} | more}
 
 
 def as_scan(predicted: list[float | None]) -> Json:

@@ -1,6 +1,7 @@
 """`voa serve`: the service as a process."""
 
 import argparse
+import signal
 import socket
 import sys
 from collections.abc import Sequence
@@ -42,6 +43,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"voa serve: cannot listen on {settings.host}:{settings.port}: {error.strerror}", file=sys.stderr)
         return 1
+    # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with bootstrap.services(settings) as services:
         config = uvicorn.Config(
             create_app(services),
