@@ -7,7 +7,7 @@ STAMP := $(VENV)/.installed
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help setup demo test bench lint lock clean
+.PHONY: help setup demo test bench lint lock image clean
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
@@ -45,14 +45,22 @@ system-packages:
 lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy voa_core service clients assets tests
+	$(BIN)/mypy voa_core service clients assets deploy tests
 
 bench: setup  ## the ratios, as a table and in build/bench.json
 	@$(BIN)/python -m tests.benchmarks --out build/bench.json
 
-lock: setup  ## requirements.lock from pyproject.toml
-	$(BIN)/uv pip compile pyproject.toml --quiet --universal --generate-hashes --no-emit-index-url \
-	  --all-extras --python-version 3.11 --custom-compile-command "make lock" -o requirements.lock
+UV_LOCK = $(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --python-version 3.11 \
+  --custom-compile-command "make lock"
+
+lock: setup  ## requirements.lock from pyproject.toml, and from that one what goes into the image
+	$(UV_LOCK) --all-extras -o requirements.lock pyproject.toml
+	$(UV_LOCK) --no-annotate -c requirements.lock --extra service --extra postgres \
+	  -o deploy/requirements-service.lock pyproject.toml
+	echo hatchling | $(UV_LOCK) --no-annotate -c requirements.lock -o deploy/requirements-build.lock -
+
+image: setup  ## build the container image without Docker, run it hardened, try it out
+	@deploy/image.sh
 
 clean:  ## remove what the targets built
 	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,69 @@
+"""What `make image` asks of a running container: the main job, and the same answer again after a restart.
+
+`check_container.py work URL FILE` stores the mug's scenario, opens a session, ranks, applies a scan, and writes the
+session into FILE; `check_container.py recall URL FILE` finds it as it was.
+"""
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from voa_assets import path as asset_path
+from voa_cli.scenario_file import load_scenario
+from voa_client import Client, UnreachableError
+from voa_msgs.scenarios import PredictionsRequest
+from voa_msgs.sessions import Scan, ScanRequest, Session, SessionRequest
+
+TRUE_POSE = "U_90"
+_START_SECONDS = 60.0
+_PAUSE_SECONDS = 0.05
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Do one of the two; returns the exit code."""
+    what, url, file = arguments
+    with Client(url) as client:
+        print(f"  /readyz said {_wait(client)}")
+        if what == "work":
+            Path(file).write_text(_work(client).model_dump_json(), encoding="utf-8")
+            return 0
+        expected = Session.model_validate_json(Path(file).read_text(encoding="utf-8"))
+        found = client.get_session(expected.id)
+        print(f"  session {found.id} is at version {found.version}, best grasp {found.best_grasp}")
+        if found != expected:
+            print(f"  but it was at version {expected.version}, best grasp {expected.best_grasp}", file=sys.stderr)
+        return int(found != expected)
+
+
+def _wait(client: Client) -> str:
+    """Until the service is ready, at most a minute."""
+    until = time.monotonic() + _START_SECONDS
+    while True:
+        try:
+            return client.ready().status
+        except UnreachableError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(_PAUSE_SECONDS)
+
+
+def _work(client: Client) -> Session:
+    """A scenario, a session, a ranking and a scan."""
+    scenario = load_scenario(client, asset_path("mug") / "scenario.json")
+    session = client.create_session(SessionRequest(scenario=scenario.id))
+    started = time.perf_counter()
+    look = client.rank_looks(session.id).ranking[0].sensor
+    print(f"  first ranking in {time.perf_counter() - started:.2f} s: look from {look}")
+    predicted = client.predict(scenario.id, PredictionsRequest(sensors=[look]))
+    ranges = predicted.ranges[0][predicted.poses.index(TRUE_POSE)]
+    nothing = [beam for beam, value in enumerate(ranges) if value is None]
+    request = ScanRequest(sensor=look, scan=Scan(ranges=ranges, no_return=nothing))
+    started = time.perf_counter()
+    updated = client.apply_scan(session.id, request)
+    print(f"  scan applied in {1e3 * (time.perf_counter() - started):.0f} ms: best grasp {updated.best_grasp}")
+    return client.get_session(session.id)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
