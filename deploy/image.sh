@@ -104,11 +104,13 @@ check() {  # check work|recall: start a container on the volume, ask it, stop it
   started=$(date +%s%N)
   # The host's network, because a bridge needs more than a sandbox has; so on loopback, and on a port that is free.
   hardened --network host --env VOA_HOST=127.0.0.1 --env VOA_PORT="$port"
+  echo "  podman took $((($(date +%s%N) - started) / 1000000)) ms"
+  started=$(date +%s%N)
   until "$python" -c "import socket; socket.create_connection(('127.0.0.1', $port), 1)" 2>/dev/null; do
     [ "$(podman inspect --format '{{.State.Running}}' "$name")" = true ] || { show_log; fail "it ended"; }
     [ $(($(date +%s%N) - started)) -lt 60000000000 ] || { show_log; fail "it does not listen"; }
   done
-  echo "  listening after $((($(date +%s%N) - started) / 1000000)) ms"
+  echo "  listening $((($(date +%s%N) - started) / 1000000)) ms later"
   "$python" deploy/check_container.py "$1" "http://127.0.0.1:$port" "$work/session.json" ||
     { show_log; fail "the container did not do its work"; }
   podman healthcheck run "$name" || fail "its own health check failed"
