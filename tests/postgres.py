@@ -33,7 +33,8 @@ def binaries() -> Path:
 class Server:
     """A cluster of our own: databases to make, and a server to stop and start."""
 
-    def __init__(self, home: Path) -> None:
+    def __init__(self, home: Path, durable: bool = False) -> None:
+        self._fsync = "on" if durable else "off"
         self._binaries = binaries()
         self._home = home
         self._as_whom: dict[str, Any] = {}
@@ -52,7 +53,7 @@ class Server:
     def start(self) -> None:
         """Returns when it answers."""
         address = f"-c port={self._port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={self._home}"
-        self._run("pg_ctl", "-w", "-l", self._home / "log", "-o", f"{address} -c fsync=off", "start")
+        self._run("pg_ctl", "-w", "-l", self._home / "log", "-o", f"{address} -c fsync={self._fsync}", "start")
 
     def stop(self) -> None:
         """Cut every connection and end; what was committed is kept."""
@@ -76,10 +77,10 @@ class Server:
 
 
 @contextmanager
-def server() -> Iterator[Server]:
-    """A cluster that runs, and goes away afterwards."""
+def server(*, durable: bool = False) -> Iterator[Server]:
+    """A cluster that runs, and goes away afterwards; `durable` syncs every commit, as in earnest."""
     with tempfile.TemporaryDirectory(prefix="voa-pg-") as folder:
-        own = Server(Path(folder))
+        own = Server(Path(folder), durable)
         own.start()
         try:
             yield own

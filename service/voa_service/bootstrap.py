@@ -53,6 +53,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
+    store.listen(changes.moved)
     sessions = Sessions(store, models, now, ids, changes.moved, metrics.observation)
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:

@@ -1,6 +1,7 @@
 """Who waits for a session to move, and how they hear of it.
 
-A write in this process wakes its watchers at once; one by another process is seen at the next look at the store.
+A write in this process wakes its watchers at once; so does one by another process where the database tells of it
+(PostgreSQL), else it is seen at the next look at the store.
 """
 
 import asyncio

@@ -130,6 +130,9 @@ class Store(Protocol):
     def close(self) -> None:
         """Release what is held."""
 
+    def listen(self, moved: Callable[[str], None]) -> None:
+        """Call `moved` with each session that another process changes, where the database tells; from any thread."""
+
     def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
         """Store a mesh unless an equal one is there; the one that is there then, and whether it is new."""
 

@@ -72,7 +72,7 @@ PACKAGES = {
         "structlog",
         "threadpoolctl",
         "uvicorn",
-        only_in={"trimesh": "worker.py"},
+        only_in={"trimesh": "worker.py", "psycopg": "listening.py"},
     ),
 }
 SHADOWED = {

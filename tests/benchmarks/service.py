@@ -48,11 +48,11 @@ def _against_echo(place: Path) -> Result:
         httpx2.Client(base_url=ours.url, timeout=300) as http,
         httpx2.Client(base_url=echo.url) as peer,
     ):
-        scenario = _post(http, "/v1/scenarios", _scenario(http, place, "exponential", poses=500, sensors=4))
-        session = _post(http, "/v1/sessions", {"scenario": scenario["id"]})
+        scenario = post(http, "/v1/scenarios", scenario_of(http, place, "exponential", poses=500, sensors=4))
+        session = post(http, "/v1/sessions", {"scenario": scenario["id"]})
         path = f"/v1/sessions/{session['id']}/scans"
-        scan = _scan(http, scenario["id"])
-        _post(peer, "/prepare", _post(http, path, scan))
+        scan = scan_of(http, scenario["id"])
+        post(peer, "/prepare", post(http, path, scan))
         body = json.dumps(scan)
         cpu: dict[str, list[float]] = {"ours": [], "peer": []}
         for _ in range(_ROUNDS):
@@ -66,7 +66,7 @@ def _against_echo(place: Path) -> Result:
 def _steps(place: Path, rule: str) -> list[Result]:
     results = []
     with _service(place) as service, httpx2.Client(base_url=service.url, timeout=600) as http:
-        body = _scenario(http, place, rule, poses=2_000, sensors=64)
+        body = scenario_of(http, place, rule, poses=2_000, sensors=64)
 
         def step(name: str, call: Callable[[], dict[str, Any]]) -> dict[str, Any]:
             cpu, began = _cpu_seconds(service.pid), time.perf_counter()
@@ -76,17 +76,17 @@ def _steps(place: Path, rule: str) -> list[Result]:
             results.append(Result(title, None, 1e3 * wall, None, f"ms wall ({1e3 * spent:.0f} ms CPU)"))
             return answer
 
-        scenario = step("create scenario", lambda: _post(http, "/v1/scenarios", body))
-        session = step("open session", lambda: _post(http, "/v1/sessions", {"scenario": scenario["id"]}))
-        scan = _scan(http, str(scenario["id"]))
+        scenario = step("create scenario", lambda: post(http, "/v1/scenarios", body))
+        session = step("open session", lambda: post(http, "/v1/sessions", {"scenario": scenario["id"]}))
+        scan = scan_of(http, str(scenario["id"]))
         looks, scans = f"/v1/sessions/{session['id']}/voa", f"/v1/sessions/{session['id']}/scans"
-        first = step("ranking, first (predictions and weights)", lambda: _post(http, looks, {}))
-        step("scan update", lambda: _post(http, scans, scan))
-        step(f"ranking, again ({first['precision']})", lambda: _post(http, looks, {}))
+        first = step("ranking, first (predictions and weights)", lambda: post(http, looks, {}))
+        step("scan update", lambda: post(http, scans, scan))
+        step(f"ranking, again ({first['precision']})", lambda: post(http, looks, {}))
     return results
 
 
-def _scenario(http: httpx2.Client, place: Path, rule: str, poses: int, sensors: int) -> dict[str, Any]:
+def scenario_of(http: httpx2.Client, place: Path, rule: str, poses: int, sensors: int) -> dict[str, Any]:
     """A scenario of the cup at any tilt; its mesh is uploaded."""
     mesh = place / "cup.obj"
     cup = scene.cup("10k")
@@ -112,18 +112,18 @@ def _scenario(http: httpx2.Client, place: Path, rule: str, poses: int, sensors: 
     }
 
 
-def _scan(http: httpx2.Client, scenario: str) -> dict[str, Any]:
+def scan_of(http: httpx2.Client, scenario: str) -> dict[str, Any]:
     """The scan that the first pose gives at the first sensor configuration, with noise."""
     told = http.get(f"/v1/scenarios/{scenario}").json()
     sensor = told["sensors"][0]["name"]
-    predicted = _post(http, f"/v1/scenarios/{scenario}/predictions", {"sensors": [sensor]})
+    predicted = post(http, f"/v1/scenarios/{scenario}/predictions", {"sensors": [sensor]})
     noise = np.random.default_rng(1).normal(0.0, 0.005, told["lidar"]["beams"])
     exact = predicted["ranges"][0][0]
     ranges = [None if r is None else r + float(off) for r, off in zip(exact, noise, strict=True)]
     return {"sensor": sensor, "scan": {"ranges": ranges, "no_return": [i for i, r in enumerate(exact) if r is None]}}
 
 
-def _post(http: httpx2.Client, path: str, body: object) -> dict[str, Any]:
+def post(http: httpx2.Client, path: str, body: object) -> dict[str, Any]:
     answer = http.post(path, json=body)
     answer.raise_for_status()
     told: dict[str, Any] = answer.json()

@@ -11,7 +11,20 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from sqlalchemy import BigInteger, Connection, Row, Select, Table, bindparam, delete, insert, literal, select, update
+from sqlalchemy import (
+    BigInteger,
+    Connection,
+    Row,
+    Select,
+    Table,
+    bindparam,
+    delete,
+    insert,
+    literal,
+    select,
+    text,
+    update,
+)
 from sqlalchemy.exc import IntegrityError
 
 from voa_core.filtering import Belief
@@ -29,6 +42,7 @@ from voa_service.ports import (
     Write,
 )
 from voa_service.store.engines import connect, transaction
+from voa_service.store.listening import CHANNEL, Listener
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
 
@@ -46,6 +60,7 @@ _HISTORY = (
     .order_by(history.c.version)
     .limit(bindparam("by_limit"))
 )
+_NOTIFY = text("SELECT pg_notify(:channel, :session)")
 _ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
 
@@ -55,6 +70,8 @@ class SqlStore:
     def __init__(self, url: str) -> None:
         self._engines = connect(url)
         self._writer, self._readers = self._engines
+        self._tells = self._writer.dialect.name == "postgresql"
+        self._listener: Listener | None = None
         migrate(self._writer)
 
     def ping(self) -> None:
@@ -65,7 +82,15 @@ class SqlStore:
 
     def close(self) -> None:
         """Close every connection."""
+        if self._listener is not None:
+            self._listener.close()
         self._engines.dispose()
+
+    def listen(self, moved: Callable[[str], None]) -> None:
+        """See `ports.Store`."""
+        if self._tells:
+            url = self._writer.url.set(drivername="postgresql")
+            self._listener = Listener(url.render_as_string(hide_password=False), moved)
 
     def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
         """See `ports.Store`."""
@@ -142,6 +167,7 @@ class SqlStore:
             if change.after is not None:
                 connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
                 _append(connection, change.after, write, change.report)
+                self._tell(connection, id_)
             _remember(connection, write.key, change.answer)
         return change.answer
 
@@ -164,8 +190,14 @@ class SqlStore:
                 return False
             _check_version(state, if_match)
             connection.execute(_DELETE_SESSION, {"by_id": id_})
+            self._tell(connection, id_)
             _remember(connection, key, Answered("", state.version))
         return True
+
+    def _tell(self, connection: Connection, id_: str) -> None:
+        """Let other processes know when this is committed."""
+        if self._tells:
+            connection.execute(_NOTIFY, {"channel": CHANNEL, "session": id_})
 
     def _put(self, table: Table, row: dict[str, Any]) -> tuple[Row[Any], bool]:
         """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
