@@ -39,7 +39,7 @@ def routes(services: Services) -> APIRouter:
             **problems(404, 422, 503),
         },
     )
-    async def follow_session(id: str, last_event_id: LastEventId = None) -> Response:  # noqa: A002
+    async def follow_session(id: str, last_event_id: LastEventId = None) -> Response:
         """The current state first, then each new version, whoever made it: `event: session`, its version as `id`.
 
         With `Last-Event-ID` every version after that one. `event: deleted` ends the stream.

@@ -50,12 +50,12 @@ def routes(services: Services) -> APIRouter:
         return await answer(services.quick, lambda: objects.list(limit, after))
 
     @router.get("/{id}", response_model=Object, responses=problems(404, 422, 503))
-    async def get_object(id: str) -> Response:  # noqa: A002 - the contract's name
+    async def get_object(id: str) -> Response:
         """One mesh."""
         return await answer(services.quick, lambda: objects.get(id))
 
     @router.get("/{id}/stable-poses", response_model=StablePoses, responses=problems(404, 422, 503))
-    async def get_stable_poses(id: str) -> Response:  # noqa: A002 - the contract's name
+    async def get_stable_poses(id: str) -> Response:
         """The physically distinct ways in which the object can rest on the table."""
         return await answer(services.heavy, lambda: objects.stable_poses(id))
 

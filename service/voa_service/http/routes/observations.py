@@ -31,7 +31,7 @@ def routes(services: Services) -> APIRouter:
         responses=_WRITE_PROBLEMS,
     )
     async def apply_scan(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         request: ScanRequest,
         http: Request,
         key: Key = None,
@@ -45,7 +45,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
     async def put_belief(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         request: BeliefRequest,
         http: Request,
         key: Key = None,
@@ -63,7 +63,7 @@ def routes(services: Services) -> APIRouter:
         responses=_WRITE_PROBLEMS,
     )
     async def report_outcome(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         request: OutcomeRequest,
         http: Request,
         key: Key = None,

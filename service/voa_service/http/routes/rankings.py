@@ -18,7 +18,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 422, 503))
     async def rank_looks(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         definition: Annotated[Definition, Query(description="Of VOA.")] = "posterior",
         outcomes: Annotated[bool, Query(description="Whether to list what each look could find.")] = False,
     ) -> Response:
@@ -27,7 +27,7 @@ def routes(services: Services) -> APIRouter:
         return await answer(services.heavy, lambda: rankings.of_session(id, request), exclude_unset=True)
 
     @router.post("/sessions/{id}/voa", response_model=Ranking, responses=problems(400, 404, 413, 422, 503))
-    async def rank_given_looks(id: str, request: VoaRequest | None = None) -> Response:  # noqa: A002
+    async def rank_given_looks(id: str, request: VoaRequest | None = None) -> Response:
         """The same for any sensor poses, over the grasps that are reachable now."""
         asked = request or VoaRequest()
         check(asked, services.limits)
@@ -35,7 +35,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.get("/sessions/{id}/grasps", response_model=RankedGrasps, responses=problems(404, 422, 503))
     async def rank_grasps(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         grasps: Annotated[
             list[str] | None,
             Query(description="The grasps that are reachable now, repeated or with commas between; without it, all."),

@@ -40,12 +40,12 @@ def routes(services: Services) -> APIRouter:
         return await answer(services.quick, lambda: scenarios.list(limit, after))
 
     @router.get("/scenarios/{id}", response_model=Scenario, responses=problems(404, 422, 503))
-    async def get_scenario(id: str) -> Response:  # noqa: A002 - the contract's name
+    async def get_scenario(id: str) -> Response:
         """One scenario with every default filled in."""
         return await answer(services.quick, lambda: scenarios.get(id))
 
     @router.post("/scenarios/{id}/predictions", response_model=Predictions, responses=problems(400, 404, 413, 422, 503))
-    async def predict(id: str, request: PredictionsRequest | None = None) -> Response:  # noqa: A002
+    async def predict(id: str, request: PredictionsRequest | None = None) -> Response:
         """The scans that every pose would give; null where nothing is in range."""
         if request is not None:
             check(request, services.limits)

@@ -36,7 +36,7 @@ def routes(services: Services) -> APIRouter:
         return await answer(services.quick, lambda: sessions.list(limit, after))
 
     @router.get("/sessions/{id}", response_model=Session, responses=problems(404, 422, 503))
-    async def get_session(id: str) -> Response:  # noqa: A002 - the contract's name
+    async def get_session(id: str) -> Response:
         """One session as it stands."""
 
         def work() -> Answered:
@@ -47,7 +47,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.delete("/sessions/{id}", status_code=204, responses=problems(404, 412, 422, 503))
     async def delete_session(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
@@ -58,7 +58,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.get("/sessions/{id}/history", response_model=HistoryPage, responses=problems(404, 422, 503))
     async def get_history(
-        id: str,  # noqa: A002 - the contract's name
+        id: str,
         limit: PageLimit = DEFAULT_PAGE,
         after: After = None,
     ) -> Response:
