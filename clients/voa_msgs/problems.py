@@ -1,6 +1,7 @@
-"""Errors on the wire: RFC 9457 problem documents."""
+"""Errors on the wire: RFC 9457 problem documents; and how the service is."""
 
-from typing import Annotated
+from datetime import datetime
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -37,3 +38,12 @@ class Health(Message):
     """Whether the process is alive, or ready to serve."""
 
     status: str
+    version: str | None = None
+    """Of the software."""
+    wire_version: int | None = None
+    """Of the messages."""
+    replica: str | None = None
+    """The name of this process."""
+    zenoh: Literal["off", "connecting", "connected"] | None = None
+    now: datetime | None = None
+    """The service's clock."""
