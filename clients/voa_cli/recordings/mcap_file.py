@@ -4,6 +4,7 @@ A robot that loses power leaves a file without its end, perhaps cut inside a chu
 order needs no index, and whatever stands before the damage is given.
 """
 
+import os
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -135,7 +136,7 @@ class _Whole(BufferedReader):
     """A file that gives all the bytes that were asked for, or says that it has ended."""
 
     def read(self, size: int | None = -1, /) -> bytes:
-        data = super().read(size)
-        if size is not None and len(data) < size:
+        """Lengths in a damaged file lie: what is not there is not even asked for."""
+        if size is not None and size > os.fstat(self.fileno()).st_size - self.tell():
             raise EndOfFile
-        return data
+        return super().read(size)
