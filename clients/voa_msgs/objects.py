@@ -1,8 +1,24 @@
 """Meshes and how they rest."""
 
 from datetime import datetime
+from typing import Annotated
 
-from voa_msgs.base import Message, Page, Point3, Quaternion
+from pydantic import Base64Bytes, Field
+
+from voa_msgs.base import Message, Name, Page, Point3, Positive, Quaternion
+
+
+class ObjectUpload(Message):
+    """A mesh file where there are no forms (Zenoh)."""
+
+    filename: Name
+    """Its ending says which type it is: obj, stl, ply or glb."""
+    file: Annotated[Base64Bytes, Field(strict=False)]
+    """The content, in base64."""
+    name: Name | None = None
+    """Null: the file's."""
+    scale: Positive = 1.0
+    """Metres per unit of the file."""
 
 
 class Object(Message):
