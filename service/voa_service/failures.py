@@ -7,6 +7,7 @@ from typing import Any
 import structlog
 
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
+from voa_msgs import WIRE_VERSION
 
 MALFORMED = ("malformed-json", 400, "The body is not JSON")
 MALFORMED_FORM = ("malformed-form", 400, "The body is not a multipart form")
@@ -21,7 +22,7 @@ NO_MESH = ("no-mesh", 422, "A prediction is needed and nothing can make it")
 GRID_MISMATCH = ("beam-grid-mismatch", 422, "The scan's beams are not those of the given predictions")
 INVALID_MESH = ("invalid-mesh", 422, "The file is not a usable mesh")
 KEY_REUSED = ("idempotency-key-reused", 422, "This Idempotency-Key came with another request before")
-WIRE_VERSION = ("wire-version", 400, "The caller speaks another version of the messages")
+SPEAKS_OTHERWISE = ("wire-version", 400, "The caller speaks another version of the messages")
 OVERLOADED = ("overloaded", 503, "Too much to do at the moment")
 NOT_READY = ("not-ready", 503, "The service cannot work at the moment")
 INTERNAL = ("internal", 500, "The service failed")
@@ -45,6 +46,15 @@ class Failure(Exception):
 def not_found(what: str, id_: str) -> Failure:
     """For an id in the path that names nothing."""
     return Failure(NOT_FOUND, f"there is no {what} {id_!r}")
+
+
+def wire_failure(theirs: object) -> Failure:
+    """For a caller that speaks another version of the messages."""
+    return Failure(
+        SPEAKS_OTHERWISE,
+        f"this service speaks version {WIRE_VERSION} of the messages, the caller version {theirs}: "
+        "install the client that came with the service",
+    )
 
 
 def of_core(error: VoaError) -> Failure:

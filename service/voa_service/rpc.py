@@ -24,9 +24,8 @@ from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
-from voa_service import failures
 from voa_service.compute import WorkQueue
-from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_validation
+from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_validation, wire_failure
 from voa_service.ports import Answered, HistoryKind
 from voa_service.reading import json_object, message
 from voa_service.services import Services
@@ -177,15 +176,6 @@ def attachment_of(attachment: bytes | None) -> Attachment:
             if each["type"] == "json_invalid":
                 raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
         raise of_validation(found) from error
-
-
-def wire_failure(theirs: object) -> Failure:
-    """For a caller that speaks another version of the messages."""
-    return Failure(
-        failures.WIRE_VERSION,
-        f"this service speaks version {WIRE_VERSION} of the messages, the caller version {theirs}: "
-        "install the client that came with the service",
-    )
 
 
 def _methods(services: Services) -> Mapping[str, _Method]:

@@ -55,9 +55,7 @@ class ZenohLink:
             return
         with ExitStack() as stack:
             stack.callback(session.close)
-            events = session.info.declare_transport_events_listener(
-                Callback(self._moved, indirect=False), history=True
-            )
+            events = session.info.declare_transport_events_listener(Callback(self._moved, indirect=False), history=True)
             stack.callback(events.undeclare)
             for part in self._parts:
                 stack.enter_context(part(session))

@@ -35,15 +35,10 @@ class Queries:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Answer queries for the length of a `with`; those that were taken are answered before it ends."""
-        queryable = session.declare_queryable(
-            self._keys.rpc("*"), Callback(self._heard, indirect=False), complete=True
-        )
-        try:
+        with session.declare_queryable(self._keys.rpc("*"), Callback(self._heard, indirect=False), complete=True):
             yield
-        finally:
-            queryable.undeclare()
-            with self._closed:
-                self._closed.wait_for(lambda: self._open == 0, _END_SECONDS)
+        with self._closed:
+            self._closed.wait_for(lambda: self._open == 0, _END_SECONDS)
 
     def _heard(self, query: zenoh.Query) -> None:
         """In a Zenoh thread: hand over, or refuse."""

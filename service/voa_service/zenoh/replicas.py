@@ -28,15 +28,13 @@ class Replicas:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Be seen, and see the others, for the length of a `with`."""
-        subscriber = session.liveliness().declare_subscriber(
-            self._keys.replica("*"), Callback(self._moved, indirect=False), history=True
-        )
-        token = session.liveliness().declare_token(self._keys.replica(self._own))
-        try:
+        alive = session.liveliness()
+        moved = Callback(self._moved, indirect=False)
+        with (
+            alive.declare_subscriber(self._keys.replica("*"), moved, history=True),
+            alive.declare_token(self._keys.replica(self._own)),
+        ):
             yield
-        finally:
-            token.undeclare()
-            subscriber.undeclare()
 
     def owns(self, name: str) -> bool:
         """Whether this process is the one that works on what is called `name`."""

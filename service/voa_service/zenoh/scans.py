@@ -62,7 +62,7 @@ class Scans:
         self._outbox = outbox
         self._boxes = Mailboxes(self._work, _WORKERS, _MOST_WAITING, _MOST_WAITING_BYTES)
         self._later: Later[Heard] = Later(grace_seconds, self._hand_on, _MOST_WAITING)
-        services.metrics.gauge("voa_zenoh_scans_waiting", "Scans heard and not applied yet.", lambda: self._boxes.waiting)
+        services.metrics.gauge("voa_scans_waiting", "Scans heard, not applied yet.", lambda: self._boxes.waiting)
 
     def close(self) -> None:
         """End the workers."""
@@ -72,11 +72,8 @@ class Scans:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Hear scans for the length of a `with`."""
-        subscriber = session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._heard, indirect=False))
-        try:
+        with session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._heard, indirect=False)):
             yield
-        finally:
-            subscriber.undeclare()
 
     def _heard(self, sample: zenoh.Sample) -> None:
         """In a Zenoh thread: hand over, or refuse."""
