@@ -106,8 +106,9 @@ class Filing:
 
 def _stamped(payload: bytes, named: str | None) -> tuple[str, int] | None:
     """The type of a payload and the time in its header; None where it is none of the three that are understood."""
-    candidates = _DECODERS if named is None else {named: _DECODERS[named]} if named in _DECODERS else {}
-    for name, decode in candidates.items():
+    for name, decode in _DECODERS.items():
+        if named not in (None, name):
+            continue
         try:
             stamp = decode(payload).stamp
         except InvalidCdr:

@@ -85,9 +85,7 @@ def listening(
         yield
 
 
-def _hearer(
-    before: Sequence[zenoh.KeyExpr], inbox: Inbox, now_ns: Callable[[], int]
-) -> Callable[[zenoh.Sample], None]:
+def _hearer(before: Sequence[zenoh.KeyExpr], inbox: Inbox, now_ns: Callable[[], int]) -> Callable[[zenoh.Sample], None]:
     """A callback that leaves to earlier expressions what they hear too."""
 
     def hear(sample: zenoh.Sample) -> None:
