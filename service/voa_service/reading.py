@@ -1,9 +1,9 @@
 """Messages from bytes, for entrypoints without a framework that does it: the same limits and errors as over HTTP."""
 
+import json
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic_core import from_json
 
 from voa_service.failures import INVALID, MALFORMED, TOO_LARGE, Failure, of_validation
 from voa_service.limits import check
@@ -25,12 +25,17 @@ def json_object(payload: bytes, limits: Limits) -> dict[str, Any]:
     if not payload:
         return {}
     try:
-        payload.decode()
-        found = from_json(payload)
-    except ValueError as error:
+        text = payload.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
         raise Failure(MALFORMED, f"expected JSON in UTF-8: {error}") from error
-    if b"\0" in payload:
+    if "\0" in text:
         raise Failure(MALFORMED, "expected JSON in UTF-8, got a NUL byte")
+    try:
+        found = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise Failure(MALFORMED, f"{error.msg} at character {error.pos}") from error
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits; nested without end
+        raise Failure(MALFORMED, "expected JSON in UTF-8, nested a few hundred deep at most") from error
     if not isinstance(found, dict):
         raise Failure(INVALID, f"expected a JSON object, got {type(found).__name__}")
     return found
