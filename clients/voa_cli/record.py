@@ -23,7 +23,6 @@ from typing import IO
 import zenoh
 from rich.console import Console
 from rich.status import Status
-from voa_client.zenoh_address import ZenohAddress
 
 from voa_cli.recording import status
 from voa_cli.recording.filing import Filing
@@ -33,6 +32,7 @@ from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_cli.zenoh_session import joined
 from voa_client import Client, VoaClientError
+from voa_client.zenoh_address import ZenohAddress
 from voa_msgs.keys import Keys
 
 DEFAULT_URL = "zenoh://127.0.0.1:7447"

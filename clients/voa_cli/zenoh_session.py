@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import zenoh
-from voa_client.zenoh_address import ZenohAddress
 
 from voa_client import VoaClientError
+from voa_client.zenoh_address import ZenohAddress
 from voa_msgs.links import session_config
 
 

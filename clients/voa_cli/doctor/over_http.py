@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from voa_cli.doctor.findings import Budget, Finding
 from voa_cli.doctor.reaching import reach
 from voa_msgs import WIRE_VERSION
-from voa_msgs.problems import Health
+from voa_msgs.problems import Health, Problem
 from voa_msgs.robots import Robots
 
 CLOCK_S = 0.1
@@ -73,6 +73,9 @@ def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Fi
             began, sent = time.monotonic(), datetime.now(UTC)
             answer = http.get("/readyz", timeout=budget.step(_SECONDS))
             took = time.monotonic() - began
+            if not answer.is_success:
+                yield _not_ready(answer)
+                return
             health = Health.model_validate_json(answer.content, extra="ignore")
             if health.now is not None:
                 offsets.append((took / 2.0, (health.now - sent).total_seconds() - took / 2.0))
@@ -80,15 +83,20 @@ def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Fi
         yield Finding("ready", "wrong", f"/readyz: {error}", "look at the service's log")
         return
     answers.health = health
-    if answer.is_success:
-        yield Finding("ready", "ok", health.status)
-    else:
-        yield Finding("ready", "wrong", f"not ready: {health.status}", "is its database there? look at its log")
+    yield Finding("ready", "ok", health.status)
     yield _software(health)
     yield _wire(health)
     if offsets:
         unsure, offset = min(offsets)
         yield clocks("clock", offset, unsure)
+
+
+def _not_ready(answer: httpx2.Response) -> Finding:
+    try:
+        why = Problem.model_validate_json(answer.content, extra="ignore").detail
+    except ValidationError:
+        why = f"/readyz answers {answer.status_code}"
+    return Finding("ready", "wrong", why, "is its database there? look at its log")
 
 
 def _software(health: Health) -> Finding:

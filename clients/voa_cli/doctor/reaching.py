@@ -19,7 +19,7 @@ def reach(check: str, host: str, port: int, budget: Budget) -> Finding:
             check,
             "wrong",
             f"nothing listens at {where}",
-            "start it there, or name the right port; a firewall may refuse",
+            "start it there, or name the right port",
         )
     except (TimeoutError, TookTooLong):
         return Finding(

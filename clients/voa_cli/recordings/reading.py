@@ -48,6 +48,12 @@ class Recording:
         self._path = path
         self._types = types
 
+    @property
+    def found(self) -> str:
+        """What has been read so far, for people."""
+        topics = ", ".join(f"{topic} ({name or 'of unknown type'})" for topic, name in sorted(self.topics.items()))
+        return f" (found: {topics or 'nothing'}{'' if self.damage is None else '; it ' + self.damage})"
+
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages, in the order of the file; ROS payloads that a look needs are in the standard layout.
 
