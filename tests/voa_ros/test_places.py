@@ -217,7 +217,7 @@ def test_amcl_is_carried_on_by_odometry() -> None:
     assert close(pose, 1.5, 0.1, math.pi / 2)
     assert isinstance(pose, UncertainSensorPose)
     assert pose.std is not None
-    assert (pose.std.xy_m, pose.std.yaw_rad) == (pytest.approx(0.01), 0.0)
+    assert (pose.std.xy_m, pose.std.yaw_rad) == pytest.approx((0.01, 0.0))
 
 
 def test_amcl_waits_for_the_odometry_of_its_time() -> None:
