@@ -17,6 +17,7 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -26,7 +27,7 @@ from voa_cli.recordings.mcap_file import UnreadableRecording
 from voa_cli.recordings.reading import Recording, is_recording
 from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.sessions import recorded_sessions
-from voa_cli.replay import experiments, looks, recordings, session_files
+from voa_cli.replay import experiments, looks, looks_report, recordings, session_files
 from voa_cli.replay.figures import distance_from_expected
 from voa_client import VoaClientError
 from voa_client.recorded import read_experiment
@@ -107,13 +108,13 @@ def _replay_looks(options: argparse.Namespace, console: Console) -> int:
     with service_at(options.url) as client:
         found = looks.replay(client, recording, options)
     if options.json:
-        _print_json(looks.report(found, recording))
+        _print_json(looks_report.report(found, recording))
     else:
-        looks.show(console, found, recording)
+        looks_report.show(console, found, recording)
     return 0
 
 
-def _print_json(report: dict[str, object]) -> None:
+def _print_json(report: dict[str, Any]) -> None:
     json.dump(report, sys.stdout, indent=1)
     print()
 
