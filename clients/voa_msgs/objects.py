@@ -1,8 +1,46 @@
 """Meshes and how they rest."""
 
+import base64
+import binascii
 from datetime import datetime
+from typing import Annotated
 
-from voa_msgs.base import Message, Page, Point3, Quaternion
+from pydantic import EncodedBytes, EncoderProtocol, Field
+from pydantic_core import PydanticCustomError
+
+from voa_msgs.base import Message, Name, Page, Point3, Positive, Quaternion
+
+
+class _Base64(EncoderProtocol):
+    """Base64 (RFC 4648); what is none is refused, not skipped."""
+
+    @classmethod
+    def decode(cls, data: bytes) -> bytes:
+        try:
+            return base64.b64decode(data, validate=True)
+        except binascii.Error as error:
+            raise PydanticCustomError("base64", "expected base64: {why}", {"why": str(error)}) from error
+
+    @classmethod
+    def encode(cls, value: bytes) -> bytes:
+        return base64.b64encode(value)
+
+    @classmethod
+    def get_json_format(cls) -> str:
+        return "base64"
+
+
+class ObjectUpload(Message):
+    """A mesh file where there are no forms (Zenoh)."""
+
+    filename: Name
+    """Its ending says which type it is: obj, stl, ply or glb."""
+    file: Annotated[bytes, EncodedBytes(encoder=_Base64), Field(strict=False)]
+    """The content, in base64."""
+    name: Name | None = None
+    """Null: the file's."""
+    scale: Positive = 1.0
+    """Metres per unit of the file."""
 
 
 class Object(Message):

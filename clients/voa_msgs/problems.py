@@ -30,6 +30,8 @@ class Problem(Message):
     """Field by field, where a body is not as expected."""
     version: int | None = None
     """The session's version, where the request asked for another."""
+    retry_after_s: float | None = None
+    """When to try again, where that makes sense."""
     known: list[str] | None = None
     """The names that exist, where one does not."""
 

@@ -19,8 +19,10 @@ from voa_service.ports import Clock, IdSource
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
 from voa_service.store.sql import SqlStore
+from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
+from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
 
@@ -54,16 +56,17 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     store.listen(changes.moved)
-    sessions = Sessions(store, models, now, ids, changes.moved, metrics.observation)
+    sessions = Sessions(store, models, now, ids, changes.committed, metrics.observation)
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
             yield Services(
-                objects=Objects(store, reader, now),
+                objects=Objects(store, reader, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
                 rankings=Rankings(sessions, models, threads),
-                store=store,
+                robots=Robots(now),
+                health=HealthCheck(store, now, ids()),
                 changes=changes,
                 metrics=metrics,
                 limits=limits,
@@ -72,5 +75,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
             )
     finally:
         changes.close()
+        quick.close()
+        heavy.close()
         threads.close()
         store.close()

@@ -7,8 +7,13 @@ A write in this process wakes its watchers at once; so does one by another proce
 import asyncio
 import threading
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from voa_service.ports import SessionState
+
+Listener = Callable[[str, SessionState | None], None]
+"""Called after a commit of this process: the session as it is then, None: it is gone. From any thread; quick."""
 
 
 class Watch:
@@ -42,6 +47,22 @@ class Changes:
         # A signal handler calls `close`, in a thread that may be anywhere in here.
         self._lock = threading.RLock()
         self._closed = False
+        self._listeners: list[Listener] = []
+
+    @contextmanager
+    def listening(self, listener: Listener) -> Iterator[None]:
+        """Have `listener` called with every commit of this process, for the length of a `with`."""
+        self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            self._listeners.remove(listener)
+
+    def committed(self, session: str, state: SessionState | None) -> None:
+        """This process wrote to a session: `state` is how it stands then, None: it is gone."""
+        self.moved(session)
+        for listener in list(self._listeners):
+            listener(session, state)
 
     @contextmanager
     def watching(self, session: str) -> Iterator[Watch]:
@@ -59,7 +80,7 @@ class Changes:
                     del self._watches[session]
 
     def moved(self, session: str) -> None:
-        """A session has a new version, or is gone."""
+        """A session has a new version, or is gone, whoever wrote."""
         with self._lock:
             watches = list(self._watches.get(session, ()))
         for watch in watches:

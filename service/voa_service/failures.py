@@ -1,8 +1,13 @@
 """What can go wrong, as a caller sees it: one table from errors to kinds and statuses, for every entrypoint."""
 
+import json
+from collections.abc import Sequence
 from typing import Any
 
+import structlog
+
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
+from voa_msgs import WIRE_VERSION
 
 MALFORMED = ("malformed-json", 400, "The body is not JSON")
 MALFORMED_FORM = ("malformed-form", 400, "The body is not a multipart form")
@@ -17,11 +22,14 @@ NO_MESH = ("no-mesh", 422, "A prediction is needed and nothing can make it")
 GRID_MISMATCH = ("beam-grid-mismatch", 422, "The scan's beams are not those of the given predictions")
 INVALID_MESH = ("invalid-mesh", 422, "The file is not a usable mesh")
 KEY_REUSED = ("idempotency-key-reused", 422, "This Idempotency-Key came with another request before")
+SPEAKS_OTHERWISE = ("wire-version", 400, "The caller speaks another version of the messages")
 OVERLOADED = ("overloaded", 503, "Too much to do at the moment")
 NOT_READY = ("not-ready", 503, "The service cannot work at the moment")
 INTERNAL = ("internal", 500, "The service failed")
 
 Kind = tuple[str, int, str]
+
+_MOST_ERRORS = 20
 
 
 class Failure(Exception):
@@ -40,6 +48,15 @@ def not_found(what: str, id_: str) -> Failure:
     return Failure(NOT_FOUND, f"there is no {what} {id_!r}")
 
 
+def wire_failure(theirs: object) -> Failure:
+    """For a caller that speaks another version of the messages."""
+    return Failure(
+        SPEAKS_OTHERWISE,
+        f"this service speaks version {WIRE_VERSION} of the messages, the caller version {theirs}: "
+        "install the client that came with the service",
+    )
+
+
 def of_core(error: VoaError) -> Failure:
     """The failure that an error of the mathematics is to a caller."""
     match error:
@@ -54,3 +71,29 @@ def of_core(error: VoaError) -> Failure:
             return Failure(INVALID, str(error), errors=[{"field": error.field, "problem": problem}])
         case _:
             return Failure(INVALID, str(error))
+
+
+def of_validation(errors: Sequence[Any]) -> Failure:
+    """The failure that a message of the wrong shape is, from pydantic's errors."""
+    for error in errors:
+        if error["type"] == "json_invalid":
+            return Failure(MALFORMED, f"{error['ctx']['error']} at character {error['loc'][-1]}")
+    fields = [{"field": ".".join(map(str, error["loc"])), "problem": error["msg"]} for error in errors]
+    first = f"{fields[0]['field']}: {fields[0]['problem']}"
+    more = f" (and {len(fields) - 1} more)" if len(fields) > 1 else ""
+    return Failure(INVALID, first + more, errors=fields[:_MOST_ERRORS])
+
+
+def document(failure: Failure) -> bytes:
+    """The problem document of a failure (RFC 9457), for any transport."""
+    request_id = structlog.contextvars.get_contextvars().get("request_id")
+    fields = {
+        "type": f"urn:voa:problem:{failure.kind}",
+        "title": failure.title,
+        "status": failure.status,
+        "detail": failure.detail,
+        "request_id": request_id,
+    }
+    if "Retry-After" in failure.headers:
+        fields["retry_after_s"] = int(failure.headers["Retry-After"])
+    return json.dumps(fields | failure.more, allow_nan=False).encode()

@@ -25,6 +25,26 @@ class Metrics:
             registry=self._registry,
         )
 
+        self._rpc = Counter("voa_rpc_requests", "Calls by Zenoh.", ["method", "status"], registry=self._registry)
+        self._rpc_seconds = Histogram(
+            "voa_rpc_request_seconds", "Wall time of a call.", ["method"], buckets=_SECONDS, registry=self._registry
+        )
+        self._zenoh = Counter(
+            "voa_zenoh_samples",
+            "Scans heard, and what became of them; beliefs published, or not heard by anybody; links lost.",
+            ["event"],
+            registry=self._registry,
+        )
+
+    def rpc(self, method: str, status: int, seconds: float) -> None:
+        """One call was answered."""
+        self._rpc.labels(method, str(status)).inc()
+        self._rpc_seconds.labels(method).observe(seconds)
+
+    def zenoh(self, event: str) -> None:
+        """One thing happened on Zenoh that nobody gets an answer to."""
+        self._zenoh.labels(event).inc()
+
     def request(self, method: str, route: str, status: int, seconds: float) -> None:
         """One request was answered."""
         self._requests.labels(method, route, str(status)).inc()

@@ -151,6 +151,9 @@ class Store(Protocol):
     def list_scenarios(self, limit: int, after: str | None) -> Listed[StoredScenario]:
         """Oldest first."""
 
+    def get_answer(self, key: IdempotencyKey) -> Answered | None:
+        """What was answered under a key; `Failure` if the request was another."""
+
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
         """Store a new session with its prior as history; with a key seen before, what was answered then."""
 

@@ -13,20 +13,27 @@ import uvicorn
 from pydantic import ValidationError
 from sqlalchemy import make_url
 
+from voa_msgs.keys import ROOT
 from voa_service import bootstrap, logs
 from voa_service.changes import Changes
 from voa_service.http.app import create_app
-from voa_service.settings import Settings
+from voa_service.settings import Settings, ZenohSettings
+from voa_service.zenoh.entry import on_zenoh
 
 _DRAIN_SECONDS = 20
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until told to stop; returns the exit code."""
-    given = vars(_parser().parse_args(arguments))
-    inherited = given.pop("fd")
+    given = {name: value for name, value in vars(_parser().parse_args(arguments)).items() if value is not None}
+    inherited = given.pop("fd", None)
+    bus = {name: given.pop(f"zenoh_{name}") for name in ("connect", "root") if f"zenoh_{name}" in given}
     try:
-        settings = Settings(**{name: value for name, value in given.items() if value is not None})
+        settings = Settings(**given)
+        if bus:  # what the environment says of the rest stays
+            settings = settings.model_copy(
+                update={"zenoh": ZenohSettings.model_validate(settings.zenoh.model_dump() | bus)}
+            )
     except ValidationError as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 2
@@ -45,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    with bootstrap.services(settings) as services:
+    with bootstrap.services(settings) as services, on_zenoh(services, settings.zenoh):
         config = uvicorn.Config(
             create_app(services),
             log_config=None,
@@ -56,7 +63,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         host, port = listening.getsockname()[:2]
         url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
         database = make_url(settings.database_url).render_as_string(hide_password=True)
-        structlog.get_logger("voa").info("listening", url=url, docs=f"{url}/docs", database=database)
+        structlog.get_logger("voa").info(
+            "listening", url=url, docs=f"{url}/docs", database=database, zenoh=settings.zenoh.connect
+        )
         _Server(config, services.changes).run([listening])
     return 0
 
@@ -98,6 +107,14 @@ def _parser() -> argparse.ArgumentParser:
     option("--host", help="address to listen on (default 127.0.0.1)")
     option("--port", type=int, help="port to listen on, 0 for any that is free (default 8000)")
     option("--database-url", help="where everything is kept (default sqlite:///voa.db, a file in this folder)")
+    option(
+        "--zenoh",
+        nargs="+",
+        dest="zenoh_connect",
+        metavar="ENDPOINT",
+        help="join the first of these Zenoh routers that answers, as in tcp/192.168.0.2:7447 (default: no Zenoh)",
+    )
+    option("--zenoh-root", help=f"of every key there (default {ROOT}); its last chunk is the lab")
     option("--log-level", choices=["DEBUG", "INFO", "WARNING", "ERROR"], help="(default INFO)")
     option(
         "--insecure",

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
 from voa_service.metrics import Metrics
-from voa_service.ports import Store
 from voa_service.settings import Limits
+from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
+from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
 
@@ -21,7 +22,8 @@ class Services:
     scenarios: Scenarios
     sessions: Sessions
     rankings: Rankings
-    store: Store
+    robots: Robots
+    health: HealthCheck
     changes: Changes
     metrics: Metrics
     limits: Limits

@@ -2,9 +2,13 @@
 
 import ipaddress
 import os
+from pathlib import Path
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from voa_msgs.keys import ROOT, check_root
 
 MEBIBYTE = 2**20
 
@@ -21,8 +25,27 @@ class Limits(BaseModel):
     faces: PositiveInt = 200_000
     upload_bytes: PositiveInt = 20_000_000
     body_bytes: PositiveInt = 64_000_000
+    scan_bytes: PositiveInt = 1_000_000
+    """Of a scan that is put on Zenoh."""
     numbers: PositiveInt = 5_000_000
     """Values in one JSON body, either way (counted by their separators on the way in)."""
+
+
+class ZenohSettings(BaseModel):
+    """Which router to join, and as whom: `VOA_ZENOH__CONNECT='["tcp/192.168.0.2:7447"]'` and so on."""
+
+    model_config = ConfigDict(frozen=True)
+
+    connect: list[str] = []
+    """Endpoints of routers, the first that answers is taken; none: no Zenoh."""
+    root: Annotated[str, AfterValidator(check_root)] = ROOT
+    """Of every key; its last chunk is the lab."""
+    user: str | None = None
+    password: SecretStr | None = None
+    config: Path | None = None
+    """A Zenoh configuration (JSON5) to begin with, for TLS and the like."""
+    grace_seconds: PositiveFloat = 2.0
+    """How long a replica waits before it works on a sample that another one should have worked on."""
 
 
 class Settings(BaseSettings):
@@ -36,6 +59,7 @@ class Settings(BaseSettings):
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()
+    zenoh: ZenohSettings = ZenohSettings()
     cache_mebibytes: PositiveInt = 2_048
     """Memory for cuts, predictions and weights. Rankings are float64 while their weights fit into it."""
     workers: PositiveInt = os.cpu_count() or 1

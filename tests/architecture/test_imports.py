@@ -74,7 +74,6 @@ PACKAGES = {
         "voa_ros",
         "voa_assets",
         "alembic",
-        "anyio",
         "fastapi",
         "fastapi_offline",
         "numpy",

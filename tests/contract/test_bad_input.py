@@ -608,6 +608,8 @@ METHODS = {
     "/v1/sessions/{data_session}/grasps": {"GET"},
     "/v1/updates": {"POST"},
     "/v1/rankings": {"POST"},
+    "/v1/robots": {"GET"},
+    "/v1/robots/nobody/look": {"POST"},
     "/livez": {"GET"},
     "/readyz": {"GET"},
     "/metrics": {"GET"},

@@ -65,12 +65,13 @@ def test_a_defect_is_500_with_a_request_id_and_no_detail(small: Service, monkeyp
 
 
 def test_ready_is_503_when_the_store_does_not_answer(small: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert small.get("/readyz") == {"status": "ready"}
+    ready = small.get("/readyz")
+    assert (ready["status"], ready["wire_version"], ready["zenoh"]) == ("ready", 1, "off")
 
     def fail() -> None:
         raise OSError("the disk is gone")
 
-    monkeypatch.setattr(small.inside.store, "ping", fail)
+    monkeypatch.setattr(small.inside.health.store, "ping", fail)
     answer = small.http.get("/readyz")
     assert (answer.status_code, answer.json()["type"]) == (503, "urn:voa:problem:not-ready")
     assert small.get("/livez") == {"status": "alive"}

@@ -78,14 +78,14 @@ def test_the_budget_decides_on_the_precision(
     tmp_path: Path, sensors: int, poses: int, expected: tuple[str, bool]
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
-        models = Models(inside.store, Cache(MEBIBYTE))
+        models = Models(inside.health.store, Cache(MEBIBYTE))
         assert models.precision(sensors, poses) == expected
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
         scenario = service.create(data_scenario())
-        small = Models(service.inside.store, Cache(1))
+        small = Models(service.inside.health.store, Cache(1))
         first, second = small.get(scenario), small.get(scenario)
         assert first is not None
         assert second is not None

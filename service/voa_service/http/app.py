@@ -6,8 +6,8 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
-from voa_service.http.middleware import BodyLimit, RequestLog
-from voa_service.http.routes import events, health, objects, observations, rankings, scenarios, sessions
+from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
+from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
 from voa_service.services import Services
 
 _DESCRIPTION = (
@@ -26,10 +26,11 @@ def create_app(services: Services) -> FastAPI:
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, observations, events, rankings, health):
+    for module in (objects, scenarios, sessions, observations, events, rankings, robots, health):
         app.include_router(module.routes(services))
     problems.install(app)
     openapi.install(app, services.limits)
+    app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app

@@ -11,7 +11,8 @@ import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from voa_service.failures import TOO_LARGE, Failure
+from voa_msgs import WIRE_VERSION
+from voa_service.failures import TOO_LARGE, Failure, wire_failure
 from voa_service.http.problems import problem_response
 from voa_service.metrics import Metrics
 from voa_service.settings import Limits
@@ -26,6 +27,7 @@ _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _QUIET = ("/livez", "/readyz", "/metrics")
 _FORM_OVERHEAD = 65_536
+_WIRE_HEADER = "Voa-Wire-Version"
 
 
 class RequestLog:
@@ -73,6 +75,30 @@ class RequestLog:
                     status=status,
                     milliseconds=round(1e3 * seconds, 3),
                 )
+
+
+class WireVersion:
+    """Says which version of the messages is spoken, and refuses a caller that says it speaks another."""
+
+    def __init__(self, app: Asgi) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_with_version(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message)[_WIRE_HEADER] = str(WIRE_VERSION)
+            await send(message)
+
+        theirs = Headers(scope=scope).get(_WIRE_HEADER, str(WIRE_VERSION))
+        if theirs != str(WIRE_VERSION):
+            await problem_response(wire_failure(theirs[:40]))(scope, receive, send_with_version)
+            return
+        await self._app(scope, receive, send_with_version)
 
 
 class BodyLimit:

@@ -1,9 +1,5 @@
 """Every error as an RFC 9457 problem document."""
 
-import json
-from collections.abc import Sequence
-from typing import Any
-
 import structlog
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -13,7 +9,6 @@ from starlette.routing import Route, compile_path
 
 from voa_service.failures import (
     INTERNAL,
-    INVALID,
     MALFORMED,
     MALFORMED_FORM,
     METHOD_NOT_ALLOWED,
@@ -21,29 +16,17 @@ from voa_service.failures import (
     TOO_LARGE,
     Failure,
     Kind,
+    document,
+    of_validation,
 )
 
 MEDIA_TYPE = "application/problem+json"
-_MOST_ERRORS = 20
 _KINDS: dict[int, Kind] = {400: MALFORMED, 404: NOT_FOUND, 405: METHOD_NOT_ALLOWED, 413: TOO_LARGE}
-
-
-def problem_body(failure: Failure) -> bytes:
-    """The document of a failure."""
-    request_id = structlog.contextvars.get_contextvars().get("request_id")
-    document = {
-        "type": f"urn:voa:problem:{failure.kind}",
-        "title": failure.title,
-        "status": failure.status,
-        "detail": failure.detail,
-        "request_id": request_id,
-    }
-    return json.dumps(document | failure.more, allow_nan=False).encode()
 
 
 def problem_response(failure: Failure) -> Response:
     """The response of a failure."""
-    return Response(problem_body(failure), failure.status, failure.headers, MEDIA_TYPE)
+    return Response(document(failure), failure.status, failure.headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
@@ -55,7 +38,7 @@ def install(app: FastAPI) -> None:
 
     async def on_invalid(_: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)  # noqa: S101 - as registered
-        return problem_response(_of_validation(error.errors()))
+        return problem_response(of_validation(error.errors()))
 
     async def on_http(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)  # noqa: S101 - as registered
@@ -72,16 +55,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, on_invalid)
     app.add_exception_handler(HTTPException, on_http)
     app.add_exception_handler(Exception, on_bug)
-
-
-def _of_validation(errors: Sequence[Any]) -> Failure:
-    for error in errors:
-        if error["type"] == "json_invalid":
-            return Failure(MALFORMED, f"{error['ctx']['error']} at character {error['loc'][-1]}")
-    fields = [{"field": ".".join(map(str, error["loc"])), "problem": error["msg"]} for error in errors]
-    first = f"{fields[0]['field']}: {fields[0]['problem']}"
-    more = f" (and {len(fields) - 1} more)" if len(fields) > 1 else ""
-    return Failure(INVALID, first + more, errors=fields[:_MOST_ERRORS])
 
 
 def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:

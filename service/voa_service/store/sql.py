@@ -128,6 +128,11 @@ class SqlStore:
         """See `ports.Store`."""
         return self._list(scenarios, _scenario, limit, after)
 
+    def get_answer(self, key: IdempotencyKey) -> Answered | None:
+        """See `ports.Store`."""
+        with transaction(self._readers) as connection:
+            return _answered(connection, key)
+
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
         """See `ports.Store`."""
         try:

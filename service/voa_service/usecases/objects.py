@@ -1,14 +1,18 @@
 """Objects: upload a mesh, look at it, ask how it can rest."""
 
 from dataclasses import dataclass
+from pathlib import PurePath
 
 from voa_core.errors import VoaError
 from voa_core.stable_poses import propose_stable_poses
 from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses
-from voa_service.failures import INVALID_MESH, Failure, not_found
+from voa_service.failures import INVALID_MESH, TOO_LARGE, Failure, not_found
 from voa_service.mapping import object_message
 from voa_service.ports import Clock, MeshReader, Store, StoredObject
+from voa_service.settings import Limits
 from voa_service.usecases.pages import page
+
+_LONGEST_NAME = 128
 
 
 @dataclass(frozen=True)
@@ -18,10 +22,16 @@ class Objects:
     store: Store
     read: MeshReader
     now: Clock
+    limits: Limits
 
-    def create(self, content: bytes, mesh_type: str, name: str, scale: float) -> tuple[Object, bool]:
-        """Store a mesh; and whether it is new."""
-        stored = StoredObject(self.read(content, mesh_type, scale), name, self.now())
+    def create(self, content: bytes, filename: str, name: str | None, scale: float) -> tuple[Object, bool]:
+        """Store a mesh, called by its file's name if it has no other; and whether it is new."""
+        if len(content) > self.limits.upload_bytes:
+            raise Failure(TOO_LARGE, f"expected a file of at most {self.limits.upload_bytes} bytes")
+        path = PurePath(filename)
+        called = name or path.stem[:_LONGEST_NAME] or "object"
+        mesh = self.read(content, path.suffix.lower().removeprefix("."), scale)
+        stored = StoredObject(mesh, called, self.now())
         there, new = self.store.put_object(stored)
         return object_message(there), new
 

@@ -43,8 +43,8 @@ class Sessions:
     models: Models
     now: Clock
     new_id: IdSource
-    moved: Callable[[str], None]
-    """Told after each write to a session."""
+    committed: Callable[[str, SessionState | None], None]
+    """Told after each commit: the session as it is then; None: it is gone."""
     observed: Callable[[str, str], None]
     """Told the kind of each observation, and what became of it: "accepted", or the reason why not."""
 
@@ -58,12 +58,20 @@ class Sessions:
         now = self.now()
         state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now)
         answer = Session(**session_fields(state, scenario))
-        return self.store.create_session(state, write, Answered(answer.model_dump_json(), 0))
+        given = Answered(answer.model_dump_json(), 0)
+        answered = self.store.create_session(state, write, given)
+        if answered is given:  # and not what its key was answered before
+            self.committed(state.id, state)
+        return answered
 
     def get(self, id_: str) -> Session:
         """One session as it stands."""
+        return self.message(self.state(id_))
+
+    def answered(self, id_: str) -> Answered:
+        """The same as JSON, with its version."""
         state = self.state(id_)
-        return Session(**session_fields(state, self.scenario_of(state)))
+        return Answered(self.message(state).model_dump_json(), state.version)
 
     def list(self, limit: int, after: str | None) -> SessionPage:
         """All sessions without their beliefs, oldest first."""
@@ -73,7 +81,7 @@ class Sessions:
         """Remove a session and its history."""
         if not self.store.delete_session(id_, key, if_match):
             raise not_found("session", id_)
-        self.moved(id_)
+        self.committed(id_, None)
 
     def apply_scan(self, id_: str, request: ScanRequest, write: Write) -> Answered:
         """Update the belief by a raw scan.
@@ -151,7 +159,15 @@ class Sessions:
             states = [state]
         else:
             states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS)]
-        return [Session(**session_fields(each, self.scenario_of(each))) for each in states]
+        return [self.message(each) for each in states]
+
+    def message(self, state: SessionState) -> Session:
+        """A session's state as it is told."""
+        return Session(**session_fields(state, self.scenario_of(state)))
+
+    def has_answered(self, key: IdempotencyKey) -> bool:
+        """Whether a call with that key was answered, by whichever process."""
+        return self.store.get_answer(key) is not None
 
     def _answered_before(self, id_: str, write: Write) -> Answered:
         """What a write to a session that is gone was answered while it was there; its key is remembered."""
@@ -165,10 +181,19 @@ class Sessions:
         return answered
 
     def _change(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered:
-        answered = self.store.change_session(id_, write, step)
+        made: list[SessionState] = []
+
+        def noted(state: SessionState) -> Step:
+            done = step(state)
+            if done.after is not None:
+                made.append(done.after)
+            return done
+
+        answered = self.store.change_session(id_, write, noted)
         if answered is None:
             raise not_found("session", id_)
-        self.moved(id_)
+        for after in made:
+            self.committed(id_, after)
         return answered
 
     def _observed(

@@ -5,7 +5,6 @@ from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import PlainTextResponse
 
 from voa_msgs.problems import Health
-from voa_service.failures import NOT_READY, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer
 from voa_service.services import Services
@@ -15,25 +14,15 @@ def routes(services: Services) -> APIRouter:
     """For whoever restarts processes and routes requests."""
     router = APIRouter(tags=["health"])
 
-    @router.get("/livez", response_model=Health)
+    @router.get("/livez", response_model=Health, response_model_exclude_unset=True)
     async def is_alive() -> Health:
         """The process answers."""
         return Health(status="alive")
 
     @router.get("/readyz", response_model=Health, responses=problems(503))
     async def is_ready() -> Response:
-        """The store answers too."""
-
-        def work() -> Health:
-            try:
-                services.store.ping()
-            except Failure:
-                raise
-            except Exception as error:
-                raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
-            return Health(status="ready")
-
-        return await answer(services.quick, work)
+        """The store answers too; `zenoh` says whether this process is joined to a router."""
+        return await answer(services.quick, services.health.ready)
 
     @router.get("/metrics", response_class=PlainTextResponse)
     async def get_metrics() -> Response:

@@ -1,6 +1,5 @@
 """/v1/objects."""
 
-from pathlib import PurePath
 from typing import Annotated
 
 from annotated_types import Gt
@@ -8,12 +7,9 @@ from fastapi import APIRouter, Form, Response, UploadFile
 
 from voa_msgs.base import Name
 from voa_msgs.objects import Object, ObjectPage, StablePoses
-from voa_service.failures import TOO_LARGE, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.services import Services
-
-_LONGEST_NAME = 128
 
 
 def routes(services: Services) -> APIRouter:
@@ -36,13 +32,9 @@ def routes(services: Services) -> APIRouter:
         scale: Annotated[float, Gt(0.0), Form(description="Metres per unit of the file.", allow_inf_nan=False)] = 1.0,
     ) -> Response:
         """Store a mesh: OBJ, STL, PLY or GLB, by the file's ending."""
-        path = PurePath(file.filename or "")
-        mesh_type = path.suffix.lower().removeprefix(".")
         content = await file.read()
-        if len(content) > services.limits.upload_bytes:
-            raise Failure(TOO_LARGE, f"expected a file of at most {services.limits.upload_bytes} bytes")
-        called = name or path.stem[:_LONGEST_NAME] or "object"
-        return await created(services.heavy, lambda: objects.create(content, mesh_type, called, scale))
+        filename = file.filename or ""
+        return await created(services.heavy, lambda: objects.create(content, filename, name, scale))
 
     @router.get("", response_model=ObjectPage, responses=problems(422, 503))
     async def list_objects(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:

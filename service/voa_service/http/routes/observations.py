@@ -11,11 +11,12 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
-from voa_service.http.headers import IfMatch, Key, idempotency_key, write_of
-from voa_service.http.limits import check
+from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer, versioned
+from voa_service.limits import check
 from voa_service.services import Services
+from voa_service.writes import idempotency_key, scope_of, write_of
 
 _WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
 
@@ -39,8 +40,8 @@ def routes(services: Services) -> APIRouter:
     ) -> Response:
         """Update the belief by a raw scan; one that is not accepted changes nothing and says why."""
         check(request, services.limits)
-        named = idempotency_key(key, f"session:{id}", "scan", request)
-        write = write_of("scan", await http.body(), named, if_match)
+        named = idempotency_key(key, scope_of(id), "scan", request)
+        write = write_of("scan", await http.body(), named, versions(if_match))
         return await versioned(services.quick, lambda: sessions.apply_scan(id, request, write))
 
     @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
@@ -53,8 +54,8 @@ def routes(services: Services) -> APIRouter:
     ) -> Response:
         """Replace the belief; null: back to the session's prior."""
         check(request, services.limits)
-        named = idempotency_key(key, f"session:{id}", "belief", request)
-        write = write_of("belief", await http.body(), named, if_match)
+        named = idempotency_key(key, scope_of(id), "belief", request)
+        write = write_of("belief", await http.body(), named, versions(if_match))
         return await versioned(services.quick, lambda: sessions.put_belief(id, request, write))
 
     @router.post(
@@ -70,8 +71,8 @@ def routes(services: Services) -> APIRouter:
         if_match: IfMatch = None,
     ) -> Response:
         """Update the belief by what came of a grasp attempt that left the object where it was."""
-        named = idempotency_key(key, f"session:{id}", "outcome", request)
-        write = write_of("outcome", await http.body(), named, if_match)
+        named = idempotency_key(key, scope_of(id), "outcome", request)
+        write = write_of("outcome", await http.body(), named, versions(if_match))
         return await versioned(services.quick, lambda: sessions.report_outcome(id, request, write))
 
     @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])

@@ -5,9 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from voa_msgs.rankings import Definition, RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_service.http.limits import check
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer
+from voa_service.limits import check
 from voa_service.services import Services
 
 

@@ -4,9 +4,9 @@ from fastapi import APIRouter, Response
 
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
-from voa_service.http.limits import check
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
+from voa_service.limits import check
 from voa_service.services import Services
 
 

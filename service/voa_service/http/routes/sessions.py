@@ -8,14 +8,12 @@ from voa_msgs.sessions import (
     SessionPage,
     SessionRequest,
 )
-from voa_service.http.headers import IfMatch, Key, idempotency_key, versions, write_of
-from voa_service.http.limits import check
+from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, versioned
-from voa_service.ports import Answered
+from voa_service.limits import check
 from voa_service.services import Services
-
-_ANYONE = "caller:anonymous"
+from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
 
 
 def routes(services: Services) -> APIRouter:
@@ -27,7 +25,7 @@ def routes(services: Services) -> APIRouter:
     async def create_session(request: SessionRequest, http: Request, key: Key = None) -> Response:
         """Open a session: version 0, the prior as belief."""
         check(request, services.limits)
-        write = write_of("prior", await http.body(), idempotency_key(key, _ANYONE, "create session", request))
+        write = write_of("prior", await http.body(), idempotency_key(key, ANYONE, "create session", request))
         return await versioned(services.quick, lambda: sessions.create(request, write), 201)
 
     @router.get("/sessions", response_model=SessionPage, responses=problems(422, 503))
@@ -38,12 +36,7 @@ def routes(services: Services) -> APIRouter:
     @router.get("/sessions/{id}", response_model=Session, responses=problems(404, 422, 503))
     async def get_session(id: str) -> Response:
         """One session as it stands."""
-
-        def work() -> Answered:
-            session = sessions.get(id)
-            return Answered(session.model_dump_json(), session.version or 0)
-
-        return await versioned(services.quick, work)
+        return await versioned(services.quick, lambda: sessions.answered(id))
 
     @router.delete("/sessions/{id}", status_code=204, responses=problems(404, 412, 422, 503))
     async def delete_session(
@@ -52,7 +45,7 @@ def routes(services: Services) -> APIRouter:
         if_match: IfMatch = None,
     ) -> Response:
         """Remove a session and its history."""
-        named = idempotency_key(key, f"session:{id}", "delete", None)
+        named = idempotency_key(key, scope_of(id), "delete", None)
         await services.quick.run(lambda: sessions.delete(id, named, versions(if_match)))
         return Response(status_code=204)
 

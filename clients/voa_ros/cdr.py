@@ -1,0 +1,211 @@
+"""ROS 2's bytes: plain CDR (XCDR1, either byte order) of the three messages, read and written with `struct` alone.
+
+A payload is four bytes of header (`00 01` little endian or `00 00` big endian, then two of options), then the fields
+in order, each aligned to its own size counted from the end of the header. Text is its length with the NUL, the bytes
+and the NUL; a sequence is its length and its items. Payloads come from a network: every length is checked against
+what is left before anything is made of it.
+"""
+
+import struct
+from collections.abc import Callable
+from typing import TypeVar
+
+from voa_ros.messages import Covariance, LaserScan, Odometry, Pose, PoseWithCovariance, Stamp, Twist
+
+MOST_BEAMS = 4_096
+_HEADER = 4
+_MOST_TRAILING = 7
+_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
+
+M = TypeVar("M")
+
+
+class InvalidCdr(ValueError):
+    """Bytes that are not the message they should be, or a message that has no bytes; says what was expected."""
+
+
+class _Reader:
+    """Reads field by field; raises InvalidCdr where the bytes end or lie."""
+
+    def __init__(self, data: bytes, most_items: int) -> None:
+        if len(data) < _HEADER:
+            raise InvalidCdr(f"expected a CDR header of {_HEADER} bytes, got {len(data)} bytes")
+        order = _ORDERS.get(bytes(data[:2]))
+        if order is None:
+            raise InvalidCdr(f"expected plain CDR (00 00 or 00 01), got a header of {bytes(data[:2]).hex(' ')}")
+        self._data = data
+        self._order = order
+        self._at = _HEADER
+        self._most_items = most_items
+
+    def numbers(self, kind: str, count: int, what: str) -> tuple[float, ...]:
+        """`count` numbers of a `struct` kind, aligned."""
+        size = struct.calcsize(f"={kind}")
+        start = self._at + (_HEADER - self._at) % size if count else self._at
+        self._take(start, size * count, what)
+        return struct.unpack_from(f"{self._order}{count}{kind}", self._data, start)
+
+    def _take(self, start: int, size: int, what: str) -> None:
+        left = len(self._data) - start
+        if size > left:
+            raise InvalidCdr(f"{what}: expected {size} bytes, got {max(left, 0)}")
+        self._at = start + size
+
+    def integer(self, kind: str, what: str) -> int:
+        return int(self.numbers(kind, 1, what)[0])
+
+    def text(self, what: str) -> str:
+        length = self.integer("I", what)
+        start = self._at
+        self._take(start, length, what)
+        raw = bytes(self._data[start : self._at])
+        if length and raw[-1] != 0:
+            raise InvalidCdr(f"{what}: expected text that ends with NUL")
+        if 0 in raw[:-1]:
+            raise InvalidCdr(f"{what}: expected text with no NUL inside")
+        try:
+            return raw[:-1].decode()
+        except UnicodeDecodeError as error:
+            raise InvalidCdr(f"{what}: expected UTF-8, got {raw[:32]!r}") from error
+
+    def floats(self, what: str) -> tuple[float, ...]:
+        count = self.integer("I", what)
+        if count > self._most_items:
+            raise InvalidCdr(f"{what}: expected at most {self._most_items} values, got {count}")
+        return self.numbers("f", count, what)
+
+    def stamp(self) -> Stamp:
+        return Stamp(self.integer("i", "header.stamp.sec"), self.integer("I", "header.stamp.nanosec"))
+
+    def pose(self) -> tuple[Pose, Covariance]:
+        x, y, z = self.numbers("d", 3, "pose.position")
+        qx, qy, qz, qw = self.numbers("d", 4, "pose.orientation")
+        return Pose((x, y, z), (qx, qy, qz, qw)), self.numbers("d", 36, "pose.covariance")
+
+    def twist(self) -> tuple[Twist, Covariance]:
+        x, y, z = self.numbers("d", 3, "twist.linear")
+        a, b, c = self.numbers("d", 3, "twist.angular")
+        return Twist((x, y, z), (a, b, c)), self.numbers("d", 36, "twist.covariance")
+
+    def end(self) -> None:
+        """Some padding may follow; more is another message."""
+        left = len(self._data) - self._at
+        if left > _MOST_TRAILING:
+            raise InvalidCdr(f"expected the message to end after {self._at} bytes, got {left} more")
+
+
+def _decode(name: str, data: bytes, most_items: int, read: Callable[[_Reader], M]) -> M:
+    try:
+        reader = _Reader(data, most_items)
+        message = read(reader)
+        reader.end()
+    except ValueError as error:
+        raise InvalidCdr(f"expected a {name}: {error}") from error
+    return message
+
+
+def _read_scan(reader: _Reader) -> LaserScan:
+    stamp, frame_id = reader.stamp(), reader.text("header.frame_id")
+    low, high, step, dt, turn, near, far = reader.numbers("f", 7, "angles, times and limits")
+    ranges, intensities = reader.floats("ranges"), reader.floats("intensities")
+    return LaserScan(stamp, frame_id, low, high, step, dt, turn, near, far, ranges, intensities)
+
+
+def _read_odometry(reader: _Reader) -> Odometry:
+    stamp, frame_id, child_frame_id = reader.stamp(), reader.text("header.frame_id"), reader.text("child_frame_id")
+    return Odometry(stamp, frame_id, child_frame_id, *reader.pose(), *reader.twist())
+
+
+def _read_pose(reader: _Reader) -> PoseWithCovariance:
+    return PoseWithCovariance(reader.stamp(), reader.text("header.frame_id"), *reader.pose())
+
+
+def decode_laser_scan(data: bytes, most_beams: int = MOST_BEAMS) -> LaserScan:
+    """Read a `sensor_msgs/msg/LaserScan`; raises InvalidCdr."""
+    return _decode("LaserScan", data, most_beams, _read_scan)
+
+
+def decode_odometry(data: bytes) -> Odometry:
+    """Read a `nav_msgs/msg/Odometry`; raises InvalidCdr."""
+    return _decode("Odometry", data, 0, _read_odometry)
+
+
+def decode_pose(data: bytes) -> PoseWithCovariance:
+    """Read a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr."""
+    return _decode("PoseWithCovarianceStamped", data, 0, _read_pose)
+
+
+class _Writer:
+    def __init__(self, *, little_endian: bool) -> None:
+        self._order = "<" if little_endian else ">"
+        self._data = bytearray(b"\x00\x01\x00\x00" if little_endian else b"\x00\x00\x00\x00")
+
+    def numbers(self, kind: str, *values: float) -> None:
+        if not values:
+            return
+        self._data.extend(bytes((_HEADER - len(self._data)) % struct.calcsize(f"={kind}")))
+        try:
+            self._data.extend(struct.pack(f"{self._order}{len(values)}{kind}", *values))
+        except (struct.error, OverflowError) as error:
+            raise InvalidCdr(f"expected numbers that fit, got {values[:8]}: {error}") from error
+
+    def text(self, text: str) -> None:
+        if "\0" in text:
+            raise InvalidCdr(f"expected text without NUL, got {text!r}")
+        try:
+            raw = text.encode() + b"\0"
+        except UnicodeEncodeError as error:
+            raise InvalidCdr(f"expected Unicode text, got {text!r}") from error
+        self.numbers("I", len(raw))
+        self._data.extend(raw)
+
+    def floats(self, values: tuple[float, ...]) -> None:
+        self.numbers("I", len(values))
+        self.numbers("f", *values)
+
+    def header(self, stamp: Stamp, frame_id: str) -> None:
+        self.numbers("i", stamp.sec)
+        self.numbers("I", stamp.nanosec)
+        self.text(frame_id)
+
+    def covariance(self, values: Covariance) -> None:
+        if len(values) != 36:
+            raise InvalidCdr(f"expected a covariance of 36 numbers, got {len(values)}")
+        self.numbers("d", *values)
+
+    def pose(self, pose: Pose, covariance: Covariance) -> None:
+        self.numbers("d", *pose.position, *pose.quaternion_xyzw)
+        self.covariance(covariance)
+
+    def bytes(self) -> bytes:
+        return bytes(self._data)
+
+
+def encode_laser_scan(scan: LaserScan, *, little_endian: bool = True) -> bytes:
+    """Write a `sensor_msgs/msg/LaserScan`; its numbers become float32. Raises InvalidCdr where one does not fit."""
+    writer = _Writer(little_endian=little_endian)
+    writer.header(scan.stamp, scan.frame_id)
+    writer.numbers("f", scan.angle_min, scan.angle_max, scan.angle_increment, scan.time_increment, scan.scan_time)
+    writer.numbers("f", scan.range_min, scan.range_max)
+    writer.floats(scan.ranges)
+    writer.floats(scan.intensities)
+    return writer.bytes()
+
+
+def encode_odometry(odometry: Odometry, *, little_endian: bool = True) -> bytes:
+    """Write a `nav_msgs/msg/Odometry`; raises InvalidCdr."""
+    writer = _Writer(little_endian=little_endian)
+    writer.header(odometry.stamp, odometry.frame_id)
+    writer.text(odometry.child_frame_id)
+    writer.pose(odometry.pose, odometry.covariance)
+    writer.numbers("d", *odometry.twist.linear, *odometry.twist.angular)
+    writer.covariance(odometry.twist_covariance)
+    return writer.bytes()
+
+
+def encode_pose(pose: PoseWithCovariance, *, little_endian: bool = True) -> bytes:
+    """Write a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr."""
+    writer = _Writer(little_endian=little_endian)
+    writer.header(pose.stamp, pose.frame_id)
+    writer.pose(pose.pose, pose.covariance)
+    return writer.bytes()

@@ -1,0 +1,303 @@
+"""The service's methods by name (DESIGN.md, 5.4), for entrypoints without paths and verbs: Zenoh, and this process.
+
+A payload is the body of the HTTP call plus `session`, or `id`, where HTTP has it in the path; answers are the HTTP
+bodies. Beyond the contract's methods there is one for each HTTP call that robots make: `object.stable_poses`,
+`lidar.list`, `service.health`, `robot.list`, `robot.look`.
+"""
+
+import json
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import structlog
+from annotated_types import Ge, Le
+from pydantic import BaseModel, ValidationError
+
+from voa_msgs import WIRE_VERSION
+from voa_msgs.base import Id, Message, Name
+from voa_msgs.keys import Attachment
+from voa_msgs.objects import ObjectUpload
+from voa_msgs.rankings import RankingRequest, VoaRequest
+from voa_msgs.robots import LookRequest
+from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
+from voa_service.compute import WorkQueue
+from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_validation, wire_failure
+from voa_service.ports import Answered, HistoryKind
+from voa_service.reading import json_object, message
+from voa_service.services import Services
+from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
+
+_PAGE = 100
+_MOST_ATTACHED = 65_536
+
+
+class _Page(Message):
+    limit: Annotated[int, Ge(1), Le(1000)] = _PAGE
+    after: str | None = None
+
+
+class _One(Message):
+    id: Id
+
+
+class _Session(Message):
+    session: Id
+
+
+class _Reachable(Message):
+    grasps: list[Name] | None = None
+
+
+class _Nothing(Message):
+    pass
+
+
+@dataclass(frozen=True)
+class RpcAnswer:
+    """The body of an answer, or the problem document."""
+
+    body: bytes
+    is_problem: bool
+    version: int | None = None
+    """Of the session, where the answer is about one."""
+
+
+@dataclass
+class Call:
+    """A method that was called: what is left of its payload, and who calls."""
+
+    fields: dict[str, Any]
+    attached: Attachment
+    services: Services
+
+    def take(self, kind: type[Message]) -> Any:
+        """The fields of `kind`, taken out of the payload and checked."""
+        own = {name: self.fields.pop(name) for name in kind.model_fields if name in self.fields}
+        return message(kind, own, self.services.limits)
+
+    def session(self) -> str:
+        """The session that the call is about, `session` or `id`."""
+        if "session" not in self.fields and "id" in self.fields:
+            self.fields["session"] = self.fields.pop("id")
+        taken: _Session = self.take(_Session)
+        return taken.session
+
+    def id(self) -> str:
+        """The object or scenario that the call is about."""
+        taken: _One = self.take(_One)
+        return taken.id
+
+    def body(self, kind: type[BaseModel]) -> Any:
+        """Everything that is left."""
+        return message(kind, self.fields, self.services.limits)
+
+    def received(self) -> bytes:
+        """What is left as JSON, for the history."""
+        return json.dumps(self.fields).encode()
+
+
+Work = Callable[[Call], BaseModel | Answered]
+
+
+@dataclass(frozen=True)
+class _Method:
+    work: Work
+    queue: WorkQueue
+    unset: bool = True
+    """Whether fields that were not set are in the answer."""
+
+
+class Rpc:
+    """All methods over given services."""
+
+    def __init__(self, services: Services) -> None:
+        self._services = services
+        self._methods = _methods(services)
+
+    def queue(self, method: str) -> WorkQueue:
+        """Where calls of a method wait; those of none that exists are quick."""
+        known = self._methods.get(method)
+        return self._services.quick if known is None else known.queue
+
+    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> RpcAnswer:
+        """Call a method, in this thread; whatever goes wrong is a problem document."""
+        structlog.contextvars.clear_contextvars()
+        structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
+        began = time.perf_counter()
+        status = 200
+        try:
+            return self._answer(method, payload, attachment)
+        except Failure as failure:
+            status = failure.status
+            return RpcAnswer(document(failure), is_problem=True)
+        except Exception as error:
+            status = 500
+            structlog.get_logger().exception("unexpected error", exc_info=error)
+            defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")
+            return RpcAnswer(document(defect), is_problem=True)
+        finally:
+            seconds = time.perf_counter() - began
+            self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
+            structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))
+
+    def _answer(self, method: str, payload: bytes, attachment: bytes | None) -> RpcAnswer:
+        known = self._methods.get(method)
+        if known is None:
+            detail = f"there is no method {method[:80]!r}"
+            raise Failure(NOT_FOUND, detail, known=sorted(self._methods))
+        attached = attachment_of(attachment)
+        if attached.wire not in (None, WIRE_VERSION):
+            raise wire_failure(attached.wire)
+        done = known.work(Call(json_object(payload, self._services.limits), attached, self._services))
+        if isinstance(done, Answered):
+            return RpcAnswer(done.body.encode(), is_problem=False, version=done.version)
+        return RpcAnswer(done.model_dump_json(exclude_unset=not known.unset).encode(), is_problem=False)
+
+
+def attachment_of(attachment: bytes | None) -> Attachment:
+    """What stands beside a payload.
+
+    Raises:
+        Failure: it is not what is expected there.
+    """
+    if not attachment:
+        return Attachment()
+    if len(attachment) > _MOST_ATTACHED:
+        raise Failure(INVALID, f"expected an attachment of at most {_MOST_ATTACHED} bytes, got {len(attachment)}")
+    try:
+        return Attachment.model_validate_json(attachment)
+    except ValidationError as error:
+        found = [dict(each) | {"loc": ("attachment", *each["loc"])} for each in error.errors(include_url=False)]
+        for each in found:
+            if each["type"] == "json_invalid":
+                raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
+        raise of_validation(found) from error
+
+
+def _methods(services: Services) -> Mapping[str, _Method]:
+    objects, scenarios, sessions, rankings = services.objects, services.scenarios, services.sessions, services.rankings
+    quick, heavy = services.quick, services.heavy
+    return {
+        "object.create": _Method(_create_object, heavy),
+        "object.get": _Method(_one(objects.get), quick),
+        "object.list": _Method(_listing(objects.list), quick),
+        "object.stable_poses": _Method(_one(objects.stable_poses), heavy),
+        "lidar.list": _Method(_given(_Nothing, lambda _: scenarios.lidars()), quick),
+        "scenario.create": _Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
+        "scenario.get": _Method(_one(scenarios.get), quick),
+        "scenario.list": _Method(_listing(scenarios.list), quick),
+        "scenario.predict": _Method(lambda call: scenarios.predict(call.id(), call.body(PredictionsRequest)), heavy),
+        "session.create": _Method(_create_session, quick),
+        "session.get": _Method(_get_session, quick),
+        "session.list": _Method(_listing(sessions.list), quick),
+        "session.delete": _Method(_delete_session, quick),
+        "belief.put": _Method(_write("belief", BeliefRequest, sessions.put_belief), quick),
+        "scan.apply": _Method(_write("scan", ScanRequest, sessions.apply_scan), quick),
+        "outcome.report": _Method(_write("outcome", OutcomeRequest, sessions.report_outcome), quick),
+        "voa.rank": _Method(
+            lambda call: rankings.of_session(call.session(), call.body(VoaRequest)), heavy, unset=False
+        ),
+        "grasp.rank": _Method(_rank_grasps, quick),
+        "history.get": _Method(_history, quick),
+        "update.compute": _Method(_given(UpdateRequest, sessions.update_once), quick),
+        "ranking.compute": _Method(_given(RankingRequest, rankings.once), heavy, unset=False),
+        "service.health": _Method(_given(_Nothing, lambda _: services.health.ready()), quick),
+        "robot.list": _Method(_given(_Nothing, lambda _: services.robots.reports()), quick),
+        "robot.look": _Method(_given(LookRequest, lambda asked: services.robots.request_look(asked.robot)), quick),
+    }
+
+
+def _given(kind: type[BaseModel], act: Callable[[Any], BaseModel]) -> Work:
+    """A method whose payload is one message."""
+    return lambda call: act(call.body(kind))
+
+
+def _listing(act: Callable[[int, str | None], BaseModel]) -> Work:
+    """A method that answers a page."""
+
+    def work(call: Call) -> BaseModel:
+        page: _Page = call.body(_Page)
+        return act(page.limit, page.after)
+
+    return work
+
+
+def _one(get: Callable[[str], BaseModel]) -> Work:
+    """A method about one object or scenario."""
+
+    def work(call: Call) -> BaseModel:
+        id_ = call.id()
+        call.body(_Nothing)
+        return get(id_)
+
+    return work
+
+
+def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], Answered]) -> Work:
+    """A method that moves a session."""
+
+    def work(call: Call) -> Answered:
+        id_ = call.session()
+        if kind == "scan":
+            place_in(call.fields, call.attached)
+        received = call.received()
+        request = call.body(body)
+        key = idempotency_key(call.attached.id, scope_of(id_), kind, request)
+        return act(id_, request, write_of(kind, received, key))
+
+    return work
+
+
+def _create_object(call: Call) -> BaseModel:
+    upload: ObjectUpload = call.body(ObjectUpload)
+    return call.services.objects.create(upload.file, upload.filename, upload.name, upload.scale)[0]
+
+
+def _create_session(call: Call) -> Answered:
+    received = call.received()
+    request = call.body(SessionRequest)
+    key = idempotency_key(call.attached.id, ANYONE, "create session", request)
+    return call.services.sessions.create(request, write_of("prior", received, key))
+
+
+def _get_session(call: Call) -> Answered:
+    id_ = call.session()
+    call.body(_Nothing)
+    return call.services.sessions.answered(id_)
+
+
+def _delete_session(call: Call) -> BaseModel:
+    id_ = call.session()
+    call.body(_Nothing)
+    call.services.sessions.delete(id_, idempotency_key(call.attached.id, scope_of(id_), "delete", None), None)
+    return _Nothing()
+
+
+def _history(call: Call) -> BaseModel:
+    id_ = call.session()
+    page: _Page = call.body(_Page)
+    return call.services.sessions.history(id_, page.limit, page.after)
+
+
+def _rank_grasps(call: Call) -> BaseModel:
+    id_ = call.session()
+    reachable: _Reachable = call.body(_Reachable)
+    return call.services.rankings.grasps(id_, reachable.grasps)
+
+
+def place_in(fields: dict[str, Any], attached: Attachment) -> None:
+    """Where a scan was taken goes into its body from beside it.
+
+    Raises:
+        Failure: both say it.
+    """
+    beside = attached.model_dump(include={"sensor", "sensor_pose"}, exclude_none=True)
+    if not beside:
+        return
+    if fields.get("sensor") is not None or fields.get("sensor_pose") is not None:
+        raise Failure(INVALID, "the payload and its attachment both say where the scan was taken: expected one of them")
+    fields.update(beside)

@@ -1,0 +1,121 @@
+"""What was heard of robots, so that a scan that came to nothing can be seen."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from voa_msgs.robots import RobotReport
+from voa_msgs.robots import Robots as RobotsMessage
+from voa_service.failures import INVALID, Failure, not_found
+from voa_service.ports import Clock
+
+_MOST = 1_000  # anyone may put anything as a robot's name
+
+
+@dataclass
+class _Mapped:
+    """What a mapped robot is asked, besides what was heard of it."""
+
+    waiting_for: Callable[[], str | None]
+    request: Callable[[], bool]
+    """Ask for a look; False where looks are not taken on request."""
+
+
+class Robots:
+    """Reports by robot, as this process heard them; from any thread."""
+
+    def __init__(self, now: Clock) -> None:
+        self._now = now
+        self._reports: dict[tuple[str, str], RobotReport] = {}
+        self._mapped: dict[str, _Mapped] = {}
+        self._lock = threading.Lock()
+
+    def mapped(self, robot: str, key: str, waiting_for: Callable[[], str | None], request: Callable[[], bool]) -> None:
+        """A robot's topic is listened to from now on."""
+        with self._lock:
+            self._mapped[robot] = _Mapped(waiting_for, request)
+            self._reports.setdefault((robot, "ros2"), _unheard(robot, "ros2", key))
+
+    def unmapped(self, robot: str) -> None:
+        """A robot's topic is no longer listened to."""
+        with self._lock:
+            self._mapped.pop(robot, None)
+            self._reports.pop((robot, "ros2"), None)
+
+    def heard(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
+        """A scan came in."""
+        with self._lock:
+            before = self._report(robot, source, key)
+            session = before.session if session is None else session
+            heard = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
+            self._keep(before.model_copy(update=heard))
+
+    def looked(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str) -> None:
+        """A look was applied to a session, accepted or not."""
+        with self._lock:
+            before = self._report(robot, source, key)
+            self._keep(before.model_copy(update={"session": session, "looks": before.looks + 1}))
+
+    def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> None:
+        """A scan could not be used."""
+        with self._lock:
+            before = self._report(robot, source, key)
+            self._keep(before.model_copy(update={"refused": before.refused + 1, "last_refusal": why}))
+
+    def reports(self) -> RobotsMessage:
+        """All of them, by name."""
+        with self._lock:
+            reports, mapped = sorted(self._reports.items()), dict(self._mapped)
+        return RobotsMessage(
+            items=[
+                report.model_copy(update={"waiting_for": mapped[robot].waiting_for()})
+                if source == "ros2" and robot in mapped
+                else report
+                for (robot, source), report in reports
+            ]
+        )
+
+    def request_look(self, robot: str) -> RobotReport:
+        """The robot's next scans are to be a look.
+
+        Raises:
+            Failure: no such robot is mapped, or its looks are not on request.
+        """
+        with self._lock:
+            mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
+        if mapped is None or report is None:
+            raise not_found("mapped robot", robot)
+        if not mapped.request():
+            raise Failure(INVALID, f"the looks of {robot!r} are not on request: its mapping says another look.mode")
+        return report.model_copy(update={"waiting_for": mapped.waiting_for()})
+
+    def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
+        return self._reports.get((robot, source)) or _unheard(robot, source, key)
+
+    def _keep(self, report: RobotReport) -> None:
+        named = (report.robot, report.source)
+        if named not in self._reports and len(self._reports) >= _MOST:
+            oldest = min(
+                (each for each in self._reports if each[1] == "scan"),
+                key=lambda each: str(self._reports[each].last_scan_at),
+                default=None,
+            )
+            if oldest is not None:
+                del self._reports[oldest]
+        self._reports[named] = report
+
+
+def _unheard(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
+    return RobotReport(
+        robot=robot,
+        session=None,
+        source=source,
+        key=key,
+        last_scan_at=None,
+        scans=0,
+        looks=0,
+        refused=0,
+        last_refusal=None,
+        waiting_for=None,
+    )

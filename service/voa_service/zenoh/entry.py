@@ -1,0 +1,34 @@
+"""Zenoh beside HTTP in the same process: everything about it, put together."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+from voa_msgs.keys import Keys
+from voa_service.rpc import Rpc
+from voa_service.services import Services
+from voa_service.settings import ZenohSettings
+from voa_service.zenoh.link import ZenohLink
+from voa_service.zenoh.outbox import Outbox
+from voa_service.zenoh.queries import Queries
+from voa_service.zenoh.replicas import Replicas
+from voa_service.zenoh.scans import Scans
+
+
+@contextmanager
+def on_zenoh(services: Services, settings: ZenohSettings) -> Iterator[None]:
+    """Serve on Zenoh for the length of a `with`, once a router answers; nothing where none is named."""
+    if not settings.connect:
+        yield
+        return
+    keys = Keys(settings.root)
+    link = services.health.link
+    replicas = Replicas(services.health.replica, keys)
+    outbox = Outbox(services.sessions.message, keys, link, services.metrics)
+    queries = Queries(Rpc(services), keys, services.metrics)
+    with ExitStack() as stack:
+        scans = Scans(services, keys, replicas, outbox, settings.grace_seconds)
+        stack.callback(scans.close)
+        stack.enter_context(services.changes.listening(outbox.committed))
+        own = ZenohLink(settings, link, services.metrics, [outbox.on, replicas.on, scans.on, queries.on])
+        stack.callback(own.close)
+        yield
