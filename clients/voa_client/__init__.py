@@ -1,9 +1,42 @@
-"""What robot software installs to talk to the service: messages in, messages out, over HTTP.
+"""What robot software installs to talk to the service: messages in, messages out, over HTTP or Zenoh.
 
-Needs pydantic and an HTTP library; never numpy.
+Needs pydantic and an HTTP library, for Zenoh its library too; never numpy.
 """
 
+from voa_client.async_client import AsyncClient
+from voa_client.attempts import Retries
 from voa_client.client import Client
-from voa_client.errors import ProblemError, UnreachableError, VoaClientError
+from voa_client.errors import (
+    DeniedError,
+    InvalidRequestError,
+    NotFoundError,
+    OverloadedError,
+    ProblemError,
+    StaleVersionError,
+    TimedOutError,
+    UnavailableError,
+    UnexpectedAnswerError,
+    UnreachableError,
+    UsageError,
+    VoaClientError,
+    WireVersionError,
+)
 
-__all__ = ["Client", "ProblemError", "UnreachableError", "VoaClientError"]
+__all__ = [
+    "AsyncClient",
+    "Client",
+    "DeniedError",
+    "InvalidRequestError",
+    "NotFoundError",
+    "OverloadedError",
+    "ProblemError",
+    "Retries",
+    "StaleVersionError",
+    "TimedOutError",
+    "UnavailableError",
+    "UnexpectedAnswerError",
+    "UnreachableError",
+    "UsageError",
+    "VoaClientError",
+    "WireVersionError",
+]

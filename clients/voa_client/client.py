@@ -1,27 +1,32 @@
-"""The synchronous client over HTTP: one method per call of the service."""
+"""The synchronous client: one method per call of the service, over any transport."""
 
-from collections.abc import Iterator
+import random
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
-import httpx2
-from pydantic import BaseModel
-
-from voa_client.errors import ProblemError, UnreachableError
+from voa_client import calls
+from voa_client.addresses import transport_to
+from voa_client.answers import check, read
+from voa_client.attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
+from voa_client.calls import Call, M
+from voa_client.errors import VoaClientError
+from voa_client.following import Following, Mailbox
+from voa_client.transport import Lost, News, State, Transport
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses
-from voa_msgs.problems import Health, Problem
+from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest
+from voa_msgs.robots import RobotReport, Robots
+from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
 from voa_msgs.sessions import (
     BeliefRequest,
     HistoryEntry,
-    HistoryPage,
     OutcomeRequest,
     ScanRequest,
     Session,
-    SessionPage,
     SessionRequest,
     SessionSummary,
     UpdatedEstimate,
@@ -29,20 +34,44 @@ from voa_msgs.sessions import (
     UpdateRequest,
 )
 
-M = TypeVar("M", bound=BaseModel)
-
-_SECONDS = 120.0
-
 
 class Client:
     """Talks to one service; use as a context manager.
 
-    Every method raises `UnreachableError` if there is no answer within `timeout_s`, and `ProblemError` if the
-    service refuses.
+    A call that finds nobody, or a service that has too much to do, is tried again until `timeout_s` is over. All
+    attempts of one write share an idempotency key, so that it takes effect once, however often it was sent; give a
+    `key` of your own to send it again later, from another process too.
+
+    Every method raises `UnreachableError` if there is no answer in time, and `ProblemError` if the service refuses;
+    the others are in `voa_client.errors`.
+
+    Args:
+        to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
+            `voa_client.addresses` has examples), or a transport.
+        timeout_s: bounds a whole call.
+        attempt_s: bounds one attempt; rankings, predictions, uploads and scenarios may use all of `timeout_s`.
+        retries: what lies between attempts.
+        clock: seconds, never going back.
+        sleep: waits so many seconds.
+        chance: uniform in [0, 1).
+        keys: a new idempotency key.
     """
 
-    def __init__(self, url: str, timeout_s: float = _SECONDS) -> None:
-        self._http = httpx2.Client(base_url=url, timeout=timeout_s)
+    def __init__(
+        self,
+        to: str | Transport,
+        timeout_s: float = TIMEOUT_S,
+        attempt_s: float = ATTEMPT_S,
+        retries: Retries = RETRIES,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+        chance: Callable[[], float] = random.random,
+        keys: Callable[[], str] = new_key,
+    ) -> None:
+        self._patience = Patience(timeout_s, attempt_s, retries, clock, chance, keys)
+        self._sleep = sleep
+        self._transport = transport_to(to) if isinstance(to, str) else to
 
     def __enter__(self) -> Self:
         return self
@@ -50,123 +79,176 @@ class Client:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._http.close()
+        self.close()
+
+    def close(self) -> None:
+        """Release the transport; leaving a `with` does it."""
+        self._transport.close()
+
+    def health(self) -> Health:
+        """How the service is, asked once."""
+        call = calls.health()
+        return read(call, self._transport.send(call, None, self._patience.attempt_s))
 
     def ready(self) -> Health:
-        """Whether the service can work."""
-        return self._call("GET", "/readyz", Health)
+        """Wait until the service can work."""
+        return self._do(calls.health())
 
     def create_object(self, mesh: Path, name: str | None = None, scale: float = 1.0) -> Object:
         """Upload a mesh file; `scale` is metres per unit of the file."""
-        form = {"scale": str(scale)} | ({} if name is None else {"name": name})
-        return self._call("POST", "/v1/objects", Object, files={"file": (mesh.name, mesh.read_bytes())}, data=form)
+        return self._do(calls.create_object(mesh.name, mesh.read_bytes(), name, scale))
+
+    def get_object(self, object_id: str) -> Object:
+        """A stored mesh."""
+        return self._do(calls.get_object(object_id))
+
+    def list_objects(self) -> Iterator[Object]:
+        """Every mesh, oldest first, a page at a time."""
+        return self._items(calls.list_objects)
 
     def stable_poses(self, object_id: str) -> StablePoses:
         """How an object can rest."""
-        return self._call("GET", f"/v1/objects/{object_id}/stable-poses", StablePoses)
+        return self._do(calls.stable_poses(object_id))
 
     def lidars(self) -> LidarPresets:
         """The lidars that scenarios can name."""
-        return self._call("GET", "/v1/lidars", LidarPresets)
+        return self._do(calls.lidars())
 
     def create_scenario(self, request: ScenarioRequest) -> Scenario:
         """Store a scenario."""
-        return self._send("/v1/scenarios", request, Scenario)
+        return self._do(calls.create_scenario(request))
 
     def get_scenario(self, scenario_id: str) -> Scenario:
         """A stored scenario."""
-        return self._call("GET", f"/v1/scenarios/{scenario_id}", Scenario)
+        return self._do(calls.get_scenario(scenario_id))
+
+    def list_scenarios(self) -> Iterator[ScenarioSummary]:
+        """Every scenario, oldest first, a page at a time."""
+        return self._items(calls.list_scenarios)
 
     def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
         """Predicted scans of every pose."""
-        return self._send(f"/v1/scenarios/{scenario_id}/predictions", request or PredictionsRequest(), Predictions)
+        return self._do(calls.predict(scenario_id, request or PredictionsRequest()))
 
-    def create_session(self, request: SessionRequest) -> Session:
+    def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session."""
-        return self._send("/v1/sessions", request, Session)
+        return self._do(calls.create_session(request), key)
 
     def get_session(self, session_id: str) -> Session:
         """A session as it stands."""
-        return self._call("GET", f"/v1/sessions/{session_id}", Session)
+        return self._do(calls.get_session(session_id))
 
     def list_sessions(self) -> Iterator[SessionSummary]:
         """Every session, oldest first, a page at a time."""
-        after: dict[str, str] = {}
-        while True:
-            page = self._call("GET", "/v1/sessions", SessionPage, params=after)
-            yield from page.items
-            if page.next is None:
-                return
-            after = {"after": page.next}
+        return self._items(calls.list_sessions)
 
-    def delete_session(self, session_id: str) -> None:
-        """Remove a session and its history."""
-        self._request("DELETE", f"/v1/sessions/{session_id}")
+    def delete_session(self, session_id: str, *, key: str | None = None, if_match: int | None = None) -> None:
+        """Remove a session and its history; with `if_match` only if it is at that version (over HTTP)."""
+        self._do(calls.delete_session(session_id, if_match), key)
 
     def history(self, session_id: str) -> Iterator[HistoryEntry]:
         """Every version of a session and what made it, the prior first."""
-        after: dict[str, str] = {}
-        while True:
-            page = self._call("GET", f"/v1/sessions/{session_id}/history", HistoryPage, params=after)
-            yield from page.items
-            if page.next is None:
-                return
-            after = {"after": page.next}
+        return self._items(lambda after: calls.history(session_id, after))
 
-    def put_belief(self, session_id: str, request: BeliefRequest) -> Session:
-        """Replace a session's belief; null: back to its prior."""
-        return self._send(f"/v1/sessions/{session_id}/belief", request, Session, method="PUT")
+    def put_belief(
+        self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None
+    ) -> Session:
+        """Replace a session's belief; null: back to its prior. With `if_match` as in `apply_scan`."""
+        return self._do(calls.put_belief(session_id, request, if_match), key)
 
-    def report_outcome(self, session_id: str, request: OutcomeRequest) -> UpdatedSession:
-        """Update a session's belief by what came of a grasp attempt."""
-        return self._send(f"/v1/sessions/{session_id}/grasp-outcomes", request, UpdatedSession)
+    def report_outcome(
+        self, session_id: str, request: OutcomeRequest, *, key: str | None = None, if_match: int | None = None
+    ) -> UpdatedSession:
+        """Update a session's belief by what came of a grasp attempt. With `if_match` as in `apply_scan`."""
+        return self._do(calls.report_outcome(session_id, request, if_match), key)
 
-    def apply_scan(self, session_id: str, request: ScanRequest) -> UpdatedSession:
-        """Update a session's belief by a raw scan."""
-        return self._send(f"/v1/sessions/{session_id}/scans", request, UpdatedSession)
+    def apply_scan(
+        self, session_id: str, request: ScanRequest, *, key: str | None = None, if_match: int | None = None
+    ) -> UpdatedSession:
+        """Update a session's belief by a raw scan.
+
+        Args:
+            session_id: which.
+            request: the scan, and where it was taken.
+            key: idempotency key; None: a new one.
+            if_match: only if the session is at this version, else `StaleVersionError`; over HTTP.
+        """
+        return self._do(calls.apply_scan(session_id, request, if_match), key)
 
     def rank_looks(self, session_id: str, request: VoaRequest | None = None) -> Ranking:
         """Looks by their Value of Assistance."""
-        return self._send(f"/v1/sessions/{session_id}/voa", request or VoaRequest(), Ranking)
+        return self._do(calls.rank_looks(session_id, request or VoaRequest()))
 
     def rank_grasps(self, session_id: str, reachable: list[str] | None = None) -> RankedGrasps:
         """Grasps by their expected score."""
-        asked = {} if reachable is None else {"grasps": reachable}
-        return self._call("GET", f"/v1/sessions/{session_id}/grasps", RankedGrasps, params=asked)
+        return self._do(calls.rank_grasps(session_id, reachable))
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """Update a belief of one's own; nothing is stored."""
-        return self._send("/v1/updates", request, UpdatedEstimate)
+        return self._do(calls.update_once(request))
 
     def rank_once(self, request: RankingRequest) -> Ranking:
         """Rank looks for a belief of one's own; nothing is stored."""
-        return self._send("/v1/rankings", request, Ranking)
+        return self._do(calls.rank_once(request))
 
-    def _send(self, path: str, request: BaseModel, answer: type[M], method: str = "POST") -> M:
-        body = request.model_dump_json(exclude_unset=True)
-        return self._call(method, path, answer, content=body, headers={"Content-Type": "application/json"})
+    def robots(self) -> Robots:
+        """The robots that the service has heard, or listens to."""
+        return self._do(calls.robots())
 
-    def _call(self, method: str, path: str, answer: type[M], **more: Any) -> M:
-        # An old robot may talk to a new service: what it does not know in an answer, it ignores.
-        return answer.model_validate_json(self._request(method, path, **more), extra="ignore")
+    def request_look(self, robot: str) -> RobotReport:
+        """The next scans of a robot that looks on request are a look."""
+        return self._do(calls.request_look(robot))
 
-    def _request(self, method: str, path: str, **more: Any) -> bytes:
+    def follow(self, session_id: str, for_s: float | None = None) -> Iterator[Session]:
+        """A session as it stands, then every newer version: in order, none twice.
+
+        Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,
+        however long it takes, once anything was heard. Whoever reads slowly, or was cut off, may miss versions, but
+        never the newest.
+
+        Raises:
+            NotFoundError: there is no such session to begin with.
+            UnreachableError: nothing was ever heard within `timeout_s`.
+        """
+        following = Following(self._patience, for_s)
+        while not following.is_over:
+            box = Mailbox()
+            news: News | None
+            with self._transport.watch(session_id, following.seen, box.put):
+                news = None if self._transport.ask_s is None else self._ask(session_id, following)
+                while not following.is_over and not isinstance(news, Lost):
+                    if news is not None and (session := following.take(news)) is not None:
+                        yield session
+                    news = box.get(following.within(self._transport.ask_s))
+                    if news is None and not following.is_over:
+                        news = self._ask(session_id, following)
+            if isinstance(news, Lost):
+                self._sleep(following.lost(news))
+
+    def _ask(self, session_id: str, following: Following) -> News:
+        call = calls.get_session(session_id)
         try:
-            response = self._http.request(method, path, **more)
-        except httpx2.TransportError as error:
-            raise UnreachableError(f"no answer from {self._http.base_url}: {error or type(error).__name__}") from error
-        if response.is_error:
-            raise ProblemError(_problem(response))
-        return response.content
+            reply = self._transport.send(call, None, following.within(self._patience.attempt_s) or 0.001)
+            check(reply)
+        except VoaClientError as error:
+            return Lost(error)
+        return State(reply.body)
 
+    def _do(self, call: Call[M], key: str | None = None) -> M:
+        key = self._patience.key(call, key)
+        attempts = Attempts(self._patience, heavy=call.heavy)
+        while True:
+            try:
+                return read(call, self._transport.send(call, key, attempts.seconds))
+            except VoaClientError as error:
+                self._sleep(attempts.pause(error))
 
-def _problem(response: httpx2.Response) -> Problem:
-    """The problem document of an answer; one made up where something in between answered."""
-    if response.headers.get("content-type", "").startswith("application/problem+json"):
-        return Problem.model_validate_json(response.content, extra="ignore")
-    return Problem(
-        type="urn:voa:problem:http-error",
-        title=f"HTTP {response.status_code} from {response.url}",
-        status=response.status_code,
-        detail=response.text[:200],
-    )
+    def _items(self, page_after: Callable[[str | None], Call[Any]]) -> Iterator[Any]:
+        """The items of every page."""
+        after: str | None = None
+        while True:
+            page = self._do(page_after(after))
+            yield from page.items
+            after = page.next
+            if after is None:
+                return

@@ -9,10 +9,12 @@ from typing import Any, ClassVar
 import pytest
 
 from tests.serving import data_scenario
-from voa_client import Client, ProblemError, UnreachableError
+from voa_client import Client, ProblemError, Retries, UnavailableError, UnreachableError
 from voa_msgs.rankings import RankingRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import Scan, ScanRequest, SessionRequest, UpdateRequest
+
+ONCE = Retries(within_s=0.0)
 
 
 def test_every_call_goes_through_messages(process: str) -> None:
@@ -43,7 +45,8 @@ def test_a_refusal_carries_the_problem(process: str) -> None:
 
 
 def test_nobody_there_is_unreachable() -> None:
-    with Client("http://127.0.0.1:1") as client, pytest.raises(UnreachableError, match=r"127\.0\.0\.1:1"):
+    here = Client("http://127.0.0.1:1", retries=ONCE)
+    with here as client, pytest.raises(UnreachableError, match=r"127\.0\.0\.1:1"):
         client.ready()
 
 
@@ -91,6 +94,6 @@ def test_what_a_newer_service_says_besides_is_ignored(strange: str) -> None:
 
 
 def test_an_error_of_something_in_between_is_a_problem_too(strange: str) -> None:
-    with Client(strange) as client, pytest.raises(ProblemError, match="Bad gateway") as refused:
+    with Client(strange, retries=ONCE) as client, pytest.raises(UnavailableError, match="Bad gateway") as refused:
         client.lidars()
     assert (refused.value.kind, refused.value.problem.status) == ("http-error", 502)
