@@ -50,7 +50,7 @@ from voa_msgs.sessions import Scan, ScanRequest
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.places import NoPose, wrapped
 from voa_ros.robots import LookRule
-from voa_ros.scans import Beam, beam_class, median_scan, same_grid, scan_message, stamp_json
+from voa_ros.scans import beam_class, median_scan, same_grid, scan_message, stamp_json
 
 NOISE_M = 0.02
 NOISE_SHARE = 0.04
@@ -298,12 +298,12 @@ def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
     compared = changed = 0
     for a, b in zip(one, other, strict=True):
         here, there = beam_class(a), beam_class(b)
-        if here is Beam.MISSING or there is Beam.MISSING:
+        if here == "missing" or there == "missing":
             continue
         compared += 1
-        if here is not there:
+        if here != there:
             changed += 1
-        elif here is Beam.RETURN:
+        elif here == "return":
             apart.append(abs(a - b) / (NOISE_M + NOISE_SHARE * min(a, b)))
     if not compared:
         return math.inf
