@@ -35,12 +35,15 @@ def main() -> None:
     """All robots, each in a thread of its own."""
     ended, lock = threading.Event(), threading.Lock()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
+    robots: list[threading.Thread] = []
     with Path(sys.argv[1]).open("w", encoding="utf-8") as answered:
         for index, robot in enumerate(sys.argv[2:]):
             url, _, session = robot.rpartition("=")
             work = (f"robot-{index}", url, session, ended, answered, lock)
-            threading.Thread(target=drive, args=work, daemon=True).start()
-        ended.wait()
+            robots.append(threading.Thread(target=drive, args=work))
+            robots[-1].start()
+        for each in robots:
+            each.join()
 
 
 if __name__ == "__main__":
