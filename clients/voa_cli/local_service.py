@@ -11,11 +11,13 @@ from typing import NamedTuple
 
 import httpx2
 
-from voa_client import Client, VoaClientError
+from voa_client import Client, Retries, VoaClientError
 
 _START_SECONDS = 60.0
 _STOP_SECONDS = 20
 _LOG_LINES = 15
+BRIEFLY = Retries(within_s=2.0)
+"""For a person at a terminal: over a hiccup, but a wrong address is soon told."""
 
 
 class ServiceDidNotStart(VoaClientError):
@@ -87,7 +89,7 @@ def _tail(log: Path) -> str:
 def service_at(url: str | None) -> Iterator[Client]:
     """A client of the service at `url`, or of one that is started for the purpose."""
     if url is not None:
-        with Client(url) as client:
+        with Client(url, retries=BRIEFLY) as client:
             yield client
         return
     with local_service() as own, Client(own) as client:

@@ -14,6 +14,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
+from voa_cli.local_service import BRIEFLY
 from voa_client import Client, VoaClientError
 from voa_client.session_file import export_session
 
@@ -24,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print what was asked for and return 0; 1 if something is wrong."""
     options = _parser().parse_args(arguments)
     try:
-        with Client(options.url) as client:
+        with Client(options.url, retries=BRIEFLY) as client:
             options.act(client, options)
     except VoaClientError as error:
         print(f"voa sessions: {error}", file=sys.stderr)

@@ -3,6 +3,7 @@
 Needs pydantic and an HTTP library, for Zenoh its library too; never numpy.
 """
 
+from voa_client.arm import ArmClient, AsyncArmClient
 from voa_client.async_client import AsyncClient
 from voa_client.attempts import Retries
 from voa_client.client import Client
@@ -21,9 +22,13 @@ from voa_client.errors import (
     VoaClientError,
     WireVersionError,
 )
+from voa_client.sensor import AsyncSensorClient, SensorClient
 
 __all__ = [
+    "ArmClient",
+    "AsyncArmClient",
     "AsyncClient",
+    "AsyncSensorClient",
     "Client",
     "DeniedError",
     "InvalidRequestError",
@@ -31,6 +36,7 @@ __all__ = [
     "OverloadedError",
     "ProblemError",
     "Retries",
+    "SensorClient",
     "StaleVersionError",
     "TimedOutError",
     "UnavailableError",

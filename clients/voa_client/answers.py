@@ -51,7 +51,7 @@ def check(reply: Reply) -> None:
     problem = parse(Problem, reply.body)
     if problem.type.endswith(":wire-version"):
         raise WireVersionError(f"the service does not speak version {WIRE_VERSION} of the messages: {problem.detail}")
-    raise refusal(problem, _pause(reply))
+    raise refusal(problem, problem.retry_after_s if reply.retry_after_s is None else reply.retry_after_s)
 
 
 def parse(kind: type[M], body: bytes) -> M:
@@ -77,11 +77,3 @@ def made_up(status: int, where: str, text: str) -> bytes:
 def _skew(theirs: int) -> str:
     side = "this program: pip install --upgrade voa" if theirs > WIRE_VERSION else "the service"
     return f"the service speaks version {theirs} of the messages, this program version {WIRE_VERSION}: update {side}"
-
-
-def _pause(reply: Reply) -> float | None:
-    """When to try again: from the answer itself, or from its problem document."""
-    if reply.retry_after_s is not None:
-        return reply.retry_after_s
-    told = json.loads(reply.body).get("retry_after_s")
-    return float(told) if isinstance(told, int | float) and told >= 0.0 else None

@@ -3,7 +3,7 @@
 import asyncio
 import random
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -200,7 +200,7 @@ class AsyncClient:
         """The next scans of a robot that looks on request are a look."""
         return await self._do(calls.request_look(robot))
 
-    async def follow(self, session_id: str, for_s: float | None = None) -> AsyncIterator[Session]:
+    async def follow(self, session_id: str, for_s: float | None = None) -> AsyncGenerator[Session, None]:
         """A session as it stands, then every newer version: in order, none twice.
 
         Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,

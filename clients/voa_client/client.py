@@ -2,7 +2,7 @@
 
 import random
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -199,7 +199,7 @@ class Client:
         """The next scans of a robot that looks on request are a look."""
         return self._do(calls.request_look(robot))
 
-    def follow(self, session_id: str, for_s: float | None = None) -> Iterator[Session]:
+    def follow(self, session_id: str, for_s: float | None = None) -> Generator[Session, None, None]:
         """A session as it stands, then every newer version: in order, none twice.
 
         Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,

@@ -23,14 +23,14 @@ class Answered(Protocol):
         """JSON."""
 
     @property
-    def problem(self) -> bool:
+    def is_problem(self) -> bool:
         """Whether the body is a problem document."""
 
 
 class Dispatcher(Protocol):
     """A service without an entrypoint: it answers rpcs, as over Zenoh."""
 
-    def call_now(self, method: str, payload: bytes, attachment: bytes | None) -> Answered:
+    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> Answered:
         """Answer one call; blocks, and may be called from any thread."""
 
 
@@ -84,5 +84,5 @@ def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Reply:
     if call.if_match is not None:
         raise UsageError(f"{call.rpc}: if_match goes over HTTP only")
     attachment = Attachment(id=key, wire=WIRE_VERSION).model_dump_json(exclude_none=True).encode()
-    answered = service.call_now(call.rpc, call.payload(), attachment)
-    return Reply(answered.body, refused=answered.problem)
+    answered = service.answer(call.rpc, call.payload(), attachment)
+    return Reply(answered.body, refused=answered.is_problem)

@@ -1,6 +1,6 @@
 """Zenoh: calls as queries, news as what the service puts on a session's key.
 
-The session opens without a router and joins by itself when there is one, again and again; a call waits for the link
+A transport is made without a router and joins by itself when there is one, again and again; a call waits for the link
 within its own time. Zenoh's library is imported when a transport is made, not before: robots that speak HTTP do
 without it. Its callbacks run on its network threads, so they only hand over what they got.
 """
@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, Any
 from voa_client.answers import Reply
 from voa_client.calls import Call
 from voa_client.errors import TimedOutError, UnreachableError, UsageError, VoaClientError
-from voa_client.transport import Deleted, State, Tell
+from voa_client.transport import Deleted, Lost, State, Tell
 from voa_client.zenoh_address import ZenohAddress
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import CHUNK, Attachment, Keys
+from voa_msgs.links import session_config
 
 if TYPE_CHECKING:
     import zenoh
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 _ASK_S = 3.0  # puts are lost without a word while a link is down
 _GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over; it gets a moment to say so
 _LOOK_S = 0.02
+_JOIN_S = 5.0
+_AGAIN_S = 0.2
+_CLOSE_S = 2.0
 
 
 class MissingLibraryError(VoaClientError, ImportError):
@@ -39,21 +43,19 @@ class ZenohTransport:
     ask_s = _ASK_S
 
     def __init__(self, address: ZenohAddress) -> None:
-        self._address = address
         self._keys = Keys(address.root)
         self._link = _Link(address)
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
         _check(call)
+        asked = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
-        if not self._link.wait(seconds):
-            raise _no_link(self._address, seconds)
+        session = self._link.wait(seconds)
         replies: list[zenoh.Reply] = []
         complete = threading.Event()
         left = max(_LOOK_S, until - time.monotonic())
-        asked = self._keys.rpc(call.rpc)
-        _ask(self._link.session, asked, call, key, left, replies.append, complete.set)
+        _ask(session, asked, call, key, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
             raise TimedOutError(f"no answer at {asked} within {seconds:.3g} s")
         return _reply(asked, replies)
@@ -61,7 +63,13 @@ class ZenohTransport:
     @contextmanager
     def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:  # noqa: ARG002 - the port's
         """As the port says."""
-        subscriber = _subscribe(self._link.session, self._keys, session_id, tell)
+        try:
+            session = self._link.wait(_JOIN_S)
+        except UnreachableError as error:
+            tell(Lost(error))
+            yield
+            return
+        subscriber = _subscribe(session, self._keys, session_id, tell)
         try:
             yield
         finally:
@@ -73,34 +81,25 @@ class ZenohTransport:
 
 
 class AsyncZenohTransport:
-    """The same for asyncio; opened by the first call."""
+    """The same for asyncio."""
 
     ask_s = _ASK_S
 
     def __init__(self, address: ZenohAddress) -> None:
-        _library()
-        self._address = address
         self._keys = Keys(address.root)
-        self._opening = asyncio.Lock()
-        self._link: _Link | None = None
+        self._link = _Link(address)
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
         _check(call)
         asked = self._keys.rpc(call.rpc)
-        began = time.monotonic()
-        link = await self._opened()
-        try:
-            async with asyncio.timeout(seconds):
-                while not link.is_up:
-                    await asyncio.sleep(_LOOK_S)
-        except TimeoutError as error:
-            raise _no_link(self._address, seconds) from error
+        until = time.monotonic() + seconds
+        session = await self._joined(seconds)
         loop = asyncio.get_running_loop()
         replies: list[zenoh.Reply] = []
         complete = asyncio.Event()
-        left = max(_LOOK_S, began + seconds - time.monotonic())
-        _ask(link.session, asked, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
+        left = max(_LOOK_S, until - time.monotonic())
+        _ask(session, asked, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
         try:
             async with asyncio.timeout(left + _GRACE_S):
                 await complete.wait()
@@ -111,9 +110,14 @@ class AsyncZenohTransport:
     @asynccontextmanager
     async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002
         """As the port says."""
-        link = await self._opened()
+        try:
+            session = await self._joined(_JOIN_S)
+        except UnreachableError as error:
+            tell(Lost(error))
+            yield
+            return
         told = _into(asyncio.get_running_loop(), tell)
-        subscriber = await asyncio.to_thread(_subscribe, link.session, self._keys, session_id, told)
+        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, told)
         try:
             yield
         finally:
@@ -121,84 +125,99 @@ class AsyncZenohTransport:
 
     async def close(self) -> None:
         """As the port says."""
-        async with self._opening:
-            link, self._link = self._link, None
-        if link is not None:
-            await asyncio.to_thread(link.close)
+        await asyncio.to_thread(self._link.close)
 
-    async def _opened(self) -> "_Link":
-        async with self._opening:
-            if self._link is None:
-                self._link = await asyncio.to_thread(_Link, self._address)
-            return self._link
+    async def _joined(self, seconds: float) -> "zenoh.Session":
+        """The session, once it is connected."""
+        until = time.monotonic() + seconds
+        while (session := self._link.session) is None:
+            if time.monotonic() > until:
+                raise self._link.failure(seconds)
+            await asyncio.sleep(_LOOK_S)
+        return session
 
 
 class _Link:
-    """An open session, and whether it is connected."""
+    """A session with a router: opened by a thread as soon as one answers; from then on it joins again by itself."""
 
     def __init__(self, address: ZenohAddress) -> None:
-        library = _library()
+        self._address = address
+        self._config = config(address)
+        self._opened: zenoh.Session | None = None
         self._connected: set[str] = set()
+        self._why = ""
+        self._ended = threading.Event()
         self._changed = threading.Condition()
-        try:
-            self.session: zenoh.Session = library.open(config(address))
-        except library.ZError as error:
-            raise UsageError(f"{address.endpoint}: {error}") from error
-        heard = library.handlers.Callback(self._heard, indirect=False)
-        self._listener = self.session.info.declare_transport_events_listener(heard, history=True)
+        self._opening = threading.Thread(target=self._open, name="voa-zenoh", daemon=True)
+        self._opening.start()
 
     @property
-    def is_up(self) -> bool:
-        """Whether anyone is at the other end."""
-        return bool(self._connected)
+    def session(self) -> "zenoh.Session | None":
+        """The session while it is connected."""
+        return self._opened if self._connected else None
 
-    def wait(self, seconds: float) -> bool:
-        """Whether it came up in time."""
+    def wait(self, seconds: float) -> "zenoh.Session":
+        """The session; raises TimedOutError if it is not connected in time."""
         with self._changed:
-            return self._changed.wait_for(lambda: self.is_up, seconds)
+            if not self._changed.wait_for(lambda: self.session is not None, seconds):
+                raise self.failure(seconds)
+            assert self._opened is not None  # noqa: S101 - as waited for
+            return self._opened
+
+    def failure(self, seconds: float) -> TimedOutError:
+        """What to say where the wait was in vain."""
+        return TimedOutError(f"no Zenoh router at {self._address.endpoint} within {seconds:.3g} s{self._why}")
 
     def close(self) -> None:
-        """An open session keeps threads and would hear the service for ever."""
-        session: Any = self.session  # Zenoh's stub leaves these methods untyped
-        session.close()
+        """An open session keeps threads, and hears the router for ever."""
+        self._ended.set()
+        self._opening.join(_CLOSE_S)
+        session: Any = self._opened  # Zenoh's stub leaves the method untyped
+        if session is not None:
+            session.close()
+
+    def _open(self) -> None:
+        library = _library()
+        while not self._ended.is_set():
+            try:
+                opened = library.open(self._config)
+            except library.ZError as error:
+                self._why = f" ({str(error).partition(' at /')[0]}); it is down, or refuses the credentials"
+                self._ended.wait(_AGAIN_S)
+                continue
+            self._opened = opened
+            if self._ended.is_set():  # closed in the meantime, without waiting for us
+                opened.close()
+                return
+            heard = library.handlers.Callback(self._heard, indirect=False)
+            self._listener = opened.info.declare_transport_events_listener(heard, history=True)
+            return
 
     def _heard(self, event: "zenoh.TransportEvent") -> None:
         with self._changed:
-            change = self._connected.discard if event.kind.name == "DELETE" else self._connected.add
+            gone = event.kind == _library().SampleKind.DELETE
+            change = self._connected.discard if gone else self._connected.add
             change(str(event.transport.zid))
             self._changed.notify_all()
 
 
 def config(address: ZenohAddress) -> "zenoh.Config":
-    """The configuration of a session: it reaches the one router, nobody reaches it, and it never gives up.
-
-    Shared memory is off: it gains nothing at our sizes, and under load it loses queries without a word.
-    """
+    """The configuration of a session."""
     secure = {
         "root_ca_certificate": address.ca,
         "connect_certificate": address.cert,
         "connect_private_key": address.key,
     }
-    link = {name: file for name, file in secure.items() if file is not None}
-    settings: dict[str, Any] = {
-        "mode": "peer",
-        "listen/endpoints": [],
-        "connect/endpoints": [address.endpoint],
-        "connect/timeout_ms": -1,
-        "connect/exit_on_failure": False,
-        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
-        "open/return_conditions": {"connect_scouted": False, "declares": False},
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,
-    }
-    if address.user is not None:
-        settings["transport/auth/usrpwd"] = {"user": address.user, "password": address.password or ""}
-    if link:
-        settings["transport/link/tls"] = link | ({"enable_mtls": True} if address.cert is not None else {})
+    files: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
+    settings = session_config([address.endpoint], address.user, address.password)
+    if files:
+        settings["transport/link/tls"] = files | ({"enable_mtls": True} if address.cert is not None else {})
     built: zenoh.Config = _library().Config()
-    for name, value in settings.items():
-        built.insert_json5(name, json.dumps(value))
+    try:
+        for name, value in settings.items():
+            built.insert_json5(name, json.dumps(value))
+    except _library().ZError as error:
+        raise UsageError(f"{address.endpoint}: {error}") from error
     return built
 
 
@@ -303,7 +322,3 @@ def _into(loop: asyncio.AbstractEventLoop, function: Callable[..., object]) -> C
             loop.call_soon_threadsafe(function, *given)
 
     return call
-
-
-def _no_link(address: ZenohAddress, seconds: float) -> TimedOutError:
-    return TimedOutError(f"no link to {address.endpoint} within {seconds:.3g} s")

@@ -31,7 +31,7 @@ changes its number of beams from turn to turn has no median: the stop begins ane
 **After a restart** the robot may still be parked where its look was taken. `resume()` is told the newest look that the
 session's history has of this robot, and a robot found at that place, or seeing that scene, has had its look of this
 stop. Other processes hear the same scans: tell `resume()` every look of this robot that the session gets, whoever took
-it. Looks have deterministic names for the rest: the same robot, first and last revolution are the same look.
+it. Looks have deterministic names for the rest: of one robot, the same times and ranges are the same look.
 
 Nothing here knows a clock: what counts is revolutions.
 """
@@ -45,14 +45,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import JsonValue
-
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import Scan, ScanRequest
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.places import NoPose, wrapped
 from voa_ros.robots import LookRule
-from voa_ros.scans import Beam, beam_class, median_scan, same_grid, scan_message, stamp_json
+from voa_ros.scans import beam_class, median_scan, same_grid, scan_message, stamp_json
 
 NOISE_M = 0.02
 NOISE_SHARE = 0.04
@@ -128,7 +126,7 @@ class LookTaker:
         self._away = 0
         self._requested = False
         self._heard: deque[tuple[Stamp, bytes]] = deque(maxlen=_REMEMBERED)
-        self._told: JsonValue = None
+        self._told: ScanRequest | None = None
         self._waiting_for: str | None = "a request" if rule.mode == "on_request" else "a scan"
 
     @property
@@ -143,9 +141,7 @@ class LookTaker:
             ValueError: looks are not taken on request.
         """
         if self._rule.mode != "on_request":
-            raise ValueError(
-                f"expected a robot whose looks are taken on_request, {self._robot!r}'s are: {self._rule.mode}"
-            )
+            raise ValueError(f"expected a robot in mode 'on_request', {self._robot!r} is in mode {self._rule.mode!r}")
         self._requested = True
         self._stop.clear()
         self._waiting_for = "the robot to stop"
@@ -157,9 +153,8 @@ class LookTaker:
         the same look again changes nothing.
         """
         where = request.sensor if request.sensor is not None else request.sensor_pose
-        stamp = request.scan.stamp
-        if where is not None and (stamp is None or stamp != self._told):
-            self._told = stamp
+        if where is not None and request != self._told:
+            self._told = request
             self._taken = _Reference(where, _ranges(request.scan))
             self._away = 0
 
@@ -266,8 +261,7 @@ class LookTaker:
             scan=scan_message(median, stamp),
         )
         name = f"{self._robot}:{first.sec}.{first.nanosec:09}:{last.sec}.{last.nanosec:09}"
-        clockless = first == Stamp() or (first == last and len(scans) > 1)
-        return Taken(f"{name}:{_digest(median.ranges).hex()}" if clockless else name, request)
+        return Taken(f"{name}:{_digest(median.ranges).hex()}", request)  # times come again where a simulation restarts
 
 
 def _within(one: UncertainSensorPose, other: UncertainSensorPose, xy_m: float, yaw_rad: float) -> bool:
@@ -304,12 +298,12 @@ def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
     compared = changed = 0
     for a, b in zip(one, other, strict=True):
         here, there = beam_class(a), beam_class(b)
-        if here is Beam.MISSING or there is Beam.MISSING:
+        if here == "missing" or there == "missing":
             continue
         compared += 1
-        if here is not there:
+        if here != there:
             changed += 1
-        elif here is Beam.RETURN:
+        elif here == "return":
             apart.append(abs(a - b) / (NOISE_M + NOISE_SHARE * min(a, b)))
     if not compared:
         return math.inf

@@ -1,0 +1,97 @@
+"""Samples in order for each sender, side by side for several, never without bound."""
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from tests.waiting import wait_for
+from voa_service.zenoh.mailboxes import Later, Mailboxes
+
+
+class Worker:
+    """Work that is let through one at a time, by name."""
+
+    def __init__(self) -> None:
+        self.done: list[tuple[str, int]] = []
+        self.gates = {name: threading.Semaphore(0) for name in "ab"}
+
+    def __call__(self, item: tuple[str, int]) -> None:
+        assert self.gates[item[0]].acquire(timeout=30)
+        self.done.append(item)
+
+
+@pytest.fixture
+def worker() -> Worker:
+    return Worker()
+
+
+@pytest.fixture
+def boxes(worker: Worker) -> Iterator[Mailboxes[tuple[str, int]]]:
+    own = Mailboxes(worker, workers=2, most_items=5, most_bytes=100)
+    yield own
+    for gate in worker.gates.values():
+        gate.release(100)
+    own.close()
+
+
+def test_one_sender_is_served_in_order_and_does_not_hold_up_another(
+    worker: Worker, boxes: Mailboxes[tuple[str, int]]
+) -> None:
+    for number in range(3):
+        assert boxes.put("a", ("a", number), 1)
+    assert boxes.put("b", ("b", 0), 1)
+    worker.gates["b"].release()
+    wait_for(lambda: worker.done == [("b", 0)], "the other sender")
+    worker.gates["a"].release(3)
+    wait_for(lambda: boxes.waiting == 0, "the first sender")
+    assert worker.done[1:] == [("a", 0), ("a", 1), ("a", 2)]
+
+
+def test_what_does_not_fit_is_refused_and_room_is_made_again(worker: Worker, boxes: Mailboxes[tuple[str, int]]) -> None:
+    assert not boxes.put("a", ("a", 99), 101)
+    assert all(boxes.put("a", ("a", number), 20) for number in range(5))
+    assert not boxes.put("b", ("b", 0), 1)
+    worker.gates["a"].release(5)
+    wait_for(lambda: boxes.waiting == 0, "room")
+    assert boxes.put("b", ("b", 0), 100)
+
+
+def test_closing_drops_what_waits_and_takes_nothing_more(worker: Worker) -> None:
+    own: Mailboxes[tuple[str, int]] = Mailboxes(worker, workers=1, most_items=10, most_bytes=100)
+    assert own.put("a", ("a", 0), 1)
+    assert own.put("a", ("a", 1), 1)
+    worker.gates["a"].release(1)
+    wait_for(lambda: worker.done == [("a", 0)], "the first")
+    closing = threading.Thread(target=own.close)
+    closing.start()
+    worker.gates["a"].release(1)
+    closing.join(30)
+    assert not closing.is_alive()
+    assert not own.put("a", ("a", 2), 1)
+    assert len(worker.done) <= 2
+
+
+def test_what_is_put_off_comes_later_in_order() -> None:
+    came: list[int] = []
+    later = Later(0.05, came.append, 100)
+    for number in range(10):
+        later.put(number)
+    assert came == []
+    wait_for(lambda: len(came) == 10, "all of them")
+    assert came == list(range(10))
+    later.close()
+
+
+def test_what_is_put_off_is_forgotten_at_the_end_and_beyond_the_bound() -> None:
+    came: list[int] = []
+    never = Later(3600.0, came.append, 100)
+    never.put(1)
+    never.close()
+    assert came == []
+    few = Later(0.02, came.append, 2)
+    for number in range(5):
+        few.put(number)
+    wait_for(lambda: len(came) == 2, "the newest")
+    few.close()
+    assert came == [3, 4]
