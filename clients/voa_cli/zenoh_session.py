@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,12 +18,13 @@ class NoRouter(VoaClientError):
 
 
 @contextmanager
-def joined(address: ZenohAddress, open_ms: int = 0) -> Iterator[zenoh.Session]:
+def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | None = None) -> Iterator[zenoh.Session]:
     """A session with the router at `address`; joins again by itself when the router was away.
 
     Args:
         address: which router, and as whom.
         open_ms: how long to wait for it; 0: one try.
+        more: entries of Zenoh's configuration, by path.
 
     Raises:
         NoRouter: nobody is there, or it refuses the credentials: Zenoh does not say which.
@@ -31,7 +32,7 @@ def joined(address: ZenohAddress, open_ms: int = 0) -> Iterator[zenoh.Session]:
     if "RUST_LOG" in os.environ:  # Zenoh writes to stdout; without this it is mute
         zenoh.init_log_from_env_or("error")
     try:
-        session = zenoh.open(_config(address, open_ms))
+        session = zenoh.open(_config(address, open_ms, more or {}))
     except zenoh.ZError as error:
         raise NoRouter(
             f"no Zenoh router took us at {address.endpoint}: it is not there, or refuses the credentials; "
@@ -44,7 +45,7 @@ def joined(address: ZenohAddress, open_ms: int = 0) -> Iterator[zenoh.Session]:
         close()
 
 
-def _config(address: ZenohAddress, open_ms: int) -> zenoh.Config:
+def _config(address: ZenohAddress, open_ms: int, more: Mapping[str, Any]) -> zenoh.Config:
     config = zenoh.Config()
     entries = session_config([address.endpoint], address.user, address.password, open_ms)
     secure = {
@@ -55,6 +56,6 @@ def _config(address: ZenohAddress, open_ms: int) -> zenoh.Config:
     link: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
     if link:
         entries["transport/link/tls"] = link | ({"enable_mtls": True} if address.cert is not None else {})
-    for path, value in entries.items():
+    for path, value in (entries | dict(more)).items():
         config.insert_json5(path, json.dumps(value))
     return config

@@ -1,7 +1,6 @@
 """`voa record` beside a real router and service, and the recording through another service."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -11,15 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import zenoh
 from mcap.reader import make_reader
 
-from tests.routers import Router, router
-from tests.serving import POSES, as_scan, data_scenario
-from tests.voa_cli.labs import Lab, service_on, wait_until
+from tests.routers import router
+from tests.serving import data_scenario
+from tests.voa_cli.labs import Lab, service_on
 from tests.voa_cli.recordings.bags import START_NS, laser_scan
+from tests.waiting import wait_for
 from voa_cli.main import main
-from voa_cli.recordings.ros_types import LASER_SCAN
+from voa_cli.recordings.reading import Recording
+from voa_cli.recordings.ros_types import LASER_SCAN, RosTypes
+from voa_cli.recordings.sessions import recorded_sessions
 from voa_cli.zenoh_session import joined
 from voa_client import Client
 from voa_client.zenoh_address import ZenohAddress
@@ -30,6 +31,7 @@ from voa_ros.cdr import encode_laser_scan
 from voa_ros.topics import LASER_SCAN as ROS_LASER_SCAN
 from voa_ros.topics import RmwAttachment, rmw_key
 
+TYPES = RosTypes()
 SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, 0.5, None, 1.0], no_return=[2]))
 
 
@@ -43,33 +45,46 @@ class Recorder:
     """`voa record` in a process of its own."""
 
     def __init__(self, path: Path, *options: str) -> None:
-        command = [sys.executable, "-m", "voa_cli.main", "record", "-o", str(path), *options]
         self.path = path
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        assert self.process.stderr is not None
-        self.listening = self.process.stderr.readline()
-        assert "listening to" in self.listening, self.listening + self.process.stderr.read()
+        self._said = path.with_suffix(".err")
+        self._printed = path.with_suffix(".out")
+        command = [sys.executable, "-m", "voa_cli.main", "record", "-o", str(path), *options]
+        with self._said.open("wb") as stderr, self._printed.open("wb") as stdout:
+            self.process = subprocess.Popen(command, stdout=stdout, stderr=stderr)
+
+    def wait_until_it_listens(self) -> None:
+        """Fails with what it said."""
+
+        def listens() -> bool:
+            said = self._said.read_text()
+            assert self.process.poll() is None, said
+            return "listening to" in said
+
+        wait_for(listens, "the recorder listens")
 
     def stop(self, number: signal.Signals) -> str:
         """What it printed in the end."""
         self.process.send_signal(number)
-        out, err = self.process.communicate(timeout=30)
-        assert (self.process.returncode, err) == (0, ""), err
-        return out
+        assert self.process.wait(30) == 0, self._said.read_text()
+        assert self._said.read_text().count("\n") == 1
+        return self._printed.read_text()
 
 
 @contextmanager
 def recording(path: Path, *options: str) -> Iterator[Recorder]:
     own = Recorder(path, *options)
     try:
+        own.wait_until_it_listens()
         yield own
     finally:
         own.process.kill()
-        own.process.communicate()
+        own.process.wait()
 
 
-def size_grows(path: Path, beyond: int) -> None:
-    wait_until(lambda: path.stat().st_size > beyond, "the recording grows")
+def sessions_in(path: Path) -> dict[str, int]:
+    """The sessions that can be made anew from what is on the disk now, and how many versions of each."""
+    found = recorded_sessions(Recording(path, TYPES).messages())
+    return {told.session: len(told.file.history) for told in found if told.file is not None}
 
 
 def messages(path: Path) -> list[tuple[str, str, Any]]:
@@ -93,16 +108,15 @@ def test_a_session_is_recorded_and_made_anew_elsewhere(
 ) -> None:
     path = tmp_path / "look.mcap"
     with Client(lab.url) as client, recording(path, "--url", lab.zenoh) as own:
-        before = path.stat().st_size
         session = moved_session(client)
         client.put_belief(session, BeliefRequest(belief=None))
         last = client.apply_scan(session, SCAN)
-        size_grows(path, before)
+        wait_for(lambda: sessions_in(path).get(session) == 5, "all versions are recorded")
         printed = own.stop(number)
     assert f"/voa/{session}/belief" in printed
     kinds = [topic.rpartition("/")[2] for topic, _, _ in messages(path) if session in topic]
     assert kinds.count("scenario") == 1
-    assert kinds.count("history") == last.version + 1 if last.version is not None else False
+    assert (kinds.count("history"), last.version) == (5, 4)
     assert main(["replay", str(path), "--url", process, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["damage"] is None
@@ -127,7 +141,7 @@ def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> Non
         robot.put("tb3_2/scan", payload)
         robot.put(Keys().scan(session, "r1"), SCAN.model_dump_json(), attachment=b'{"id": "look-1", "key": "secret"}')
         robot.put(Keys().scan(session, "r1"), b"{}")
-        wait_until(lambda: refusals(lab) > 0, "the second scan is refused")
+        wait_for(lambda: refusals(lab) > 0, "the second scan is refused")
         printed = own.stop(signal.SIGINT)
     found = messages(path)
     scans = [message for topic, encoding, message in found if (topic, encoding) == ("/tb3_1/scan", "cdr")]
@@ -159,9 +173,8 @@ def test_one_session_alone_is_recorded_whole_although_nothing_happens(lab: Lab, 
     with Client(lab.url) as client:
         session, other = moved_session(client), moved_session(client)
         with recording(path, "--url", lab.zenoh, "--session", session) as own:
-            before = path.stat().st_size
             client.apply_scan(other, SCAN)
-            size_grows(path, before)
+            wait_for(lambda: sessions_in(path).get(session) == 3, "the session is recorded")
             own.stop(signal.SIGINT)
     assert not [topic for topic, _, _ in messages(path) if other in topic]
     assert main(["replay", str(path), "--url", process]) == 0
@@ -173,7 +186,7 @@ def test_a_recorder_that_was_killed_leaves_what_it_heard(
     path = tmp_path / "killed.mcap"
     with Client(lab.url) as client, recording(path, "--url", lab.zenoh) as own:
         session = moved_session(client)
-        wait_until(lambda: b"OutcomeRequest" in path.read_bytes() or replays(path, session), "it is on the disk")
+        wait_for(lambda: sessions_in(path).get(session) == 3, "it is on the disk")
         own.process.kill()
         own.process.wait()
     assert main(["replay", str(path), "--url", process, "--json"]) == 0
@@ -182,16 +195,6 @@ def test_a_recorder_that_was_killed_leaves_what_it_heard(
     assert session in [again["recorded"] for again in told["sessions"] if again["same"]]
     assert main(["replay", str(path), "--url", process]) == 0
     assert "the recording ends in the middle:" in " ".join(capsys.readouterr().out.split())
-
-
-def replays(path: Path, session: str) -> bool:
-    """Whether all three versions of a session are in the file already."""
-    from voa_cli.recordings.reading import Recording
-    from voa_cli.recordings.ros_types import RosTypes
-    from voa_cli.recordings.sessions import recorded_sessions
-
-    found = [told for told in recorded_sessions(Recording(path, RosTypes()).messages()) if told.session == session]
-    return bool(found) and found[0].file is not None and len(found[0].file.history) == 3
 
 
 def test_it_ends_by_itself_after_so_many_seconds(lab: Lab, tmp_path: Path) -> None:
@@ -237,27 +240,10 @@ def test_a_router_that_restarts_is_joined_again(tmp_path: Path) -> None:
             own.kill()
             own.start()
             session = moved_session(client)
-            after = [client]
 
             def heard() -> bool:
-                after[0].apply_scan(session, SCAN)
-                return replays_some(path, session)
+                client.apply_scan(session, SCAN)
+                return session in sessions_in(path)
 
-            wait_until(heard, "the session is heard again")
+            wait_for(heard, "the session is heard again")
             recorder.stop(signal.SIGINT)
-
-
-def replays_some(path: Path, session: str) -> bool:
-    return session.encode() in path.read_bytes() or any(
-        session in topic for topic in _topics(path)
-    )
-
-
-def _topics(path: Path) -> list[str]:
-    from voa_cli.recordings.reading import Recording
-    from voa_cli.recordings.ros_types import RosTypes
-
-    return [message.topic for message in Recording(path, RosTypes()).messages()]
-
-
-assert POSES and as_scan and os and zenoh and Router

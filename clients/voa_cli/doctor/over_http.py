@@ -2,8 +2,8 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from importlib.metadata import version
 from urllib.parse import urlsplit
 
@@ -28,8 +28,8 @@ class Answers:
 
     health: Health | None = None
     robots: Robots | None = None
-    at: datetime = field(default_factory=lambda: datetime.now(UTC))
-    """The service's clock when it told of its robots."""
+    ahead: timedelta = timedelta()
+    """How far the service's clock is ahead of ours."""
 
 
 def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
@@ -88,6 +88,7 @@ def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Fi
     yield _wire(health)
     if offsets:
         unsure, offset = min(offsets)
+        answers.ahead = timedelta(seconds=offset)
         yield clocks("clock", offset, unsure)
 
 
