@@ -30,9 +30,8 @@ from voa_cli.recording.histories import Histories
 from voa_cli.recording.inbox import Inbox, listening
 from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.writer import RecordingWriter
-from voa_cli.zenoh_session import joined
+from voa_cli.zenoh_session import address_of, joined
 from voa_client import Client, VoaClientError
-from voa_client.zenoh_address import ZenohAddress
 from voa_msgs.keys import Keys
 
 DEFAULT_URL = "zenoh://127.0.0.1:7447"
@@ -50,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     console = Console(stderr=True)
     try:
-        address = ZenohAddress.parse(options.url)
+        address = address_of(options.url)
         expressions = _expressions(Keys(address.root), options.session, options.topic)
         with (
             joined(address, _OPEN_MS) as session,

@@ -9,12 +9,22 @@ from typing import Any
 import zenoh
 
 from voa_client import VoaClientError
-from voa_client.zenoh_address import ZenohAddress
+from voa_client.errors import UsageError
+from voa_client.zenoh_address import ENDPOINTS, SCHEMES, ZenohAddress
 from voa_msgs.links import session_config
 
 
 class NoRouter(VoaClientError):
     """No router took us."""
+
+
+def address_of(text: str) -> ZenohAddress:
+    """A router's address as a person writes it; raises UsageError."""
+    scheme, is_url, _ = text.partition("://")
+    if scheme in SCHEMES if is_url else text.partition("/")[0] in ENDPOINTS:
+        return ZenohAddress.parse(text)
+    known = ", ".join(f"{scheme}://" for scheme in SCHEMES)
+    raise UsageError(f"expected a URL with {known} or a Zenoh endpoint like tcp/127.0.0.1:7447, got {text!r}")
 
 
 @contextmanager

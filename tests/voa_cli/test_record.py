@@ -219,6 +219,7 @@ def test_an_existing_file_is_kept_unless_told_otherwise(
     ("options", "says"),
     [
         (["--url", "zenoh://127.0.0.1:1"], "no Zenoh router took us at tcp/127.0.0.1:1"),
+        (["--url", "http://127.0.0.1:8000"], "expected a URL with zenoh://"),
         (["--topic", "a//b"], "expected a topic like /tb3_1/scan"),
         (["--url", "zenoh://h/bad root"], "expected a root like"),
     ],

@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,6 +23,7 @@ from voa_cli.doctor.over_http import Answers, check_http
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots
 from voa_cli.doctor.topics import check_topics
+from voa_cli.zenoh_session import address_of
 from voa_client.errors import UsageError
 from voa_client.zenoh_address import ZenohAddress
 from voa_msgs.keys import Keys
@@ -39,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.robots is not None and options.zenoh is None:
         parser.error("--robots needs --zenoh, the router that the robots are on")
     try:
-        address = None if options.zenoh is None else ZenohAddress.parse(options.zenoh)
+        address = None if options.zenoh is None else address_of(options.zenoh)
         robots = () if options.robots is None else load(options.robots.read_text(encoding="utf-8"))
     except (UsageError, InvalidRobots, OSError, UnicodeDecodeError) as error:
         print(f"voa doctor: {error}", file=sys.stderr)
@@ -72,11 +74,11 @@ def _findings(
 def _over_zenoh(
     address: ZenohAddress, answers: Answers, robots: Sequence[RobotMapping], listen_s: float, budget: Budget
 ) -> Iterator[Finding]:
-    findings, opened = check_router(address, budget)
-    yield from findings
-    if opened is None:
-        return
-    with opened as session:
+    with ExitStack() as stack:
+        findings, session = check_router(address, budget, stack)
+        yield from findings
+        if session is None:
+            return
         yield from check_service(session, Keys(address.root), answers.health, budget)
         yield from check_topics(session, robots, listen_s, budget)
 

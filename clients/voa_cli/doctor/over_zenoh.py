@@ -6,7 +6,7 @@ each step looks for what would tell one from the other.
 
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager
+from contextlib import ExitStack
 
 import zenoh
 from pydantic import ValidationError
@@ -21,6 +21,8 @@ from voa_msgs.problems import Health, Problem
 
 _OPEN_S = 2.0
 _ASK_S = 2.0
+_FROZEN_AFTER = 0.8
+"""Of that time: a router that refuses says so at once."""
 _TCP = ("tcp", "tls", "ws")
 _SHARED_MEMORY = Finding(
     "shared memory",
@@ -30,13 +32,16 @@ _SHARED_MEMORY = Finding(
 )
 
 
-def check_router(
-    address: ZenohAddress, budget: Budget
-) -> tuple[list[Finding], AbstractContextManager[zenoh.Session] | None]:
+def check_router(address: ZenohAddress, budget: Budget, stack: ExitStack) -> tuple[list[Finding], zenoh.Session | None]:
     """Whether there is a router, and whether it takes us.
 
+    Args:
+        address: of the router, and as whom.
+        budget: the time that is left.
+        stack: closes the session.
+
     Returns:
-        The findings, and the open session, to be entered and so closed; None: there is none.
+        The findings, and the open session; None: there is none.
     """
     kind, _, where = address.endpoint.partition("/")
     host, _, port = where.partition("?")[0].rpartition(":")
@@ -45,40 +50,26 @@ def check_router(
         findings.append(reach("router", host.strip("[]"), int(port), budget))
         if findings[0].state != "ok":
             return findings, None
-    opened = _Opened(address)
-    findings.append(opened.finding(budget))
-    return findings, opened if findings[-1].state == "ok" else None
+    finding, session = _opened(address, budget, stack)
+    return [*findings, finding], session
 
 
-class _Opened(AbstractContextManager[zenoh.Session]):
-    """A session that is opened within a time, and closed on leaving."""
-
-    def __init__(self, address: ZenohAddress) -> None:
-        self._address = address
-        self._context = joined(address, more={"transport/unicast/open_timeout": round(1000 * _OPEN_S)})
-        self._session: zenoh.Session | None = None
-
-    def finding(self, budget: Budget) -> Finding:
-        """Open it."""
-        check, began = "zenoh session", time.monotonic()
-        as_whom = "as nobody" if self._address.user is None else f"as {self._address.user!r}"
-        try:
-            self._session = budget.within(2.0 * _OPEN_S, self._context.__enter__)
-        except (NoRouter, TookTooLong):
-            if time.monotonic() - began >= 0.8 * _OPEN_S:
-                seen = "takes connections and does not answer"
-                return Finding(check, "wrong", seen, "frozen, or no Zenoh router: restart it, or name the right port")
-            advice = "check user and password: --zenoh zenoh://USER:PASSWORD@HOST:PORT; a TLS router: zenoh+tls://"
-            return Finding(check, "wrong", f"the router is there and refuses us {as_whom}", advice)
-        routers = ", ".join(str(zid) for zid in self._session.info.routers_zid())
-        return Finding(check, "ok", f"joined {as_whom}; router {routers or 'unknown'}")
-
-    def __enter__(self) -> zenoh.Session:
-        assert self._session is not None, "finding() opens it"
-        return self._session
-
-    def __exit__(self, *_: object) -> None:
-        self._context.__exit__(None, None, None)
+def _opened(address: ZenohAddress, budget: Budget, stack: ExitStack) -> tuple[Finding, zenoh.Session | None]:
+    check, began = "zenoh session", time.monotonic()
+    as_whom = "as nobody" if address.user is None else f"as {address.user!r}"
+    context = joined(address, more={"transport/unicast/open_timeout": round(1000 * _OPEN_S)})
+    try:
+        session = budget.within(2.0 * _OPEN_S, context.__enter__)
+    except (NoRouter, TookTooLong):
+        if time.monotonic() - began >= _FROZEN_AFTER * _OPEN_S:
+            seen = "takes connections and does not answer"
+            return Finding(check, "wrong", seen, "frozen, or no Zenoh router: restart it, or name the right port"), None
+        seen = f"the router is there and refuses us {as_whom}"
+        advice = "check user and password: --zenoh zenoh://USER:PASSWORD@HOST:PORT; a TLS router: zenoh+tls://"
+        return Finding(check, "wrong", seen, advice), None
+    stack.push(context)
+    routers = ", ".join(str(zid) for zid in session.info.routers_zid())
+    return Finding(check, "ok", f"joined {as_whom}; router {routers or 'unknown'}"), session
 
 
 def check_service(session: zenoh.Session, keys: Keys, health: Health | None, budget: Budget) -> Iterator[Finding]:

@@ -23,9 +23,7 @@ def _robot(robot: RobotReport, now: datetime) -> Finding:
     check = f"robot {robot.robot}"
     if robot.last_scan_at is None:
         seen = f"no scan yet on {robot.key}"
-        return Finding(
-            check, "wrong", seen, "is its lidar on, its bridge joined? with --robots FILE this listens itself"
-        )
+        return Finding(check, "wrong", seen, "is its lidar on, its bridge joined? --robots FILE listens itself")
     ago = (now - robot.last_scan_at).total_seconds()
     seen = f"{robot.scans} scans, {robot.looks} looks, {robot.refused} refused; last scan {max(0.0, ago):.1f} s ago"
     if robot.waiting_for is not None:

@@ -11,15 +11,15 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_cli.doctor.findings import Budget, Finding
-from voa_cli.doctor.over_http import clocks
+from voa_cli.doctor.over_http import CLOCK_S
 from voa_cli.doctor.over_zenoh import alive
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.messages import LaserScan
+from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
 from voa_ros.robots import RobotMapping, Subscription
 from voa_ros.topics import LASER_SCAN, ODOMETRY, expressions
 
-_STALE_S = 0.5
-"""A scan is stamped before, or at the end of, its revolution of 0.2 s, and travels."""
+_TRAVELS_S = 0.5
+"""A scan is stamped at the beginning of its revolution of 0.2 s, or at its end, and travels."""
 _RMW_PUBLISHERS = "@ros2_lv/**"
 _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
 
@@ -112,19 +112,21 @@ def _silent(check: str, each: Subscription, published: list[str], listen_s: floa
 
 
 def _heard(check: str, each: Subscription, sample: _Sample) -> Finding:
-    decode = {LASER_SCAN: decode_laser_scan, ODOMETRY: decode_odometry}.get(each.type, decode_pose)
     try:
-        message = decode(sample.payload)
+        message = _decoded(each, sample.payload)
     except InvalidCdr as error:
         return Finding(check, "wrong", str(error), f"expected {each.type.name}: is it the right topic?")
     seen = f"{len(message.ranges)} beams" if isinstance(message, LaserScan) else "heard"
-    behind = sample.at_s - message.stamp.seconds
     if message.stamp.sec == 0:
-        return Finding(
-            check, "warning", f"{seen}, stamped 0", "the robot's messages carry no time: poses cannot be matched"
-        )
-    clock = clocks(check, -behind if behind < 0.0 else -max(0.0, behind - _STALE_S), 0.0)
-    if clock.state != "ok":
-        off = f"{abs(behind):.2f} s {'before' if behind > 0.0 else 'after'} it came"
-        return Finding(check, "warning", f"{seen}, stamped {off}", "set the robot's clock by NTP or chrony")
-    return Finding(check, "ok", seen)
+        return Finding(check, "warning", f"{seen}, without a time", "poses cannot be matched with scans: stamp both")
+    late = sample.at_s - message.stamp.seconds
+    if -CLOCK_S <= late <= _TRAVELS_S:
+        return Finding(check, "ok", f"{seen}, stamped {late:.2f} s before it came")
+    seen += f", stamped {abs(late):.2f} s {'before' if late > 0.0 else 'after'} it came"
+    return Finding(check, "warning", seen, "set the robot's clock by NTP or chrony")
+
+
+def _decoded(each: Subscription, payload: bytes) -> LaserScan | Odometry | PoseWithCovariance:
+    if each.type == LASER_SCAN:
+        return decode_laser_scan(payload)
+    return decode_odometry(payload) if each.type == ODOMETRY else decode_pose(payload)
