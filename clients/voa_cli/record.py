@@ -62,6 +62,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VoaClientError as error:
         print(f"voa record: {error}", file=sys.stderr)
         return 1
+    except OSError as error:
+        print(f"voa record: {options.out}: {error.strerror or error}", file=sys.stderr)
+        return 1
     recorder.report(Console(), options.out)
     return 0
 

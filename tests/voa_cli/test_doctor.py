@@ -414,8 +414,12 @@ def test_options_that_make_no_sense(
     assert says in capsys.readouterr().err
 
 
-def test_a_mapping_needs_a_router(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [(["--robots", "x.toml"], "--robots needs --zenoh"), (["--url", "zenoh://x"], "a router goes with --zenoh")],
+)
+def test_options_that_do_not_go_together(capsys: pytest.CaptureFixture[str], options: list[str], says: str) -> None:
     with pytest.raises(SystemExit) as ended:
-        main(["doctor", "--robots", "x.toml"])
+        main(["doctor", *options])
     assert ended.value.code == 2
-    assert "--robots needs --zenoh" in capsys.readouterr().err
+    assert says in " ".join(capsys.readouterr().err.split())

@@ -40,6 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if options.robots is not None and options.zenoh is None:
         parser.error("--robots needs --zenoh, the router that the robots are on")
+    if not options.url.startswith(("http://", "https://")):
+        parser.error(f"--url: expected http:// or https://, got {options.url!r}; a router goes with --zenoh")
     try:
         address = None if options.zenoh is None else address_of(options.zenoh)
         robots = () if options.robots is None else load(options.robots.read_text(encoding="utf-8"))

@@ -7,13 +7,14 @@ from pydantic import BaseModel
 
 from voa_cli.recording.inbox import Inbox, Told
 from voa_client import Client, VoaClientError
+from voa_client.errors import NotFoundError
 
 _AT_MOST_EVERY_S = 0.5  # a history comes whole: a session that moves quickly is asked for once in a while
 _END_S = 10.0
 
 
 class Histories:
-    """Fetches scenarios and histories; what it gets goes into the inbox. A context manager.
+    """Fetches scenarios and histories; what it gets goes into the inbox.
 
     Attributes:
         failed: per session why the newest attempt came to nothing.
@@ -71,6 +72,8 @@ class Histories:
                     self._told[session] = entry.version
         except VoaClientError as error:
             self.failed[session] = str(error)
+            if not isinstance(error, NotFoundError) and not self._ending.is_set():
+                self.want(session)
         else:
             self.failed.pop(session, None)
 
