@@ -23,6 +23,7 @@ from typing import IO
 import zenoh
 from rich.console import Console
 from rich.status import Status
+from rich.text import Text
 
 from voa_cli.recording import status
 from voa_cli.recording.filing import Filing
@@ -118,7 +119,7 @@ class Recorder:
         if self._filing.unknown:
             console.print(f"! {self._filing.unknown} messages have no type: their keys do not tell it")
         for session, why in sorted(self._histories.failed.items()):
-            console.print(f"! session {session} cannot be made anew, its history is missing: {why}", highlight=False)
+            console.print(f"! session {session} cannot be made anew, its history is missing: {why}", markup=False)
 
     def _take(self, seconds: float) -> bool:
         item = self._inbox.get(seconds)
@@ -140,7 +141,8 @@ class Recorder:
             quiet = None if self._last is None else time.monotonic() - self._last
             linked = bool(self._session.info.routers_zid())
             counts, written = self._writer.counts, self._writer.size
-            live.update(status.line(counts, written, quiet, self._inbox.dropped, linked=linked))
+            told = status.line(counts, written, quiet, self._inbox.dropped, linked=linked)
+            live.update(Text(told, no_wrap=True, overflow="ellipsis"))
 
 
 def _expressions(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> list[str]:

@@ -9,17 +9,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from http.server import BaseHTTPRequestHandler, HTTPServer
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import pytest
+from rich.console import Console
 
 from tests.routers import Router, router
 from tests.serving import data_scenario
 from tests.voa_cli.labs import Lab, service_on
 from tests.voa_cli.recordings.bags import laser_scan
 from tests.waiting import wait_for
-from voa_cli.doctor.findings import Budget, TookTooLong
+from voa_cli.doctor.findings import Budget, Finding, TookTooLong, checklist
 from voa_cli.doctor.over_http import clocks
 from voa_cli.doctor.robots import check_robots
 from voa_cli.main import main
@@ -384,6 +386,13 @@ def test_reports_of_robots(changes: dict[str, Any], state: str, says: str) -> No
 def test_no_robots_is_worth_a_warning() -> None:
     [finding] = check_robots(Robots(items=[]), NOW)
     assert finding.state == "warning"
+
+
+def test_what_was_seen_is_printed_as_it_is_whatever_its_length() -> None:
+    console = Console(width=60, record=True, file=StringIO())
+    console.print(checklist([Finding("check", "wrong", "[x] " + "a" * 200, "[/y]")]))
+    printed = console.export_text()
+    assert (printed.count("a"), "[x]" in printed, "[/y]" in printed) == (202, True, True)
 
 
 def test_a_clock_is_only_blamed_beyond_what_can_be_told() -> None:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-from rich.table import Table
+from rich.markup import escape
+from rich.table import Column, Table
 
 T = TypeVar("T")
 State = Literal["ok", "warning", "wrong"]
@@ -74,7 +75,8 @@ class Budget:
 
 def checklist(findings: list[Finding]) -> Table:
     """The findings as a table."""
-    table = Table("", "check", "seen", "what to do", title="voa doctor", title_justify="left", show_lines=False)
+    headings = (Column(heading, overflow="fold") for heading in ("", "check", "seen", "what to do"))
+    table = Table(*headings, title="voa doctor", title_justify="left")
     for finding in findings:
-        table.add_row(_SIGNS[finding.state], finding.check, finding.seen, finding.advice)
+        table.add_row(_SIGNS[finding.state], escape(finding.check), escape(finding.seen), escape(finding.advice))
     return table

@@ -5,6 +5,7 @@ from math import degrees
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from voa_cli.recordings.reading import Recording
@@ -90,7 +91,7 @@ def _time(look: Look) -> str:
 
 def _outcome(look: Look) -> tuple[str, str, str]:
     if look.answer is None:
-        return f"refused: {look.refused}", "", ""
+        return escape(f"refused: {look.refused}"), "", ""
     update = look.answer.update
     result = ("accepted" if update.accepted else "not accepted") + (f": {update.reason}" if update.reason else "")
     return result, look.answer.best_grasp or "none", f"{look.answer.expected_score:.3f}"

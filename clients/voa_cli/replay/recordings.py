@@ -77,4 +77,5 @@ def show(console: Console, found: list[Again], recording: Recording) -> None:
 def show_damage(console: Console, recording: Recording) -> None:
     """What is wrong with the recording, if anything is."""
     if recording.damage is not None:
-        console.print(f"! the recording {recording.damage}: {recording.recovered} messages recovered", highlight=False)
+        told = f"! the recording {recording.damage}: {recording.recovered} messages recovered"
+        console.print(told, highlight=False, markup=False)
