@@ -274,8 +274,10 @@ def test_the_arm_waits_for_a_score_or_for_looks_to_stop_paying(client: Client, o
 def test_the_arm_is_told_that_the_session_has_ended(client: Client, other: Client, session: str) -> None:
     arm = role_of(client, "arm", session)
     ending = threading.Timer(0.3, other.delete_session, [session])
+    began = time.monotonic()
     ending.start()
     done = arm.wait_until(0.99, timeout_s=END_S)
+    assert time.monotonic() - began < 2.5, "it is told, not asked for after some silence"
     ending.join()
     assert (done.reason, done.session.version) == ("deleted", 0)
     with pytest.raises(VoaClientError):
