@@ -209,7 +209,7 @@ class AsyncClient:
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard within `timeout_s`.
+            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
         """
         following = Following(self._patience, for_s)
         while not following.is_over:
@@ -228,6 +228,7 @@ class AsyncClient:
                         yield session
             if isinstance(news, Lost):
                 await self._sleep(following.lost(news))
+        following.end()
 
     async def _ask(self, session_id: str, following: Following) -> News:
         call = calls.get_session(session_id)

@@ -208,7 +208,7 @@ class Client:
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard within `timeout_s`.
+            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
         """
         following = Following(self._patience, for_s)
         while not following.is_over:
@@ -227,6 +227,7 @@ class Client:
                         yield session
             if isinstance(news, Lost):
                 self._sleep(following.lost(news))
+        following.end()
 
     def _ask(self, session_id: str, following: Following) -> News:
         call = calls.get_session(session_id)

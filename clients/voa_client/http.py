@@ -52,7 +52,6 @@ class HttpTransport:
             yield
         finally:
             reader.stop()
-            reader.join(_CONNECT_S)
 
     def close(self) -> None:
         """As the port says."""
@@ -88,11 +87,15 @@ class _Reader(threading.Thread):
             self._tell(Lost(error))
 
     def stop(self) -> None:
-        """Wake the thread where it waits for the network; only shutting a socket down does that."""
+        """Wake the thread where it waits for the network; only shutting a socket down does that.
+
+        One that is still connecting is left to find out by itself: nobody should wait for that.
+        """
         self._stopped = True
         if self._socket is not None:
             with suppress(OSError):
                 self._socket.shutdown(socket.SHUT_RDWR)
+            self.join(_CONNECT_S)
 
     def _tell_of(self, event: httpx2.ServerSentEvent) -> None:
         news = _news(event)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _ASK_S = 3.0  # puts are lost without a word while a link is down
 _GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over; it gets a moment to say so
 _LOOK_S = 0.02
-_JOIN_S = 5.0
+_JOIN_S = 0.2  # a watch begins again where it cannot begin now
 _AGAIN_S = 0.2
 _CLOSE_S = 2.0
 

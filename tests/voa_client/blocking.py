@@ -66,10 +66,15 @@ def blocking(to: str | AsyncTransport, **more: Any) -> Generator[Client, None, N
             yield cast("Client", client)
 
 
-def role_of(client: Client, kind: str, session: str) -> Any:
+def role_of(client: object, kind: str, session: str) -> Any:
     """The arm's or the sensor's side of a session, by whichever client."""
     if isinstance(client, Client):
         return ArmClient(client, session) if kind == "arm" else SensorClient(client, session)
     shown = cast("Blocking", client)
     twin = AsyncArmClient if kind == "arm" else AsyncSensorClient
     return Blocking(shown.runner, twin(shown.inside, session))
+
+
+def is_blocking(client: object) -> bool:
+    """Whether an asynchronous client is behind it."""
+    return isinstance(client, Blocking)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.serving import data_scenario, mesh_scenario
-from tests.voa_client.blocking import role_of
+from tests.voa_client.blocking import is_blocking, role_of
 from voa_client import (
     Client,
     InvalidRequestError,
@@ -181,7 +181,7 @@ def test_followers_in_a_crowd_miss_no_last_version_and_see_none_twice(
             other.put_belief(session, BeliefRequest(belief=[0.2, 0.3, 0.5]))
 
     writing = threading.Thread(target=write)
-    versions = []
+    versions: list[int] = []
     for followed in client.follow(session, END_S):
         if not versions:
             writing.start()
@@ -216,7 +216,7 @@ def test_the_sensor_drives_where_it_is_worth_most_until_grasping_is_better(clien
     async def take_it() -> Scan:
         return take_scan()
 
-    sync = isinstance(client, Client)
+    sync = not is_blocking(client)
     advice = sensor.where_to_look()
     assert (advice.action, advice.sensor) == ("look", "Q1")
     tour = sensor.run(drive if sync else drive_there, take_scan if sync else take_it, ["Q1"], most_looks=6)
@@ -245,10 +245,10 @@ def test_the_sensor_sends_along_a_pose_that_the_scenario_does_not_know(client: C
     async def take_scan() -> Scan:
         return scan
 
-    if isinstance(client, Client):
-        tour = sensor.run(lambda name: None, lambda: scan, places, most_looks=1)
-    else:
+    if is_blocking(client):
         tour = sensor.run(drive, take_scan, places, most_looks=1)
+    else:
+        tour = sensor.run(lambda name: None, lambda: scan, places, most_looks=1)
     (look,) = tour.looks
     assert look.sensor == "0"
     (entry,) = [each for each in client.history(session) if each.kind == "scan"]
