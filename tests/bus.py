@@ -4,6 +4,7 @@ import json
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import zenoh
@@ -114,8 +115,8 @@ def stranger(endpoint: str, root: str = Keys().root) -> Iterator[Stranger]:
 
 
 @contextmanager
-def bridged(service: Service, router: Router, **settings: Any) -> Iterator[None]:
+def bridged(service: Service, router: Router, robots: Path | None = None, **settings: Any) -> Iterator[None]:
     """A service of this process on a router that is there."""
-    with on_zenoh(service.inside, ZenohSettings(connect=[router.endpoint], **settings)):
+    with on_zenoh(service.inside, ZenohSettings(connect=[router.endpoint], **settings), robots):
         wait_for(lambda: service.inside.health.link.state == "connected", "the service to join the router")
         yield

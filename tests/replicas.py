@@ -21,9 +21,10 @@ class Replica:
     nobody has to ask again and again whether it is back.
     """
 
-    def __init__(self, database_url: str, log: Path) -> None:
+    def __init__(self, database_url: str, log: Path, *options: str) -> None:
         self.database_url = database_url
         self.log = log
+        self._options = options
         self._listening = socket.create_server(("127.0.0.1", 0), backlog=128)
         self.url = f"http://127.0.0.1:{self._listening.getsockname()[1]}"
         self._process: subprocess.Popen[bytes] | None = None
@@ -41,7 +42,7 @@ class Replica:
 
     def launch(self) -> None:
         """Returns at once."""
-        options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url]
+        options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url, *self._options]
         command = [sys.executable, "-m", "voa_service", *options]
         with self.log.open("ab") as stderr:
             self._process = subprocess.Popen(command, stderr=stderr, pass_fds=[self._listening.fileno()])
@@ -49,6 +50,12 @@ class Replica:
     def wait_until_ready(self) -> None:
         """It answers, and so does its database."""
         httpx2.get(f"{self.url}/readyz", timeout=START_SECONDS).raise_for_status()
+
+    @property
+    def zenoh(self) -> str:
+        """Whether it is joined to a router: "off", "connecting" or "connected"."""
+        health = httpx2.get(f"{self.url}/readyz", timeout=START_SECONDS).raise_for_status().json()
+        return str(health["zenoh"])
 
     def kill(self) -> None:
         """Kill -9."""
@@ -73,10 +80,10 @@ class Replica:
 
 
 @contextmanager
-def replicas(database_url: str, folder: Path, count: int = 1) -> Iterator[list[Replica]]:
+def replicas(database_url: str, folder: Path, count: int = 1, *options: str) -> Iterator[list[Replica]]:
     """So many processes on one database."""
     with ExitStack() as stack:
-        own = [Replica(database_url, folder / f"service-{number}.log") for number in range(count)]
+        own = [Replica(database_url, folder / f"service-{number}.log", *options) for number in range(count)]
         for replica in own:
             stack.callback(replica.end)
             replica.launch()

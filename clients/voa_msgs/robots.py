@@ -34,6 +34,8 @@ class Robots(Message):
     """All robots that were heard or are mapped, by name."""
 
     items: list[RobotReport]
+    mapping_error: str | None = None
+    """Why the mapping in force is not the one that its file has."""
 
 
 class LookRequest(Message):

@@ -1,4 +1,14 @@
 """ROS 2 without ROS: scans and poses as a bridge puts them on Zenoh, where the lidar was, and when scans are a look.
 
-Pure: bytes and messages in, messages out. Depends on pydantic and `voa_msgs`.
+Pure: bytes and messages in, messages out; no I/O and no clock. Depends on pydantic and `voa_msgs`.
+
+| module     | what                                                                          |
+|------------|-------------------------------------------------------------------------------|
+| `messages` | LaserScan, Odometry and PoseWithCovarianceStamped as plain values             |
+| `cdr`      | their bytes, both ways                                                        |
+| `topics`   | their keys on Zenoh, and rmw_zenoh's attachment                               |
+| `scans`    | a LaserScan as the contract's scan; the median of many                        |
+| `robots`   | the mapping that an operator writes: which robot's topics feed which session  |
+| `places`   | where the lidar was, by odometry or AMCL                                      |
+| `looks`    | when scans are a look                                                         |
 """

@@ -4,18 +4,17 @@ What a beam says (REP-117, and what drivers make of it):
 
 | in the LaserScan            | here      | in the contract's scan                                     |
 |-----------------------------|-----------|------------------------------------------------------------|
-| finite, above 0             | RETURN    | its range, rounded to a micrometre (it was a float32)      |
-| +inf                        | NOTHING   | its index in `no_return`                                   |
-| 0                           | ZERO      | 0: the scenario's lidar says what that means               |
-| NaN, -inf, finite below 0   | MISSING   | null                                                       |
+| finite, above 0             | `return`  | its range, rounded to a micrometre (it was a float32)      |
+| +inf                        | `nothing` | its index in `no_return`                                   |
+| 0                           | `zero`    | 0: the scenario's lidar says what that means               |
+| NaN, -inf, finite below 0   | `missing` | null                                                       |
 """
 
 import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import replace
-from enum import Enum
-from typing import Any
+from typing import Any, Literal
 
 from voa_msgs.base import MOST
 from voa_msgs.sessions import Scan
@@ -26,22 +25,16 @@ GRID_WITHIN_RAD = 1e-4
 _DIGITS = 6
 
 
-class Beam(Enum):
-    """What a beam says."""
-
-    RETURN = "return"
-    NOTHING = "nothing"
-    ZERO = "zero"
-    MISSING = "missing"
+Beam = Literal["return", "nothing", "zero", "missing"]
 
 
 def beam_class(value: float) -> Beam:
     """What a beam says; see the table above."""
     if value == 0.0:
-        return Beam.ZERO
+        return "zero"
     if value == math.inf:
-        return Beam.NOTHING
-    return Beam.RETURN if value > 0.0 else Beam.MISSING
+        return "nothing"
+    return "return" if value > 0.0 else "missing"
 
 
 def same_grid(one: LaserScan, other: LaserScan) -> bool:
@@ -74,10 +67,10 @@ def scan_message(scan: LaserScan, stamp: dict[str, Any] | None = None) -> Scan:
         limits = {"range_min": near, "range_max": far}
     return Scan(
         ranges=[
-            _rounded(value) if beam in {Beam.RETURN, Beam.ZERO} else None
+            _rounded(value) if beam in ("return", "zero") else None
             for value, beam in zip(scan.ranges, classes, strict=True)
         ],
-        no_return=[index for index, beam in enumerate(classes) if beam is Beam.NOTHING],
+        no_return=[index for index, beam in enumerate(classes) if beam == "nothing"],
         angle_min=scan.angle_min,
         angle_increment=scan.angle_increment,
         stamp={**stamp_json(scan.stamp), "frame_id": scan.frame_id} if stamp is None else stamp,
@@ -124,11 +117,11 @@ def median_scan(scans: Sequence[LaserScan]) -> LaserScan:
 
 def _median_beam(values: Sequence[float]) -> float:
     classes = [beam_class(value) for value in values]
-    zeros, missing = classes.count(Beam.ZERO), classes.count(Beam.MISSING)
+    zeros, missing = classes.count("zero"), classes.count("missing")
     if 2 * (zeros + missing) > len(values):
         return 0.0 if zeros >= missing else math.nan
-    returns = [value for value, beam in zip(values, classes, strict=True) if beam is Beam.RETURN]
-    nothing = classes.count(Beam.NOTHING)
+    returns = [value for value, beam in zip(values, classes, strict=True) if beam == "return"]
+    nothing = classes.count("nothing")
     if len(returns) == nothing:
         return math.nan
     return statistics.median_low(returns) if len(returns) > nothing else math.inf

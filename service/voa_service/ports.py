@@ -160,6 +160,9 @@ class Store(Protocol):
     def get_session(self, id_: str) -> SessionState | None:
         """The session as it stands."""
 
+    def newest_session(self, scenario: str) -> str | None:
+        """The id of the session on a scenario that was opened last."""
+
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """Oldest first."""
 

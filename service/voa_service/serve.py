@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
+from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap, logs
 from voa_service.changes import Changes
 from voa_service.http.app import create_app
@@ -37,6 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ValidationError as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 2
+    wrong = _wrong_mapping(settings)
+    if wrong is not None:
+        print(f"voa serve: {wrong}", file=sys.stderr)
+        return 2
     if inherited is None and not settings.is_loopback and not settings.insecure:
         print(
             f"voa serve: {settings.host} can be reached from other machines, and anyone there could change beliefs.\n"
@@ -52,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    with bootstrap.services(settings) as services, on_zenoh(services, settings.zenoh):
+    with bootstrap.services(settings) as services, on_zenoh(services, settings.zenoh, settings.robots):
         config = uvicorn.Config(
             create_app(services),
             log_config=None,
@@ -68,6 +73,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         _Server(config, services.changes).run([listening])
     return 0
+
+
+def _wrong_mapping(settings: Settings) -> str | None:
+    """What is wrong with the mapping of robots; later changes of it are looked at as they come."""
+    if settings.robots is None:
+        return None
+    if not settings.zenoh.connect:
+        return "--robots needs --zenoh: the topics of ROS 2 come by Zenoh"
+    try:
+        load(settings.robots.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, InvalidRobots) as error:
+        return f"{settings.robots}: {error}"
+    return None
 
 
 class _Server(uvicorn.Server):
@@ -115,6 +133,7 @@ def _parser() -> argparse.ArgumentParser:
         help="join the first of these Zenoh routers that answers, as in tcp/192.168.0.2:7447 (default: no Zenoh)",
     )
     option("--zenoh-root", help=f"of every key there (default {ROOT}); its last chunk is the lab")
+    option("--robots", metavar="FILE", help="TOML: which ROS 2 robots' scans are for which sessions")
     option("--log-level", choices=["DEBUG", "INFO", "WARNING", "ERROR"], help="(default INFO)")
     option(
         "--insecure",

@@ -60,6 +60,8 @@ class Settings(BaseSettings):
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()
     zenoh: ZenohSettings = ZenohSettings()
+    robots: Path | None = None
+    """Which ROS 2 robots' scans are for which sessions (TOML, see `voa_ros.robots`); needs Zenoh."""
     cache_mebibytes: PositiveInt = 2_048
     """Memory for cuts, predictions and weights. Rankings are float64 while their weights fit into it."""
     workers: PositiveInt = os.cpu_count() or 1

@@ -60,6 +60,12 @@ _HISTORY = (
     .order_by(history.c.version)
     .limit(bindparam("by_limit"))
 )
+_NEWEST_SESSION = (
+    select(sessions.c.id)
+    .where(sessions.c.scenario == bindparam("by_scenario"))
+    .order_by(sessions.c.seq.desc())
+    .limit(1)
+)
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
 _ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
@@ -155,6 +161,12 @@ class SqlStore:
         """See `ports.Store`."""
         row = self._get(sessions, id_)
         return None if row is None else _session(row)
+
+    def newest_session(self, scenario: str) -> str | None:
+        """See `ports.Store`."""
+        with transaction(self._readers) as connection:
+            found: str | None = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).scalar_one_or_none()
+        return found
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """See `ports.Store`."""

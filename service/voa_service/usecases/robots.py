@@ -18,20 +18,22 @@ class _Mapped:
     """What a mapped robot is asked, besides what was heard of it."""
 
     waiting_for: Callable[[], str | None]
-    request: Callable[[], bool]
-    """Ask for a look; False where looks are not taken on request."""
+    request: Callable[[], None]
+    """Ask for a look; ValueError where looks are not taken on request."""
 
 
 class Robots:
     """Reports by robot, as this process heard them; from any thread."""
 
     def __init__(self, now: Clock) -> None:
+        self.mapping_error: str | None = None
+        """Why the mapping in force is not the one that its file has."""
         self._now = now
         self._reports: dict[tuple[str, str], RobotReport] = {}
         self._mapped: dict[str, _Mapped] = {}
         self._lock = threading.Lock()
 
-    def mapped(self, robot: str, key: str, waiting_for: Callable[[], str | None], request: Callable[[], bool]) -> None:
+    def mapped(self, robot: str, key: str, waiting_for: Callable[[], str | None], request: Callable[[], None]) -> None:
         """A robot's topic is listened to from now on."""
         with self._lock:
             self._mapped[robot] = _Mapped(waiting_for, request)
@@ -57,23 +59,25 @@ class Robots:
             before = self._report(robot, source, key)
             self._keep(before.model_copy(update={"session": session, "looks": before.looks + 1}))
 
-    def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> None:
-        """A scan could not be used."""
+    def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> bool:
+        """A scan could not be used; whether that is news, and not the same as for the one before."""
         with self._lock:
             before = self._report(robot, source, key)
             self._keep(before.model_copy(update={"refused": before.refused + 1, "last_refusal": why}))
+        return why != before.last_refusal
 
     def reports(self) -> RobotsMessage:
         """All of them, by name."""
         with self._lock:
             reports, mapped = sorted(self._reports.items()), dict(self._mapped)
         return RobotsMessage(
+            mapping_error=self.mapping_error,
             items=[
                 report.model_copy(update={"waiting_for": mapped[robot].waiting_for()})
                 if source == "ros2" and robot in mapped
                 else report
                 for (robot, source), report in reports
-            ]
+            ],
         )
 
     def request_look(self, robot: str) -> RobotReport:
@@ -86,8 +90,10 @@ class Robots:
             mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
         if mapped is None or report is None:
             raise not_found("mapped robot", robot)
-        if not mapped.request():
-            raise Failure(INVALID, f"the looks of {robot!r} are not on request: its mapping says another look.mode")
+        try:
+            mapped.request()
+        except ValueError as error:
+            raise Failure(INVALID, str(error)) from error
         return report.model_copy(update={"waiting_for": mapped.waiting_for()})
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:

@@ -150,6 +150,14 @@ class Sessions:
             next=str(entries[limit - 1].state.version) if more else None,
         )
 
+    def newest(self, scenario: str) -> str | None:
+        """The session on a scenario that was opened last."""
+        return self.store.newest_session(scenario)
+
+    def newest_entries(self, id_: str, most: int) -> Sequence[HistoryEntry]:
+        """What happened to a session last, the newest first."""
+        return self.store.history(id_, self.state(id_).version - most, most + 1)[::-1]
+
     def since(self, id_: str, seen: int | None) -> Sequence[Session] | None:
         """The session at every version after `seen`; None for `seen`: as it stands. None: it is gone."""
         state = self.store.get_session(id_)

@@ -2,21 +2,29 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 from voa_msgs.keys import Keys
 from voa_service.rpc import Rpc
 from voa_service.services import Services
 from voa_service.settings import ZenohSettings
-from voa_service.zenoh.link import ZenohLink
+from voa_service.zenoh.link import Part, ZenohLink
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.queries import Queries
 from voa_service.zenoh.replicas import Replicas
+from voa_service.zenoh.ros2 import Ros2
 from voa_service.zenoh.scans import Scans
 
 
 @contextmanager
-def on_zenoh(services: Services, settings: ZenohSettings) -> Iterator[None]:
-    """Serve on Zenoh for the length of a `with`, once a router answers; nothing where none is named."""
+def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = None) -> Iterator[None]:
+    """Serve on Zenoh for the length of a `with`, once a router answers; nothing where none is named.
+
+    Args:
+        services: what is served.
+        settings: which router.
+        robots: the mapping of ROS 2 robots.
+    """
     if not settings.connect:
         yield
         return
@@ -29,6 +37,11 @@ def on_zenoh(services: Services, settings: ZenohSettings) -> Iterator[None]:
         scans = Scans(services, keys, replicas, outbox, settings.grace_seconds)
         stack.callback(scans.close)
         stack.enter_context(services.changes.listening(outbox.committed))
-        own = ZenohLink(settings, link, services.metrics, [outbox.on, replicas.on, scans.on, queries.on])
+        parts: list[Part] = [outbox.on, replicas.on, scans.on, queries.on]
+        if robots is not None:
+            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds)
+            stack.callback(ros2.close)
+            parts.append(ros2.on)
+        own = ZenohLink(settings, link, services.metrics, parts)
         stack.callback(own.close)
         yield

@@ -129,8 +129,8 @@ class Scans:
     def _refuse(self, session: str, robot: str, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
         self._services.metrics.zenoh(f"scan refused: {failure.kind}")
-        self._services.robots.refused(robot, "scan", key, why)
-        structlog.get_logger().warning("scan refused", key=key, why=why)
+        if self._services.robots.refused(robot, "scan", key, why):
+            structlog.get_logger().warning("scan refused", key=key, why=why)
         self._outbox.refused(session, robot, failure)
 
 

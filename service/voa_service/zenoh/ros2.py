@@ -1,0 +1,327 @@
+"""ROS 2 topics of mapped robots: their scans, gathered into looks, update the sessions that they are mapped to.
+
+Every replica hears everything and gathers the same looks, which have the same names. One of them applies a look at
+once, the others after a while, unless the session has it by then.
+"""
+
+import secrets
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import structlog
+import zenoh
+from zenoh.handlers import Callback
+
+from voa_msgs.keys import Attachment
+from voa_msgs.sessions import ScanRequest
+from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
+from voa_ros.looks import LookTaker, Taken, Waiting, Where, robot_of
+from voa_ros.places import NoPose, localisation, middle_s
+from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.topics import LASER_SCAN, ODOMETRY, MessageType, expressions
+from voa_service.failures import INTERNAL, INVALID, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure, not_found
+from voa_service.rpc import attachment_of
+from voa_service.services import Services
+from voa_service.writes import idempotency_key, scope_of, write_of
+from voa_service.zenoh.mailboxes import Later, Mailboxes
+from voa_service.zenoh.outbox import Outbox
+from voa_service.zenoh.replicas import Replicas
+
+_WORKERS = 2
+_MOST_WAITING = 8192
+_MOST_WAITING_BYTES = 64 * 2**20
+_LOOK_SECONDS = 1.0
+"""How late a change of the mapping, or a new session on a mapped scenario, is noticed."""
+_NEWEST = 50
+"""Versions of a session among which the newest look of a robot is searched."""
+
+
+@dataclass(frozen=True)
+class _Heard:
+    """A message on one of a robot's topics."""
+
+    type: MessageType
+    key: str
+    payload: bytes
+    attachment: bytes | None
+
+
+@dataclass(frozen=True)
+class _Look:
+    """A look to be applied."""
+
+    robot: "_Robot"
+    session: str
+    key: str
+    taken: Taken
+    second: bool = False
+    """Another replica should have applied it by now."""
+
+
+class _Robot:
+    """One mapped robot: what was heard of it, and the looks that follow."""
+
+    def __init__(self, mapping: RobotMapping, services: Services) -> None:
+        self.mapping = mapping
+        self.name = mapping.name
+        self._services = services
+        self._localisation = localisation(mapping)
+        self._taker = LookTaker(mapping.name, mapping.look)
+        self._session: str | None = None
+        self._looked_for_session = -_LOOK_SECONDS
+        self._lock = threading.Lock()
+
+    @property
+    def waiting_for(self) -> str | None:
+        """See `LookTaker`."""
+        return self._taker.waiting_for
+
+    def request(self) -> None:
+        """See `LookTaker`."""
+        with self._lock:
+            self._taker.request()
+
+    def heard(self, heard: _Heard) -> tuple[str, Taken] | None:
+        """Take a message in; a look for a session, where there is one now.
+
+        Raises:
+            Failure: it cannot be used.
+        """
+        with self._lock:
+            try:
+                return self._heard(heard)
+            except InvalidCdr as error:
+                raise Failure(INVALID, f"not a {heard.type.name}: {error}") from error
+
+    def _heard(self, heard: _Heard) -> tuple[str, Taken] | None:
+        if heard.type == ODOMETRY and self._localisation is not None:
+            self._localisation.hear_odometry(decode_odometry(heard.payload))
+            return None
+        if heard.type != LASER_SCAN and self._localisation is not None:
+            self._localisation.hear_amcl(decode_pose(heard.payload))
+            return None
+        self._services.robots.heard(self.name, "ros2", heard.key, self._session)
+        scan = decode_laser_scan(heard.payload, self._services.limits.beams)
+        session = self._current_session()
+        where = self._where(middle_s(scan, self.mapping.stamp), heard.attachment)
+        found = self._taker.heard(scan, where)
+        if isinstance(found, Waiting):
+            if isinstance(where, NoPose):
+                raise Failure(INVALID, f"it is not known where the lidar was: {where.reason}")
+            return None
+        return session, found
+
+    def _where(self, at_s: float, attachment: bytes | None) -> Where | NoPose:
+        match self.mapping.place:
+            case SensorPlace(sensor=sensor):
+                return sensor
+            case AttachmentPlace():
+                beside: Attachment = attachment_of(attachment)
+                return beside.sensor or beside.sensor_pose or NoPose("the attachment of the scan does not say")
+            case _:
+                return NoPose("nothing tells") if self._localisation is None else self._localisation.at(at_s)
+
+    def _current_session(self) -> str:
+        """The session that the scans are for; where it is another one now, the looks begin anew.
+
+        Raises:
+            Failure: there is none.
+        """
+        now = time.monotonic()
+        if self._session is not None and now - self._looked_for_session < _LOOK_SECONDS:
+            return self._session
+        session = self._mapped_session()
+        self._looked_for_session = now
+        if session != self._session:
+            newest = last_look(self._services, session, self.name)
+            self._taker = LookTaker(self.name, self.mapping.look)
+            if newest is not None:
+                self._taker.resume(newest)
+            self._session = session
+        return session
+
+    def _mapped_session(self) -> str:
+        sessions = self._services.sessions
+        if self.mapping.session is not None:
+            return self.mapping.session
+        scenario = self.mapping.scenario or ""
+        newest = sessions.newest(scenario)
+        if newest is None:
+            raise not_found("session yet on scenario", scenario)
+        return newest
+
+
+class Ros2:
+    """The subscribers, the workers behind them, and the mapping, read again when its file changes."""
+
+    def __init__(
+        self, services: Services, mapping: Path, replicas: Replicas, outbox: Outbox, grace_seconds: float
+    ) -> None:
+        self._services = services
+        self._file = mapping
+        self._replicas = replicas
+        self._outbox = outbox
+        self._robots: dict[str, tuple[_Robot, ExitStack]] = {}
+        self._read: str | None = None
+        self._boxes: Mailboxes[tuple[_Robot, _Heard | _Look]] = Mailboxes(
+            self._work, _WORKERS, _MOST_WAITING, _MOST_WAITING_BYTES
+        )
+        self._later: Later[_Look] = Later(grace_seconds, self._hand_on, _MOST_WAITING)
+
+    def close(self) -> None:
+        """End the workers."""
+        self._later.close()
+        self._boxes.close()
+
+    @contextmanager
+    def on(self, session: zenoh.Session) -> Iterator[None]:
+        """Listen to the mapped topics for the length of a `with`."""
+        ended = threading.Event()
+        self._follow_file(session)
+        thread = threading.Thread(target=self._watch, args=(session, ended), name="voa-mapping")
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+            for name in list(self._robots):
+                self._drop(name)
+
+    def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
+        while not ended.wait(_LOOK_SECONDS):
+            self._follow_file(session)
+
+    def _follow_file(self, session: zenoh.Session) -> None:
+        """Do as the file says, if it says something else than before; what is wrong in it changes nothing."""
+        try:
+            text = self._file.read_text(encoding="utf-8")
+            if text == self._read:
+                return
+            self._read = text
+            wanted = {mapping.name: mapping for mapping in load(text)}
+        except (OSError, UnicodeDecodeError, InvalidRobots) as error:
+            why = f"{self._file.name}: {error}"
+            if self._services.robots.mapping_error != why:
+                structlog.get_logger().warning("mapping not read, the old one holds", error=why)
+            self._services.robots.mapping_error = why
+            return
+        self._services.robots.mapping_error = None
+        for name, (robot, _) in list(self._robots.items()):
+            if wanted.get(name) != robot.mapping:
+                self._drop(name)
+        for name, mapping in wanted.items():
+            if name not in self._robots:
+                self._add(session, mapping)
+        structlog.get_logger().info("mapping read", robots=sorted(wanted))
+
+    def _add(self, session: zenoh.Session, mapping: RobotMapping) -> None:
+        robot = _Robot(mapping, self._services)
+        stack = ExitStack()
+        for subscription in mapping.subscriptions:
+            for expression in expressions(subscription.topic, subscription.type):
+                hear = Callback(partial(self._heard, robot, subscription.type), indirect=False)
+                stack.enter_context(session.declare_subscriber(expression, hear))
+        self._robots[mapping.name] = robot, stack
+        self._services.robots.mapped(mapping.name, mapping.scan_topic, lambda: robot.waiting_for, robot.request)
+
+    def _drop(self, name: str) -> None:
+        _, stack = self._robots.pop(name)
+        stack.close()
+        self._services.robots.unmapped(name)
+
+    def _heard(self, robot: _Robot, type_: MessageType, sample: zenoh.Sample) -> None:
+        """In a Zenoh thread: hand over, or refuse."""
+        if sample.kind != zenoh.SampleKind.PUT:
+            return
+        key = str(sample.key_expr)
+        size, most = len(sample.payload), self._services.limits.scan_bytes
+        self._services.metrics.zenoh(f"{type_.name.rpartition('/')[2]} heard")
+        if size > most:
+            self._refuse(robot, key, Failure(TOO_LARGE, f"expected a message of at most {most} bytes, got {size}"))
+            return
+        attachment = None if sample.attachment is None else sample.attachment.to_bytes()
+        heard = _Heard(type_, key, sample.payload.to_bytes(), attachment)
+        if not self._boxes.put(robot.name, (robot, heard), size):
+            self._refuse(robot, key, Failure(OVERLOADED, "more messages are waiting than this service can work on"))
+
+    def _hand_on(self, look: _Look) -> None:
+        if not self._boxes.put(look.robot.name, (look.robot, look), 0):
+            self._refuse(look.robot, look.key, Failure(OVERLOADED, "more messages are waiting than can be worked on"))
+
+    def _work(self, item: tuple[_Robot, _Heard | _Look]) -> None:
+        """In a worker thread."""
+        structlog.contextvars.clear_contextvars()
+        structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
+        robot, what = item
+        try:
+            if isinstance(what, _Look):
+                self._apply(what)
+                return
+            found = robot.heard(what)
+            if found is None:
+                return
+            look = _Look(robot, found[0], what.key, found[1])
+            if self._replicas.owns(robot.name):
+                self._apply(look)
+            else:
+                self._later.put(replace(look, second=True))
+        except Failure as failure:
+            self._refuse(robot, what.key, failure)
+        except Exception as error:
+            structlog.get_logger().exception("unexpected error", exc_info=error)
+            defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")
+            self._refuse(robot, what.key, defect)
+
+    def _apply(self, look: _Look) -> None:
+        request, sessions = look.taken.request, self._services.sessions
+        if look.second and self._has_been_applied(look):
+            return
+        key = idempotency_key(look.taken.name, scope_of(look.session), "scan", request)
+        body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
+        try:
+            sessions.apply_scan(look.session, request, write_of("scan", body, key))
+        except Failure as failure:
+            if failure.kind == KEY_REUSED[0]:  # another replica heard one revolution more, or less
+                return
+            raise
+        self._services.robots.looked(look.robot.name, "ros2", look.key, look.session)
+
+    def _has_been_applied(self, look: _Look) -> bool:
+        """Whether the session has this look, or another one of the same stop."""
+        newest = last_look(self._services, look.session, look.robot.name)
+        return newest is not None and _time(newest.scan.stamp, "to") >= _time(look.taken.request.scan.stamp, "from")
+
+    def _refuse(self, robot: _Robot, key: str, failure: Failure) -> None:
+        why = f"{failure.kind}: {failure.detail}"
+        self._services.metrics.zenoh(f"ROS message refused: {failure.kind}")
+        if self._services.robots.refused(robot.name, "ros2", key, why):
+            structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
+        self._outbox.refused(robot.mapping.session or "none", robot.name, failure)
+
+
+def last_look(services: Services, session: str, robot: str) -> ScanRequest | None:
+    """The newest look of a robot in a session's history.
+
+    Raises:
+        Failure: there is no such session.
+    """
+    for entry in services.sessions.newest_entries(session, _NEWEST):
+        if entry.kind == "scan":
+            request = ScanRequest.model_validate_json(entry.request)
+            if robot_of(request) == robot:
+                return request
+    return None
+
+
+def _time(stamp: object, which: str) -> tuple[int, int]:
+    """When a look began or ended, by the robot's clock."""
+    end = stamp.get(which) if isinstance(stamp, dict) else None
+    if not isinstance(end, dict):
+        return (0, 0)
+    return (int(end.get("sec", 0)), int(end.get("nanosec", 0)))

@@ -1,0 +1,277 @@
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.voa_ros.ros_messages import COORDINATES, COVARIANCES, STAMPS, odometry, scan, scans
+from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
+from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
+from voa_ros.places import (
+    Localisation,
+    Motion,
+    NoPose,
+    PoseTrack,
+    RobotPose,
+    composed,
+    inverse,
+    lidar_pose,
+    localisation,
+    middle_s,
+    robot_pose,
+    wrapped,
+)
+from voa_ros.robots import AmclPlace, Mount, PlanarPose, load
+
+YAWS = st.floats(-100.0, 100.0)
+MOTIONS = st.builds(Motion, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), YAWS)
+
+
+def track(*poses: tuple[float, float, float, float], max_age_s: float = 0.2) -> PoseTrack:
+    own = PoseTrack(max_age_s)
+    for pose in poses:
+        own.hear(RobotPose(*pose))
+    return own
+
+
+def found(own: PoseTrack, at_s: float) -> tuple[float, float, float]:
+    pose = own.at(at_s)
+    assert isinstance(pose, RobotPose), pose
+    assert pose.at_s == at_s
+    return (pose.x, pose.y, pose.yaw_rad)
+
+
+def reason(answer: object) -> str:
+    assert isinstance(answer, NoPose), answer
+    return answer.reason
+
+
+def close(one: UncertainSensorPose | NoPose, x: float, y: float, yaw_rad: float) -> bool:
+    assert isinstance(one, UncertainSensorPose), one
+    return (one.x, one.y) == pytest.approx((x, y), abs=1e-6) and abs(wrapped(one.yaw_rad - yaw_rad)) < 1e-6
+
+
+def test_between_two_poses_is_the_straight_line() -> None:
+    own = track((10.0, 0.0, 0.0, 0.0), (10.1, 1.0, 2.0, 0.4))
+    assert found(own, 10.025) == pytest.approx((0.25, 0.5, 0.1))
+    assert found(own, 10.1) == pytest.approx((1.0, 2.0, 0.4))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "middle"), [(3.1, -3.1, math.pi), (-3.1, 3.0, 3.0915927), (6.4, 0.0, 0.0584)]
+)
+def test_a_turn_goes_the_short_way(before: float, after: float, middle: float) -> None:
+    _, _, yaw_rad = found(track((0.0, 0.0, 0.0, before), (0.1, 0.0, 0.0, after)), 0.05)
+    assert wrapped(yaw_rad - middle) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_past_the_end_the_nearest_pose_holds_for_a_while() -> None:
+    own = track((10.0, 1.0, 2.0, 3.0))
+    assert found(own, 10.19) == found(own, 9.81) == (1.0, 2.0, 3.0)
+    assert reason(own.at(13.2)) == "the nearest pose is 3.2 s older than the scan: expected at most 0.2 s"
+    assert reason(own.at(9.0)) == "the nearest pose is 1 s newer than the scan: expected at most 0.2 s"
+
+
+def test_over_a_long_gap_there_is_no_line() -> None:
+    own = track((10.0, 0.0, 0.0, 0.0), (11.0, 1.0, 0.0, 0.0))
+    assert found(own, 10.1) == (0.0, 0.0, 0.0)
+    assert found(own, 10.9) == (1.0, 0.0, 0.0)
+    assert "0.5 s" in reason(own.at(10.5))
+
+
+def test_nothing_heard_is_said() -> None:
+    assert reason(track().at(0.0)) == "no pose was heard yet"
+
+
+@given(st.permutations(range(8)), st.floats(0.0, 0.7))
+def test_the_order_of_arrival_does_not_matter(order: list[int], at_s: float) -> None:
+    poses = [(0.1 * step, float(step), 0.0, 0.0) for step in range(8)]
+    assert found(track(*(poses[step] for step in order)), at_s) == found(track(*poses), at_s)
+
+
+def test_of_two_poses_with_one_stamp_the_later_heard_holds() -> None:
+    assert found(track((1.0, 1.0, 0.0, 0.0), (1.0, 2.0, 0.0, 0.0)), 1.0) == (2.0, 0.0, 0.0)
+
+
+def test_a_clock_that_was_set_back_starts_a_new_track() -> None:
+    own = track((100.0, 1.0, 0.0, 0.0), (3.0, 2.0, 0.0, 0.0))
+    assert found(own, 3.0) == (2.0, 0.0, 0.0)
+    assert "97 s older" in reason(own.at(100.0))
+
+
+def test_old_poses_are_forgotten() -> None:
+    own = PoseTrack(0.2, most=10)
+    for step in range(1_000):
+        own.hear(RobotPose(0.01 * step, 0.0, 0.0, 0.0))
+    assert "newer" in reason(own.at(9.0))
+    own.hear(RobotPose(9.0, 5.0, 0.0, 0.0))  # late, and older than all that are kept
+    assert "newer" in reason(own.at(9.0))
+
+
+@pytest.mark.parametrize(
+    ("stamp", "scan_time", "middle"),
+    [
+        ("first_ray", 0.25, 10.125),
+        ("after_revolution", 0.25, 9.875),
+        ("first_ray", math.inf, 10.0),
+        ("after_revolution", math.nan, 10.0),
+        ("after_revolution", -0.25, 10.0),
+        ("first_ray", 60.0, 10.0),
+    ],
+)
+def test_the_time_of_a_scan_is_the_middle_of_its_revolution(stamp: Any, scan_time: float, middle: float) -> None:
+    assert middle_s(replace(scan(1.0, at=10.0), scan_time=scan_time), stamp) == pytest.approx(middle, abs=1e-9)
+
+
+@given(scans(most=1), st.sampled_from(["first_ray", "after_revolution"]))
+def test_any_scan_has_a_time(told: LaserScan, stamp: Any) -> None:
+    assert abs(middle_s(told, stamp) - told.stamp.seconds) <= 1.0
+
+
+@given(MOTIONS, MOTIONS, MOTIONS)
+def test_planar_motions_are_a_group(one: Motion, two: Motion, three: Motion) -> None:
+    for left, right in [
+        (composed(composed(one, two), three), composed(one, composed(two, three))),
+        (composed(one, inverse(one)), Motion(0.0, 0.0, 0.0)),
+        (composed(inverse(one), one), Motion(0.0, 0.0, 0.0)),
+    ]:
+        assert (left.x, left.y) == pytest.approx((right.x, right.y), abs=1e-9)
+        assert wrapped(left.yaw_rad - right.yaw_rad) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_lidars_pose_worked_out_by_hand() -> None:
+    robot = RobotPose(0.0, 1.0, 0.0, math.pi / 2)
+    pose = lidar_pose(robot, Mount(x=0.1, yaw_rad=0.1, height_m=0.2), PlanarPose(x=0.0, y=5.0, yaw_rad=math.pi / 2))
+    # the robot is 1 m along the frame's +x, which is the world's +y; it looks back along the world's -x
+    assert close(pose, -0.1, 6.0, math.pi + 0.1)
+    assert (pose.height_m, pose.std) == (0.2, None)
+
+
+def test_variances_become_standard_deviations() -> None:
+    covariance = [0.0] * 36
+    covariance[0], covariance[7], covariance[35] = 0.0001, 0.0003, 0.0004
+    robot = robot_pose(PoseWithCovariance(Stamp(), "map", Pose.planar(0.0, 0.0, 0.0), tuple(covariance)))
+    centred = lidar_pose(robot, Mount(), PlanarPose()).std
+    assert centred is not None
+    assert (centred.xy_m, centred.yaw_rad) == pytest.approx((math.sqrt(0.0002), 0.02))
+    off = lidar_pose(robot, Mount(x=0.3, y=0.4), PlanarPose(yaw_rad=1.0)).std
+    assert off is not None
+    assert (off.xy_m, off.yaw_rad) == pytest.approx((math.sqrt(0.0002 + 0.0004 * 0.25 / 2), 0.02))
+    told = PoseUncertainty(xy_m=0.5)
+    assert lidar_pose(robot, Mount(), PlanarPose(), told).std == told
+
+
+POSES = st.builds(Pose.planar, COORDINATES, COORDINATES, YAWS)
+SOME_ODOMETRY = st.builds(
+    Odometry, st.builds(Stamp, st.integers(0, 9)), st.just("odom"), st.just("base"), POSES, COVARIANCES
+)
+SOME_AMCL = st.builds(PoseWithCovariance, st.builds(Stamp, st.integers(0, 9)), st.just("map"), POSES, COVARIANCES)
+MOUNTS = st.builds(Mount, x=COORDINATES, y=COORDINATES, yaw_rad=YAWS)
+ORIGINS = st.builds(PlanarPose, x=COORDINATES, y=COORDINATES, yaw_rad=YAWS)
+
+
+@given(SOME_AMCL, MOUNTS, ORIGINS)
+def test_any_pose_becomes_a_message_that_passes(told: PoseWithCovariance, mount: Mount, origin: PlanarPose) -> None:
+    pose = lidar_pose(robot_pose(told), mount, origin)
+    assert UncertainSensorPose.model_validate_json(pose.model_dump_json()) == pose
+
+
+def located(place: str) -> Localisation:
+    lidar = "lidar = { x = 0.1 }"
+    (robot,) = load(f'[[robot]]\nname = "a"\nsession = "s"\n{lidar}\n[robot.place]\n{place}')
+    own = localisation(robot)
+    assert own is not None
+    return own
+
+
+def amcl(x: float, y: float, yaw_rad: float, at: float, variance: float = 0.0) -> PoseWithCovariance:
+    return PoseWithCovariance(Stamp.of(at), "map", Pose.planar(x, y, yaw_rad), (variance,) + (0.0,) * 35)
+
+
+def test_odometry_is_carried_into_the_world() -> None:
+    own = located('from = "odometry"\norigin = { x = 2.0, yaw_rad = 1.5707963267948966 }')
+    assert reason(own.at(1.0)) == "no odometry was heard yet"
+    own.hear_odometry(replace(odometry(1.0, 0.0, 0.0, at=1.0), covariance=(0.5,) * 36))
+    own.hear_odometry(odometry(1.2, 0.0, 0.0, at=1.1))
+    pose = own.at(1.05)
+    assert close(pose, 2.0, 1.2, math.pi / 2)
+    assert isinstance(pose, UncertainSensorPose)
+    assert pose.std is None  # an odometry's covariance is not about the world
+
+
+@pytest.mark.parametrize("place", ['from = "sensor"\nsensor = "E"', 'from = "attachment"'])
+def test_a_place_that_is_named_needs_no_localisation(place: str) -> None:
+    assert localisation(load(f'[[robot]]\nname = "a"\nsession = "s"\n[robot.place]\n{place}')[0]) is None
+
+
+def test_amcl_is_carried_on_by_odometry() -> None:
+    own = located('from = "amcl"')
+    own.hear_odometry(odometry(5.0, 5.0, math.pi / 2, at=1.0))
+    assert "no AMCL pose" in reason(own.at(1.0))
+    own.hear_amcl(amcl(1.0, 0.0, 0.0, at=1.0, variance=0.0002))
+    assert close(own.at(1.0), 1.1, 0.0, 0.0)
+    own.hear_odometry(odometry(5.0, 5.5, math.pi, at=1.1))  # half a metre ahead, then turned left
+    pose = own.at(1.1)
+    assert close(pose, 1.5, 0.1, math.pi / 2)
+    assert isinstance(pose, UncertainSensorPose)
+    assert pose.std is not None
+    assert (pose.std.xy_m, pose.std.yaw_rad) == pytest.approx((0.01, 0.0))
+
+
+def test_amcl_waits_for_the_odometry_of_its_time() -> None:
+    own = located('from = "amcl"')
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=1.0))
+    own.hear_amcl(amcl(3.0, 0.0, 0.0, at=1.05))
+    assert "no AMCL pose" in reason(own.at(1.0))
+    own.hear_odometry(odometry(0.2, 0.0, 0.0, at=1.1))
+    assert close(own.at(1.1), 3.2, 0.0, 0.0)  # 3.1 is the base: AMCL met the odometry half way
+
+
+def test_a_robot_that_stands_still_keeps_amcls_old_pose() -> None:
+    own = located('from = "amcl"')
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=0.0))
+    own.hear_amcl(amcl(3.0, 0.0, 0.0, at=0.0))
+    for step in range(1, 5_000):
+        own.hear_odometry(odometry(0.0, 0.0, 0.0, at=0.05 * step))
+    assert close(own.at(249.9), 3.1, 0.0, 0.0)
+
+
+def test_amcl_that_is_gone_is_not_carried_without_end() -> None:
+    own = located('from = "amcl"\nmax_carried_m = 0.5')
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=1.0))
+    own.hear_amcl(amcl(3.0, 0.0, 0.0, at=1.0))
+    own.hear_odometry(odometry(0.6, 0.0, 0.0, at=1.1))
+    assert reason(own.at(1.1)) == "AMCL's newest pose is 0.6 m back by odometry: expected at most 0.5 m"
+
+
+def test_an_amcl_pose_of_no_known_odometry_is_not_used() -> None:
+    own = located('from = "amcl"')
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=100.0))
+    own.hear_amcl(amcl(3.0, 0.0, 0.0, at=1.0))
+    assert "no AMCL pose" in reason(own.at(100.0))
+
+
+def test_a_simulation_that_restarts_needs_amcl_anew() -> None:
+    own = located('from = "amcl"')
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=100.0))
+    own.hear_amcl(amcl(3.0, 0.0, 0.0, at=100.0))
+    own.hear_odometry(odometry(0.0, 0.0, 0.0, at=1.0))
+    assert "no AMCL pose" in reason(own.at(1.0))
+
+
+@given(st.lists(st.one_of(SOME_ODOMETRY, SOME_AMCL), max_size=12), MOUNTS, ORIGINS, STAMPS)
+def test_whatever_is_heard_there_is_a_pose_or_a_reason(
+    heard: list[Odometry | PoseWithCovariance], mount: Mount, origin: PlanarPose, at: Stamp
+) -> None:
+    place = AmclPlace.model_validate({"from": "amcl", "origin": origin, "max_carried_m": 1e6})
+    own = Localisation(place, mount)
+    for message in heard:
+        if isinstance(message, Odometry):
+            own.hear_odometry(message)
+        else:
+            own.hear_amcl(message)
+    for at_s in [*range(10), at.seconds]:
+        answer = own.at(float(at_s))
+        assert isinstance(answer, UncertainSensorPose) or answer.reason

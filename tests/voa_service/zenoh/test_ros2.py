@@ -1,0 +1,301 @@
+"""ROS 2 robots on the bus: bytes as a bridge and rmw_zenoh put them, made by rosbags and not by this project."""
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.typesys import Stores, get_typestore
+
+from tests.bus import Problem, Stranger, bridged, stranger
+from tests.routers import Router, router
+from tests.serving import Json, Service, box_obj, data_scenario, mesh_scenario, serving
+from tests.waiting import wait_for
+from voa_ros.topics import LASER_SCAN, rmw_key
+from voa_service.settings import Limits
+
+ROS = get_typestore(Stores.ROS2_JAZZY)
+GOOD = (0.5, 0.5, math.inf, 1.0)
+
+Types = ROS.types
+
+
+def stamp(at_s: float) -> Any:
+    return Types["builtin_interfaces/msg/Time"](sec=int(at_s), nanosec=round(1e9 * (at_s % 1)))
+
+
+def header(at_s: float, frame: str) -> Any:
+    return Types["std_msgs/msg/Header"](stamp=stamp(at_s), frame_id=frame)
+
+
+def laser_scan(ranges: Sequence[float], at_s: float, increment: float = 0.1) -> bytes:
+    """A LaserScan as a driver's middleware writes it."""
+    message = Types["sensor_msgs/msg/LaserScan"](
+        header=header(at_s, "base_scan"),
+        angle_min=0.0,
+        angle_max=increment * (len(ranges) - 1),
+        angle_increment=increment,
+        time_increment=math.inf,  # the LDS-01's driver divides by a speed that may be 0
+        scan_time=0.2,
+        range_min=0.1,
+        range_max=2.0,
+        ranges=np.array(ranges, dtype=np.float32),
+        intensities=np.zeros(len(ranges), dtype=np.float32),
+    )
+    return bytes(ROS.serialize_cdr(message, "sensor_msgs/msg/LaserScan"))
+
+
+def odometry(x: float, y: float, yaw: float, at_s: float) -> bytes:
+    pose = Types["geometry_msgs/msg/Pose"](
+        position=Types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0),
+        orientation=Types["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)),
+    )
+    zero = Types["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
+    message = Types["nav_msgs/msg/Odometry"](
+        header=header(at_s, "odom"),
+        child_frame_id="base_footprint",
+        pose=Types["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=np.zeros(36)),
+        twist=Types["geometry_msgs/msg/TwistWithCovariance"](
+            twist=Types["geometry_msgs/msg/Twist"](linear=zero, angular=zero), covariance=np.zeros(36)
+        ),
+    )
+    return bytes(ROS.serialize_cdr(message, "nav_msgs/msg/Odometry"))
+
+
+@pytest.fixture(scope="module")
+def own_router() -> Iterator[Router]:
+    with router() as own:
+        yield own
+
+
+class Lab:
+    """A service with a mapping, and a robot that may put anything."""
+
+    def __init__(self, service: Service, bus: Stranger, mapping: Path) -> None:
+        self.service = service
+        self.bus = bus
+        self.mapping = mapping
+
+    def map(self, *robots: str) -> None:
+        """Write the mapping; returns when it holds."""
+        self.mapping.write_text("\n".join(f"[[robot]]\n{robot}" for robot in robots))
+        names = [line.partition('"')[2].rstrip('"') for text in robots for line in text.split("\n")[:1]]
+        wait_for(lambda: [each["robot"] for each in self.reports() if each["source"] == "ros2"] == names, "the mapping")
+
+    def reports(self) -> list[Json]:
+        return list(self.service.get("/v1/robots")["items"])
+
+    def report(self, robot: str = "tb3_1") -> Json:
+        (found,) = [each for each in self.reports() if (each["robot"], each["source"]) == (robot, "ros2")]
+        return dict(found)
+
+    def version(self, session: str) -> int:
+        return int(self.service.get(f"/v1/sessions/{session}")["version"])
+
+    def last_request(self, session: str) -> Json:
+        return dict(self.service.get(f"/v1/sessions/{session}/history")["items"][-1]["request"])
+
+    def put(self, key: str, payload: bytes, attachment: str | None = None) -> None:
+        """As a bridge does it: no encoding."""
+        self.bus.session.put(key, payload, attachment=attachment)
+
+    def revolutions(self, count: int, first: int = 0, ranges: Sequence[float] = GOOD, robot: str = "tb3_1") -> None:
+        """So many scans at 5 Hz by the robot's clock; returns when all were heard."""
+        before = self.report(robot)["scans"]
+        for turn in range(first, first + count):
+            self.put(f"{robot}/scan", laser_scan(ranges, 100.0 + 0.2 * turn))
+        wait_for(lambda: self.report(robot)["scans"] == before + count, "the scans")
+
+
+@contextmanager
+def lab(folder: Path, own_router: Router) -> Iterator[Lab]:
+    folder.mkdir(exist_ok=True)
+    mapping = folder / "robots.toml"
+    if not mapping.exists():
+        mapping.write_text("")
+    with ExitStack() as stack:
+        service = stack.enter_context(serving(folder, limits=Limits(scan_bytes=20_000)))
+        stack.enter_context(bridged(service, own_router, robots=mapping))
+        bus = stack.enter_context(stranger(own_router.endpoint))
+        wait_for(lambda: bus.replies("service.health", {}), "the service")
+        yield Lab(service, bus, mapping)
+
+
+@pytest.fixture
+def own(tmp_path: Path, own_router: Router) -> Iterator[Lab]:
+    with lab(tmp_path, own_router) as found:
+        yield found
+
+
+@pytest.fixture
+def session(own: Lab) -> str:
+    return own.service.open(own.service.create(data_scenario()))
+
+
+def robot(session: str, place: str = '{ from = "sensor", sensor = "Q1" }', look: str = '{ mode = "every" }') -> str:
+    return f'name = "tb3_1"\nsession = "{session}"\nlook = {look}\nplace = {place}\n'
+
+
+@pytest.mark.parametrize("key", ["tb3_1/scan", rmw_key("tb3_1/scan", LASER_SCAN, 7), "0/tb3_1/scan/"
+                                 "sensor_msgs::msg::dds_::LaserScan_/TypeHashNotSupported"])  # fmt: skip
+def test_a_scan_in_each_form_updates_the_mapped_session(own: Lab, session: str, key: str) -> None:
+    own.map(robot(session))
+    own.put(key, laser_scan(GOOD, 100.0))
+    wait_for(lambda: own.version(session) == 1, "the look")
+    assert own.report()["key"] == key
+    request = own.last_request(session)
+    assert request["sensor"] == "Q1"
+    assert request["scan"]["no_return"] == [2]
+    assert request["scan"]["ranges"][0] == 0.5
+    assert request["scan"]["stamp"]["robot"] == "tb3_1"
+    # What a robot puts in JSON, over HTTP, has the same effect.
+    twin = own.service.open(own.service.get(f"/v1/sessions/{session}")["scenario"])
+    scan = {key: value for key, value in request["scan"].items() if key != "stamp"}
+    told = own.service.post(f"/v1/sessions/{twin}/scans", {"sensor": "Q1", "scan": scan})
+    assert told["belief"] == own.service.get(f"/v1/sessions/{session}")["belief"]
+
+
+@pytest.mark.parametrize(
+    ("what", "payload", "kind", "says"),
+    [
+        ("corrupt", b"\xff" * 200, "invalid-request", "LaserScan"),
+        ("cut", laser_scan(GOOD, 100.0)[:-9], "invalid-request", "LaserScan"),
+        ("empty", b"", "invalid-request", "LaserScan"),
+        ("oversized", laser_scan([0.5] * 4000, 100.0), "too-large", "20000 bytes"),
+        ("of too many beams", laser_scan([0.5] * 2000, 100.0), "beam-grid-mismatch", "beams"),
+        ("another type", odometry(0.0, 0.0, 0.0, 100.0), "invalid-request", "LaserScan"),
+        ("JSON", b'{"ranges": [0.5]}', "invalid-request", "LaserScan"),
+    ],
+)
+def test_a_payload_that_is_no_scan_is_refused_and_seen(
+    own: Lab, session: str, what: str, payload: bytes, kind: str, says: str
+) -> None:
+    own.map(robot(session))
+    told = own.bus.hear(own.bus.keys.refused(session, "tb3_1"))
+    own.put("tb3_1/scan", payload)
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    assert own.report()["last_refusal"].startswith(f"{kind}: ")
+    assert says in own.report()["last_refusal"]
+    wait_for(lambda: told, "the problem")
+    assert told[0].json["type"] == f"urn:voa:problem:{kind}"
+    assert own.version(session) == 0
+    own.put("tb3_1/scan", laser_scan(GOOD, 101.0))  # and it goes on
+    wait_for(lambda: own.version(session) == 1, "the next scan")
+
+
+def test_a_parked_robot_is_one_look_and_stays_one_over_a_restart(tmp_path: Path, own_router: Router) -> None:
+    with lab(tmp_path, own_router) as first:
+        session = first.service.open(first.service.create(data_scenario()))
+        first.map(robot(session, look="{ scans = 5 }"))
+        first.revolutions(30)
+        assert first.version(session) == 1
+        assert first.last_request(session)["scan"]["stamp"]["scans"] == 5
+        assert "move on" in first.report()["waiting_for"]
+    with lab(tmp_path, own_router) as second:
+        wait_for(lambda: len(second.reports()) == 1, "the mapping")
+        second.revolutions(30, first=30)
+        assert second.version(session) == 1
+        second.revolutions(30, first=60, ranges=(1.5, 1.5, 0.3, 0.3))  # it has driven on
+        assert second.version(session) == 2
+
+
+def test_a_look_on_request_is_taken_when_it_is_asked_for(own: Lab, session: str) -> None:
+    own.map(robot(session, look='{ mode = "on_request", scans = 3 }'))
+    own.revolutions(10)
+    assert (own.version(session), own.report()["waiting_for"]) == (0, "a request")
+    assert own.service.http.post("/v1/robots/tb3_1/look").status_code == 200
+    own.revolutions(10, first=10)
+    assert own.version(session) == 1
+    own.bus.call("robot.look", {"robot": "tb3_1"})
+    own.revolutions(10, first=20)
+    assert own.version(session) == 2
+
+
+def test_a_look_of_a_robot_that_takes_none_on_request_is_refused(own: Lab, session: str) -> None:
+    own.map(robot(session))
+    with pytest.raises(Problem, match="on_request"):
+        own.bus.call("robot.look", {"robot": "tb3_1"})
+
+
+def test_odometry_says_where_the_lidar_was_when_the_scan_was_taken(own: Lab) -> None:
+    box = own.service.upload(box_obj())
+    scenario = mesh_scenario(box, lidar={"preset": "lds-01", "beams": 4, "angle_increment": 0.1, "height_m": 0.02})
+    session = own.service.open(own.service.create(scenario))
+    own.map(
+        f'name = "tb3_1"\nsession = "{session}"\nlook = {{ mode = "every" }}\nstamp = "after_revolution"\n'
+        "lidar = { x = 0.1, y = 0.0, yaw_rad = 0.0 }\n"
+        '[robot.place]\nfrom = "odometry"\norigin = { x = 1.0, y = 0.0, yaw_rad = 0.0 }\n'
+        "std = { xy_m = 0.01, yaw_rad = 0.0 }\n"
+    )
+    own.put("tb3_1/scan", laser_scan([0.3] * 4, 100.0))
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    assert "no odometry was heard yet" in own.report()["last_refusal"]
+    # It drives along y at 1 m/s, facing y; the revolution ends at 100.0 and its middle is at 99.9.
+    for at_s, y in ((99.8, 0.8), (100.0, 1.0)):
+        own.put("tb3_1/odom", odometry(0.0, y, math.pi / 2, at_s))
+    own.put("tb3_1/scan", laser_scan([0.31] * 4, 100.0))
+    wait_for(lambda: own.version(session) == 1, "the look")
+    pose = own.last_request(session)["sensor_pose"]
+    assert (pose["x"], pose["y"], pose["yaw_rad"]) == pytest.approx((1.0, 1.0, math.pi / 2), abs=1e-6)
+    assert pose["std"] == {"xy_m": 0.01, "yaw_rad": 0.0}
+
+
+def test_the_place_may_come_beside_each_scan(own: Lab, session: str) -> None:
+    own.map(robot(session, place='{ from = "attachment" }'))
+    own.put("tb3_1/scan", laser_scan(GOOD, 100.0))
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    own.put("tb3_1/scan", laser_scan(GOOD, 101.0), '{"sensor": "Q2"}')
+    wait_for(lambda: own.version(session) == 1, "the look")
+    assert own.last_request(session)["sensor"] == "Q2"
+
+
+def test_a_scenario_in_the_mapping_means_its_newest_session(own: Lab) -> None:
+    scenario = own.service.create(data_scenario())
+    own.map(
+        f'name = "tb3_1"\nscenario = "{scenario}"\nlook = {{ mode = "every" }}\n'
+        'place = { from = "sensor", sensor = "Q1" }\n'
+    )
+    own.put("tb3_1/scan", laser_scan(GOOD, 100.0))
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    assert own.report()["last_refusal"].startswith("not-found: ")
+    first = own.service.open(scenario)
+    own.put("tb3_1/scan", laser_scan(GOOD, 101.0))
+    wait_for(lambda: own.version(first) == 1, "the look")
+    second = own.service.open(scenario)
+    turns = iter(range(1_000))
+
+    def goes_to_the_second() -> bool:
+        own.put("tb3_1/scan", laser_scan(GOOD, 102.0 + next(turns)))
+        return own.version(second) > 0
+
+    wait_for(goes_to_the_second, "the new session to be noticed")
+
+
+def test_robots_have_their_namespaces_and_sessions(own: Lab) -> None:
+    scenario = own.service.create(data_scenario())
+    sessions = [own.service.open(scenario) for _ in range(2)]
+    own.map(
+        *(
+            f'name = "tb3_{number}"\nsession = "{session}"\nlook = {{ mode = "every" }}\n'
+            'place = { from = "sensor", sensor = "Q1" }\n'
+            for number, session in enumerate(sessions)
+        )
+    )
+    own.revolutions(3, robot="tb3_0")
+    own.revolutions(2, robot="tb3_1")
+    wait_for(lambda: [own.version(session) for session in sessions] == [3, 2], "the looks of both")
+
+
+def test_a_mapping_with_a_mistake_is_told_and_the_old_one_holds(own: Lab, session: str) -> None:
+    own.map(robot(session))
+    own.mapping.write_text('[[robot]]\nname = "tb3_1"\ncolour = "red"\n')
+    wrong = wait_for(lambda: own.service.get("/v1/robots")["mapping_error"], "the mistake")
+    assert "tb3_1" in wrong
+    assert "colour" in wrong
+    own.revolutions(1)
+    wait_for(lambda: own.version(session) == 1, "the look")
+    own.map(robot(session, look='{ mode = "on_request" }'))
+    wait_for(lambda: own.service.get("/v1/robots")["mapping_error"] is None, "the corrected mapping")
