@@ -17,7 +17,7 @@ from tests.voa_client.blocking import blocking
 from tests.voa_client.test_attempts import SESSION, problem
 from tests.waiting import wait_for
 from voa_cli.local_service import running
-from voa_client import Client, NotFoundError, Retries, UnavailableError, UnreachableError
+from voa_client import AsyncClient, Client, NotFoundError, Retries, UnavailableError, UnreachableError, UsageError
 from voa_client.attempts import Patience
 from voa_client.errors import refusal
 from voa_client.following import AsyncMailbox, Following, Mailbox
@@ -212,3 +212,38 @@ def test_a_follower_that_leaves_takes_its_thread_along(replica: Replica) -> None
                 assert next(sessions).version == 0
                 assert "voa-events" in [thread.name for thread in threading.enumerate()]
             assert "voa-events" not in [thread.name for thread in threading.enumerate()]
+
+
+@pytest.mark.parametrize("transport", ["http", "zenoh"])
+def test_a_follower_whose_client_is_closed_is_told_so(lab: tuple[Router, str], transport: str) -> None:
+    own, url = lab
+    with Client(url) as beside:
+        session = opened(beside)
+        with Client(url if transport == "http" else own.endpoint) as client:
+            follower = Follower(client, session.id)
+            follower.start()
+            follower.sees(0)
+        follower.join(SECONDS)
+    assert not follower.is_alive()
+    assert isinstance(follower.failed, UsageError)
+    assert "closed" in str(follower.failed)
+
+
+@pytest.mark.parametrize("transport", ["http", "zenoh"])
+def test_so_is_one_within_an_event_loop(lab: tuple[Router, str], transport: str) -> None:
+    own, url = lab
+
+    async def follow(client: AsyncClient, session: str, heard: asyncio.Event) -> None:
+        async for _ in client.follow(session):
+            heard.set()
+
+    async def main(session: str) -> None:
+        heard = asyncio.Event()
+        async with AsyncClient(url if transport == "http" else own.endpoint) as client:
+            following = asyncio.create_task(follow(client, session, heard))
+            await asyncio.wait_for(heard.wait(), SECONDS)
+        with pytest.raises(UsageError, match="closed"):
+            await asyncio.wait_for(following, SECONDS)
+
+    with Client(url) as beside:
+        asyncio.run(main(opened(beside).id))
