@@ -27,6 +27,7 @@ from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
 
 _QUICK_WORKERS = 8
+_TOLD_BYTES = 16 * MEBIBYTE
 
 
 def utc_now() -> datetime:
@@ -56,7 +57,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     store.listen(changes.moved)
-    sessions = Sessions(store, models, now, ids, changes.committed, metrics.observation)
+    sessions = Sessions(store, models, now, ids, Cache(_TOLD_BYTES), changes.committed, metrics.observation)
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`

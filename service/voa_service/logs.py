@@ -7,6 +7,11 @@ from typing import TextIO
 import structlog
 
 
+def is_wanted(level: str) -> bool:
+    """Whether anybody reads lines of that level: to put one together costs as much as a small answer."""
+    return logging.getLogger().isEnabledFor(logging.getLevelNamesMapping()[level])
+
+
 def configure(level: str, stream: TextIO = sys.stderr) -> None:
     """Send the service's and its libraries' logs through one JSON formatter."""
     shared: list[structlog.typing.Processor] = [
@@ -17,7 +22,8 @@ def configure(level: str, stream: TextIO = sys.stderr) -> None:
         structlog.processors.format_exc_info,
     ]
     structlog.configure(
-        processors=[*shared, structlog.stdlib.ProcessorFormatter.wrap_for_formatter],
+        # What nobody wants to read costs nothing but the first of these.
+        processors=[structlog.stdlib.filter_by_level, *shared, structlog.stdlib.ProcessorFormatter.wrap_for_formatter],
         logger_factory=structlog.stdlib.LoggerFactory(),
         wrapper_class=structlog.stdlib.BoundLogger,
         cache_logger_on_first_use=False,

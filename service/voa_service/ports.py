@@ -160,6 +160,9 @@ class Store(Protocol):
     def get_session(self, id_: str) -> SessionState | None:
         """The session as it stands."""
 
+    def session_version(self, id_: str) -> int | None:
+        """Of the session as it stands: all that is asked of a session that has not moved."""
+
     def newest_session(self, scenario: str) -> str | None:
         """The id of the session on a scenario that was opened last."""
 

@@ -26,6 +26,7 @@ from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
 from voa_service.compute import WorkQueue
 from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_validation, wire_failure
+from voa_service.logs import is_wanted
 from voa_service.ports import Answered, HistoryKind
 from voa_service.reading import json_object, message
 from voa_service.services import Services
@@ -142,7 +143,8 @@ class Rpc:
         finally:
             seconds = time.perf_counter() - began
             self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
-            structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))
+            if is_wanted("INFO"):
+                structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))
 
     def _answer(self, method: str, payload: bytes, attachment: bytes | None) -> RpcAnswer:
         known = self._methods.get(method)

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from tests.benchmarks import durable, growth, prediction, ranking, service, weights
+from tests.benchmarks import bus, durable, growth, prediction, ranking, service, weights
 from tests.benchmarks.measure import Result
 
 SUBJECTS: dict[str, Callable[[], list[Result]]] = {
@@ -24,6 +24,7 @@ SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "growth": growth.run,
     "service": service.run,
     "durable": durable.run,
+    "bus": bus.run,
 }
 _WIDTH = 110  # of the table in a pipe, where rich would guess 80
 _PACKAGES = ("numpy", "numba", "trimesh", "embreex")

@@ -6,11 +6,11 @@ import socket
 import uvicorn
 from fastapi import FastAPI, Request
 
-from voa_msgs.sessions import ScanRequest, UpdatedSession
+from voa_msgs.sessions import ScanRequest, Session, UpdatedSession
 
 
 def create_app() -> FastAPI:
-    """POST /prepare keeps an answer; POST /scans reads a scan and gives that answer."""
+    """What was sent is kept: a session to be read again, and the answer to every scan."""
     app = FastAPI()
     kept: list[UpdatedSession] = []
 
@@ -25,6 +25,16 @@ def create_app() -> FastAPI:
     @app.post("/scans")
     def scans(request: ScanRequest) -> UpdatedSession:
         return kept[0]
+
+    session: list[Session] = []
+
+    @app.put("/session")
+    async def put_session(request: Request) -> None:
+        session[:] = [Session.model_validate_json(await request.body())]
+
+    @app.get("/session")
+    def get_session() -> Session:
+        return session[0]
 
     return app
 

@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import TOO_LARGE, Failure, wire_failure
 from voa_service.http.problems import problem_response
+from voa_service.logs import is_wanted
 from voa_service.metrics import Metrics
 from voa_service.settings import Limits
 
@@ -67,7 +68,7 @@ class RequestLog:
             route = getattr(scope.get("route"), "path", "none")
             method = scope["method"] if scope["method"] in _METHODS else "other"
             self._metrics.request(method, route, status, seconds)
-            if scope["path"] not in _QUIET:
+            if scope["path"] not in _QUIET and is_wanted("INFO"):
                 structlog.get_logger().info(
                     "request",
                     method=scope["method"],

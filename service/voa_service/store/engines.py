@@ -22,13 +22,19 @@ _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 
 
 class Engines(NamedTuple):
-    """One engine to write with and one to read with; the same where the database serialises writers by rows."""
+    """An engine to write with, one to read with, and one for reads of a single statement.
+
+    The first two are the same where the database serialises writers by rows. The last needs no transaction: of what a
+    read costs, beginning and ending one is the larger part.
+    """
 
     writer: Engine
     readers: Engine
+    single: Engine
 
     def dispose(self) -> None:
         """Close every connection."""
+        self.single.dispose()
         self.readers.dispose()
         self.writer.dispose()
 
@@ -38,12 +44,29 @@ def transaction(engine: Engine) -> Iterator[Connection]:
     """One transaction, committed on leaving.
 
     Raises:
-        Failure: the database is gone, full, locked or broken: not the caller's fault, and it may pass. Where the
-            connection broke during the commit nobody knows if it happened: hence the idempotency keys.
+        Failure: see `_told`. Where the connection broke during the commit nobody knows if it happened: hence the
+            idempotency keys.
+    """
+    with _told(), engine.begin() as connection:
+        yield connection
+
+
+@contextmanager
+def statement(engine: Engine) -> Iterator[Connection]:
+    """For one statement that reads; raises as `transaction`."""
+    with _told(), engine.connect() as connection:
+        yield connection
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """What a database does wrong, as a failure.
+
+    Raises:
+        Failure: the database is gone, full, locked or broken: not the caller's fault, and it may pass.
     """
     try:
-        with engine.begin() as connection:
-            yield connection
+        yield
     except _OURS:
         raise
     except DBAPIError as error:
@@ -58,7 +81,11 @@ def transaction(engine: Engine) -> Iterator[Connection]:
 def connect(url: str) -> Engines:
     """Engines for `sqlite:///file` or `postgresql://user@host/database`."""
     if make_url(url).get_backend_name() == "sqlite":
-        return Engines(_sqlite(url, "BEGIN IMMEDIATE", connections=1), _sqlite(url, "BEGIN", connections=_READERS))
+        return Engines(
+            _sqlite(url, "BEGIN IMMEDIATE", connections=1),
+            _sqlite(url, "BEGIN", connections=_READERS),
+            _sqlite(url, None, connections=_READERS),
+        )
     engine = create_engine(
         url,
         pool_size=_CONNECTIONS,
@@ -67,10 +94,10 @@ def connect(url: str) -> Engines:
         pool_pre_ping=True,  # a database that went and came back costs one query, not an error
         connect_args={"connect_timeout": make_url(url).query.get("connect_timeout", _CONNECT_SECONDS)},
     )
-    return Engines(engine, engine)
+    return Engines(engine, engine, engine.execution_options(isolation_level="AUTOCOMMIT"))
 
 
-def _sqlite(url: str, begin: str, connections: int) -> Engine:
+def _sqlite(url: str, begin: str | None, connections: int) -> Engine:
     """WAL and synchronous=FULL: every commit is on the disk before it is answered."""
     engine = create_engine(url, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
 
@@ -80,8 +107,9 @@ def _sqlite(url: str, begin: str, connections: int) -> Engine:
             connection.execute(f"PRAGMA {pragma}")
 
     def start(connection: Connection) -> None:
-        connection.exec_driver_sql(begin)
+        connection.exec_driver_sql(str(begin))
 
     event.listen(engine, "connect", prepare)
-    event.listen(engine, "begin", start)
+    if begin is not None:
+        event.listen(engine, "begin", start)
     return engine

@@ -41,7 +41,7 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
-from voa_service.store.engines import connect, transaction
+from voa_service.store.engines import connect, statement, transaction
 from voa_service.store.listening import CHANNEL, Listener
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
@@ -60,6 +60,7 @@ _HISTORY = (
     .order_by(history.c.version)
     .limit(bindparam("by_limit"))
 )
+_VERSION = select(sessions.c.version).where(sessions.c.id == bindparam("by_id"))
 _NEWEST_SESSION = (
     select(sessions.c.id)
     .where(sessions.c.scenario == bindparam("by_scenario"))
@@ -75,14 +76,14 @@ class SqlStore:
 
     def __init__(self, url: str) -> None:
         self._engines = connect(url)
-        self._writer, self._readers = self._engines
+        self._writer, self._readers, self._single = self._engines
         self._tells = self._writer.dialect.name == "postgresql"
         self._listener: Listener | None = None
         migrate(self._writer)
 
     def ping(self) -> None:
         """Read, and see whether the tables are this version's."""
-        with transaction(self._readers) as connection:
+        with statement(self._single) as connection:
             if not is_current(connection):
                 raise RuntimeError("the tables are those of another version of the service")
 
@@ -136,7 +137,7 @@ class SqlStore:
 
     def get_answer(self, key: IdempotencyKey) -> Answered | None:
         """See `ports.Store`."""
-        with transaction(self._readers) as connection:
+        with statement(self._single) as connection:
             return _answered(connection, key)
 
     def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
@@ -151,7 +152,7 @@ class SqlStore:
                 _remember(connection, write.key, answer)
             return answer
         except IntegrityError:  # another process took the same key at the same instant, and was first
-            with transaction(self._readers) as connection:
+            with statement(self._single) as connection:
                 first = _answered(connection, write.key)
             if first is None:
                 raise
@@ -162,9 +163,15 @@ class SqlStore:
         row = self._get(sessions, id_)
         return None if row is None else _session(row)
 
+    def session_version(self, id_: str) -> int | None:
+        """See `ports.Store`."""
+        with statement(self._single) as connection:
+            row = _named(connection, _VERSION, id_)
+        return None if row is None else int(row.version)
+
     def newest_session(self, scenario: str) -> str | None:
         """See `ports.Store`."""
-        with transaction(self._readers) as connection:
+        with statement(self._single) as connection:
             found: str | None = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).scalar_one_or_none()
         return found
 
@@ -227,18 +234,18 @@ class SqlStore:
                 connection.execute(_INSERT[table], row)
                 return connection.execute(_BY_ID[table], named).one(), True
         except IntegrityError:  # another process stored the same content at the same instant
-            with transaction(self._readers) as connection:
+            with statement(self._single) as connection:
                 return connection.execute(_BY_ID[table], named).one(), False
 
     def _get(self, table: Table, id_: str) -> Row[Any] | None:
-        with transaction(self._readers) as connection:
+        with statement(self._single) as connection:
             return _named(connection, _BY_ID[table], id_)
 
     def _list(self, table: Table, make: Callable[[Row[Any]], T], limit: int, after: str | None) -> Listed[T]:
         query = select(table).order_by(table.c.seq).limit(limit + 1)
         if after is not None:
             query = query.where(table.c.seq > literal(int(after), BigInteger))
-        with transaction(self._readers) as connection:
+        with statement(self._single) as connection:
             rows = connection.execute(query).all()
         more = len(rows) > limit
         return Listed([make(row) for row in rows[:limit]], str(rows[limit - 1].seq) if more else None)

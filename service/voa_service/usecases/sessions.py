@@ -25,6 +25,7 @@ from voa_msgs.sessions import (
     UpdateRequest,
 )
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
+from voa_service.cache import Cache
 from voa_service.failures import UNKNOWN, Failure, not_found, of_core
 from voa_service.mapping import place_of, prior_of, scan_of
 from voa_service.models import Models
@@ -36,6 +37,13 @@ _MOST_NEWS = 100
 
 
 @dataclass(frozen=True)
+class _Told(Answered):
+    @property
+    def nbytes(self) -> int:
+        return len(self.body)
+
+
+@dataclass(frozen=True)
 class Sessions:
     """Everything about sessions and scans."""
 
@@ -43,6 +51,8 @@ class Sessions:
     models: Models
     now: Clock
     new_id: IdSource
+    told: Cache
+    """Answers about a session at a version."""
     committed: Callable[[str, SessionState | None], None]
     """Told after each commit: the session as it is then; None: it is gone."""
     observed: Callable[[str, str], None]
@@ -69,9 +79,16 @@ class Sessions:
         return self.message(self.state(id_))
 
     def answered(self, id_: str) -> Answered:
-        """The same as JSON, with its version."""
+        """The same as JSON, with its version; what was told of a version before is told again."""
+        version = self.store.session_version(id_)
+        if version is None:
+            raise not_found("session", id_)
+        told = self.told.get((id_, version), lambda: self._told(id_))
+        return Answered(told.body, told.version)
+
+    def _told(self, id_: str) -> "_Told":
         state = self.state(id_)
-        return Answered(self.message(state).model_dump_json(), state.version)
+        return _Told(self.message(state).model_dump_json(), state.version)
 
     def list(self, limit: int, after: str | None) -> SessionPage:
         """All sessions without their beliefs, oldest first."""
