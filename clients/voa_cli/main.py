@@ -20,6 +20,8 @@ COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
     "demo": Command("voa_cli.demo", "watch one look change a grasp", "cli"),
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
+    "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
+    "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }

@@ -13,7 +13,7 @@ import pytest
 from tests.recorded import Row, expected, experiment, rows, write
 from voa_assets import path as asset
 from voa_cli.main import main
-from voa_cli.replay import percentile
+from voa_cli.replay.figures import percentile
 
 MUG = asset("experiments/mug")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))

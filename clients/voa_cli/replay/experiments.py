@@ -1,25 +1,20 @@
-"""`voa replay DIR`: a recorded experiment through the service.
+"""Recorded experiments through the service: the report of `voa replay DIR`.
 
 For every update rule and sensor configuration: the Value of Assistance beforehand, what the look was worth with
 the scans that were really measured (AECD), and how far measurement and prediction are apart.
 """
 
-import argparse
-import json
 import math
-import sys
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import Any, Literal
+from collections.abc import Sequence
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from voa_cli.local_service import service_at
-from voa_client import Client, VoaClientError
-from voa_client.recorded import InvalidExperiment, RecordedExperiment, read_experiment
-from voa_client.session_file import read_session_file, replay_session
+from voa_cli.replay.figures import Predictions, Source, prediction_errors
+from voa_client import Client
+from voa_client.recorded import InvalidExperiment, RecordedExperiment
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
@@ -34,60 +29,8 @@ from voa_msgs.updates import (
     UpdateRule,
 )
 
-Source = Literal["recorded", "mesh"]
-Ranges = list[float | None]
-Predictions = dict[str, dict[str, Ranges]]
-
 RULES = ("margin", "exponential", "gaussian", "inverse_rmsd")
 _LONGEST_NAME = 100
-_AGREES = 1e-6
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Replay, print, and return 0; 1 if something is wrong or the expected numbers do not come out."""
-    options = _parser().parse_args(arguments)
-    to_terminal = Console()
-    if options.folder.is_file():
-        return _replay_session(options, to_terminal)
-    try:
-        experiment = read_experiment(options.folder)
-        with service_at(options.url) as client, _progress() as progress:
-            report = replay(client, experiment, options.predict, options.rules, progress)
-    except VoaClientError as error:
-        print(f"voa replay: {error}", file=sys.stderr)
-        return 1
-    if options.json:
-        json.dump(report, sys.stdout, indent=1)
-        print()
-        return 0
-    _print(to_terminal, report)
-    if experiment.expected is None or options.predict != "recorded":
-        return 0
-    apart = distance_from_expected(report, experiment.expected, experiment.pose_names)
-    agrees = apart <= _AGREES
-    to_terminal.print(f"expected.json: {'agrees' if agrees else 'DISAGREES'}, largest difference {apart:.1e}")
-    return 0 if agrees else 1
-
-
-def _progress() -> Progress:
-    """On a terminal; quiet in a pipe."""
-    console = Console(stderr=True)
-    return Progress(console=console, transient=True, disable=not console.is_terminal)
-
-
-def _replay_session(options: argparse.Namespace, console: Console) -> int:
-    try:
-        with service_at(options.url) as client:
-            done = replay_session(client, read_session_file(options.folder), options.mesh)
-    except VoaClientError as error:
-        print(f"voa replay: {error}", file=sys.stderr)
-        return 1
-    if options.json:
-        print(done.session.model_dump_json(indent=1))
-    else:
-        told = "exactly what the first one did" if done.same else "something ELSE than the first one did"
-        console.print(f"session {done.session.id}, version {done.session.version}: believes {told}", highlight=False)
-    return 0 if done.same else 1
 
 
 def replay(
@@ -124,7 +67,7 @@ def replay(
         "sensors": [sensor.name for sensor in experiment.sensors],
         "before": before,
         "rules": found,
-        "prediction": _errors(experiment, predictions, source),
+        "prediction": prediction_errors(experiment, predictions, source),
     }
 
 
@@ -244,64 +187,8 @@ def _update(rule: str, experiment: RecordedExperiment) -> UpdateRule:
             return BeamUpdate(rule="beam", no_return_m=no_return)
 
 
-def _errors(experiment: RecordedExperiment, predictions: Predictions, source: Source) -> dict[str, Any]:
-    """How far measured and predicted ranges are apart, over the rows that have both."""
-    apart, from_recorded = [], []
-    for (sensor, pose), scan in experiment.scans.items():
-        predicted = predictions[sensor][pose]
-        for beam in scan.beams:
-            now = predicted[beam.index]
-            if beam.measured is not None and now is not None:
-                apart.append(1e3 * abs(beam.measured - now))
-            if beam.predicted is not None:
-                from_recorded.append(abs((experiment.no_return_m if now is None else now) - beam.predicted))
-    against = {"beams": len(from_recorded), "max_abs_m": max(from_recorded)} if from_recorded else None
-    apart.sort()
-    return {
-        "source": source,
-        "beams": len(apart),
-        "median_abs_mm": percentile(apart, 0.5),
-        "p95_abs_mm": percentile(apart, 0.95),
-        "max_abs_mm": percentile(apart, 1.0),
-        "against_recorded": against if source == "mesh" else None,
-    }
-
-
-def percentile(ordered: Sequence[float], share: float) -> float | None:
-    """The linear percentile of ascending numbers; None of none."""
-    if not ordered:
-        return None
-    place = share * (len(ordered) - 1)
-    below = math.floor(place)
-    above = min(below + 1, len(ordered) - 1)
-    return ordered[below] + (place - below) * (ordered[above] - ordered[below])
-
-
-def distance_from_expected(report: dict[str, Any], expected: dict[str, Any], poses: Sequence[str]) -> float:
-    """The largest difference between a report and an `expected.json`; infinite where they name other things."""
-    if report["before"]["best_grasp"] != expected["before"]["best_grasp"]:
-        return math.inf
-    apart: list[float] = [abs(report["before"]["expected_score"] - expected["before"]["expected_score"])]
-    for rule, sensors in expected["rules"].items():
-        for sensor, want in sensors.items():
-            have = report["rules"].get(rule, {}).get(sensor)
-            if have is not None:
-                apart += _differences(have, want, poses)
-    return max(apart)
-
-
-def _differences(have: dict[str, Any], want: dict[str, Any], poses: Sequence[str]) -> Iterable[float]:
-    for figure in ("voa", "aecd"):
-        if want[figure] is None or have[figure] is None:
-            yield 0.0 if want[figure] == have[figure] else math.inf
-        else:
-            yield abs(have[figure] - want[figure])
-    for measured, belief in want["belief_after_measured_scan"].items():
-        for pose, share in zip(poses, have["beliefs"][measured], strict=True):
-            yield abs(share - belief[pose])
-
-
-def _print(console: Console, report: dict[str, Any]) -> None:
+def show(console: Console, report: dict[str, Any]) -> None:
+    """The report as a table."""
     before, prediction = report["before"], report["prediction"]
     grasp = before["best_grasp"] or "none"
     console.print(f"[bold]{report['experiment']}[/bold]: {len(report['poses'])} poses, uniform belief")
@@ -334,22 +221,3 @@ def _print(console: Console, report: dict[str, Any]) -> None:
         console.print(
             f"mesh against recorded predictions over {against['beams']} beams: largest {against['max_abs_m']:.1e} m"
         )
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="voa replay", description=(__doc__ or "").partition("\n\n")[2])
-    parser.add_argument("folder", type=Path, help="folder of a recorded experiment, or a session file")
-    parser.add_argument("--mesh", type=Path, help="of a session file: the object's mesh, where the service lacks it")
-    parser.add_argument(
-        "--predict", choices=["recorded", "mesh"], default="recorded", help="where predictions are from"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.add_argument("--url", help="a running service; without it, one is started for the purpose")
-    parser.add_argument(
-        "--rules",
-        nargs="+",
-        choices=[*RULES, "beam"],
-        default=list(RULES),
-        help=f"update rules (default {' '.join(RULES)})",
-    )
-    return parser

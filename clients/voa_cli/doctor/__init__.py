@@ -1,0 +1,5 @@
+"""`voa doctor`: what is wrong between this machine and the service."""
+
+from voa_cli.doctor.command import main
+
+__all__ = ["main"]

@@ -1,0 +1,131 @@
+"""The service by HTTP: is it there, is it ready, does it speak our language, does its clock agree."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from importlib.metadata import version
+from urllib.parse import urlsplit
+
+import httpx2
+from pydantic import ValidationError
+
+from voa_cli.doctor.findings import Budget, Finding
+from voa_cli.doctor.reaching import reach
+from voa_msgs import WIRE_VERSION
+from voa_msgs.problems import Health, Problem
+from voa_msgs.robots import Robots
+
+CLOCK_S = 0.1
+"""Clocks that differ by more are worth a warning."""
+_SECONDS = 2.0
+_TRIES = 3
+
+
+@dataclass
+class Answers:
+    """What later checks need to know."""
+
+    health: Health | None = None
+    robots: Robots | None = None
+    ahead: timedelta = timedelta()
+    """How far the service's clock is ahead of ours."""
+
+
+def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
+    """Every check by HTTP; stops where the rest would make no sense."""
+    parts = urlsplit(url)
+    port = parts.port or (443 if parts.scheme == "https" else 80)
+    reached = reach("HTTP", parts.hostname or "", port, budget)
+    yield reached
+    if reached.state != "ok":
+        return
+    with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
+        alive = _alive(http, budget)
+        yield alive
+        if alive.state != "ok":
+            return
+        yield from _ready(http, budget, answers)
+        answers.robots = _robots(http, budget)
+
+
+def _alive(http: httpx2.Client, budget: Budget) -> Finding:
+    check = "service"
+    try:
+        answer = http.get("/livez", timeout=budget.step(_SECONDS))
+        Health.model_validate_json(answer.raise_for_status().content, extra="ignore")
+    except httpx2.TimeoutException:
+        return Finding(check, "wrong", "takes connections and does not answer", "it hangs: look at its log, restart it")
+    except httpx2.TransportError as error:
+        return Finding(check, "wrong", f"no HTTP: {error}", "is the port right? something else seems to listen there")
+    except httpx2.HTTPStatusError as error:
+        seen = f"/livez answers {error.response.status_code}"
+        return Finding(check, "wrong", seen, "something else listens there, or a proxy has lost the service")
+    except ValidationError:
+        return Finding(check, "wrong", "/livez answers something that is not ours", "is the URL right?")
+    return Finding(check, "ok", "runs")
+
+
+def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Finding]:
+    try:
+        offsets = []
+        for _ in range(_TRIES):
+            began, sent = time.monotonic(), datetime.now(UTC)
+            answer = http.get("/readyz", timeout=budget.step(_SECONDS))
+            took = time.monotonic() - began
+            if not answer.is_success:
+                yield _not_ready(answer)
+                return
+            health = Health.model_validate_json(answer.content, extra="ignore")
+            if health.now is not None:
+                offsets.append((took / 2.0, (health.now - sent).total_seconds() - took / 2.0))
+    except (httpx2.HTTPError, ValidationError) as error:
+        yield Finding("ready", "wrong", f"/readyz: {error}", "look at the service's log")
+        return
+    answers.health = health
+    yield Finding("ready", "ok", health.status)
+    yield _software(health)
+    yield _wire(health)
+    if offsets:
+        unsure, offset = min(offsets)
+        answers.ahead = timedelta(seconds=offset)
+        yield clocks("clock", offset, unsure)
+
+
+def _not_ready(answer: httpx2.Response) -> Finding:
+    try:
+        why = Problem.model_validate_json(answer.content, extra="ignore").detail
+    except ValidationError:
+        why = f"/readyz answers {answer.status_code}"
+    return Finding("ready", "wrong", why, "is its database there? look at its log")
+
+
+def _software(health: Health) -> Finding:
+    ours = version("voa")
+    if health.version in (None, ours):
+        return Finding("software", "ok", f"{ours} here and there" if health.version else "the service does not say")
+    return Finding("software", "warning", f"{health.version} there, {ours} here", "update the older one")
+
+
+def _wire(health: Health) -> Finding:
+    theirs = health.wire_version
+    if theirs == WIRE_VERSION:
+        return Finding("messages", "ok", f"version {theirs} here and there")
+    older = "the service" if (theirs or 0) < WIRE_VERSION else "this machine"
+    return Finding("messages", "wrong", f"version {theirs} there, {WIRE_VERSION} here", f"update {older}")
+
+
+def clocks(check: str, offset_s: float, unsure_s: float) -> Finding:
+    """What a difference of clocks means; `offset_s` is positive where the other one is ahead."""
+    seen = f"{abs(offset_s):.3f} s {'ahead of' if offset_s > 0 else 'behind'} ours (within {unsure_s:.3f} s)"
+    if abs(offset_s) - unsure_s > CLOCK_S:
+        return Finding(check, "warning", seen, "set both clocks by NTP or chrony: scans and poses are matched by time")
+    return Finding(check, "ok", seen)
+
+
+def _robots(http: httpx2.Client, budget: Budget) -> Robots | None:
+    try:
+        answer = http.get("/v1/robots", timeout=budget.step(_SECONDS)).raise_for_status()
+        return Robots.model_validate_json(answer.content, extra="ignore")
+    except (httpx2.HTTPError, ValidationError):
+        return None

@@ -1,0 +1,206 @@
+"""`voa record`: what robots and the service say on Zenoh, into an MCAP file.
+
+voa record -o look.mcap                                        every session on this machine's router
+voa record -o look.mcap --url zenoh://lab:7447/voa/v1/lab7     of another one, under another root
+voa record -o look.mcap --session ID --topic /tb3_1/scan --topic /tb3_1/odom
+
+Recorded are raw scans, beliefs and refused scans, of each session that is seen its scenario and history, and the ROS 2
+topics that are named (by zenoh-bridge-ros2dds and by rmw_zenoh). Foxglove opens the file, and `voa replay` makes the
+sessions anew from it. Ends with Ctrl-C; what was recorded until a second before a power cut is there.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import zenoh
+from rich.console import Console
+from rich.status import Status
+from rich.text import Text
+
+from voa_cli.recording import status
+from voa_cli.recording.filing import Filing
+from voa_cli.recording.histories import Histories
+from voa_cli.recording.inbox import Inbox, listening
+from voa_cli.recordings.ros_types import RosTypes
+from voa_cli.recordings.writer import RecordingWriter
+from voa_cli.zenoh_session import address_of, joined
+from voa_client import Client, VoaClientError
+from voa_msgs.keys import Keys
+
+DEFAULT_URL = "zenoh://127.0.0.1:7447"
+_FLUSH_S = 0.5
+_OPEN_MS = 3_000
+_CALL_S = 10.0
+
+
+class CannotRecord(VoaClientError):
+    """There is nowhere to write to, or nothing to listen to."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Record until told to stop, and return 0; 1 if something is wrong."""
+    options = _parser().parse_args(arguments)
+    console = Console(stderr=True)
+    try:
+        address = address_of(options.url)
+        expressions = _expressions(Keys(address.root), options.session, options.topic)
+        with (
+            joined(address, _OPEN_MS) as session,
+            Client(options.url, timeout_s=_CALL_S) as client,
+            _opened(options.out, force=options.force) as file,
+            _stopping() as stop,
+        ):
+            recorder = Recorder(session, client, file, Keys(address.root))
+            recorder.record(expressions, options.session, stop, options.seconds, console)
+    except VoaClientError as error:
+        print(f"voa record: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"voa record: {options.out}: {error.strerror or error}", file=sys.stderr)
+        return 1
+    recorder.report(Console(), options.out)
+    return 0
+
+
+class Recorder:
+    """One recording."""
+
+    def __init__(self, session: zenoh.Session, client: Client, file: IO[bytes], keys: Keys) -> None:
+        self._session = session
+        self._file = file
+        self._inbox = Inbox()
+        self._writer = RecordingWriter(file, RosTypes())
+        self._filing = Filing(self._writer, keys)
+        self._histories = Histories(client, self._inbox, time.time_ns)
+        self._last: float | None = None
+
+    def record(
+        self,
+        expressions: Sequence[str],
+        sessions: Sequence[str],
+        stop: threading.Event,
+        seconds: float | None,
+        console: Console,
+    ) -> None:
+        """Listen and write until `stop`, or for `seconds`."""
+        until = None if seconds is None else time.monotonic() + seconds
+        self._histories.start()
+        for session in sessions:
+            self._histories.want(session)
+        with listening(self._session, expressions, self._inbox, time.time_ns), _live(console) as live:
+            print(f"voa record: listening to {', '.join(expressions)}", file=sys.stderr, flush=True)
+            flushed = time.monotonic()
+            while not stop.is_set() and (until is None or time.monotonic() < until):
+                self._take(0.1)
+                if time.monotonic() - flushed >= _FLUSH_S:
+                    self._keep()
+                    flushed = time.monotonic()
+                    self._show(live)
+        self._histories.end()
+        while self._take(0.0):
+            pass
+        self._writer.finish()
+        os.fsync(self._file.fileno())
+
+    def report(self, console: Console, path: Path) -> None:
+        """What there is in the file."""
+        console.print(status.summary(self._writer.counts))
+        console.print(f"{path}: {status.size(path.stat().st_size)}", highlight=False)
+        if self._inbox.dropped:
+            console.print(f"! {self._inbox.dropped} messages came faster than they could be written, and are missing")
+        if self._filing.unknown:
+            console.print(f"! {self._filing.unknown} messages have no type: their keys do not tell it")
+        for session, why in sorted(self._histories.failed.items()):
+            console.print(f"! session {session} cannot be made anew, its history is missing: {why}", markup=False)
+
+    def _take(self, seconds: float) -> bool:
+        item = self._inbox.get(seconds)
+        if item is None:
+            return False
+        moved = self._filing.file(item)
+        if moved is not None:
+            self._histories.want(moved)
+        self._last = time.monotonic()
+        return True
+
+    def _keep(self) -> None:
+        """What was written survives a power cut from now on."""
+        self._writer.flush()
+        os.fsync(self._file.fileno())
+
+    def _show(self, live: Status | None) -> None:
+        if live is not None:
+            quiet = None if self._last is None else time.monotonic() - self._last
+            linked = bool(self._session.info.routers_zid())
+            counts, written = self._writer.counts, self._writer.size
+            told = status.line(counts, written, quiet, self._inbox.dropped, linked=linked)
+            live.update(Text(told, no_wrap=True, overflow="ellipsis"))
+
+
+def _expressions(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> list[str]:
+    """Key expressions to listen to."""
+    found = []
+    for session in sessions or ["*"]:
+        found += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
+    for topic in topics:
+        found += [topic] if "::" in topic else [topic.strip("/"), f"*/{topic.strip('/')}/*/*"]
+    try:
+        return [str(zenoh.KeyExpr(expression)) for expression in found]
+    except zenoh.ZError as error:
+        raise CannotRecord(f"expected a topic like /tb3_1/scan, or a Zenoh key expression: {error}") from error
+
+
+@contextmanager
+def _opened(path: Path, *, force: bool) -> Iterator[IO[bytes]]:
+    try:
+        with path.open("wb" if force else "xb") as file:
+            yield file
+    except FileExistsError as error:
+        raise CannotRecord(f"{path} exists; --force overwrites it") from error
+    except OSError as error:
+        raise CannotRecord(f"{path}: {error.strerror}") from error
+
+
+@contextmanager
+def _stopping() -> Iterator[threading.Event]:
+    """An event that SIGINT and SIGTERM set, for the length of a `with`."""
+    stop = threading.Event()
+    before = {number: signal.signal(number, lambda *_: stop.set()) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _live(console: Console) -> Iterator[Status | None]:
+    """A line that changes, on a terminal; None in a pipe."""
+    if not console.is_terminal:
+        yield None
+        return
+    with console.status("recording") as live:
+        yield live
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="voa record", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("-o", "--out", type=Path, required=True, help="the file to write, FILE.mcap")
+    parser.add_argument("--force", action="store_true", help="overwrite the file if it exists")
+    parser.add_argument("--url", default=DEFAULT_URL, help=f"of the router (default {DEFAULT_URL})")
+    parser.add_argument("--session", action="append", default=[], help="only this session; may be given several times")
+    parser.add_argument(
+        "--topic", action="append", default=[], metavar="KEYEXPR", help="a ROS 2 topic; may be given several times"
+    )
+    parser.add_argument("--seconds", type=float, help="end after so many seconds")
+    return parser

@@ -1,0 +1,1 @@
+"""`voa record`: what is said on Zenoh, into a file."""

@@ -1,0 +1,33 @@
+"""How a recording stands, for a person: a line while it runs, a table when it has ended."""
+
+from collections import Counter
+
+from rich.table import Table
+
+_UNITS = ("B", "kB", "MB", "GB")
+
+
+def size(count: int) -> str:
+    """A number of bytes, readable."""
+    figure, unit = float(count), 0
+    while figure >= 1000.0 and unit < len(_UNITS) - 1:
+        figure, unit = figure / 1000.0, unit + 1
+    return f"{figure:.0f} {_UNITS[unit]}" if unit == 0 else f"{figure:.1f} {_UNITS[unit]}"
+
+
+def line(counts: Counter[str], written: int, quiet_s: float | None, dropped: int, *, linked: bool) -> str:
+    """One line: messages of the busiest topics, size, how long ago the last one came, and what is wrong."""
+    busiest = "  ".join(f"{topic} {count}" for topic, count in counts.most_common(4))
+    last = "nothing heard yet" if quiet_s is None else f"last {quiet_s:.0f} s ago"
+    wrong = [] if linked else ["no router"]
+    wrong += [f"{dropped} dropped"] if dropped else []
+    return "  ".join([f"recording {counts.total()} messages, {size(written)}, {last}", *wrong, busiest])
+
+
+def summary(counts: Counter[str]) -> Table:
+    """Messages per topic."""
+    table = Table("topic", title="Recorded", title_justify="left")
+    table.add_column("messages", justify="right")
+    for topic, count in sorted(counts.items()):
+        table.add_row(topic, str(count))
+    return table

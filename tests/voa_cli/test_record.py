@@ -1,0 +1,250 @@
+"""`voa record` beside a real router and service, and the recording through another service."""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+
+from tests.routers import router
+from tests.serving import data_scenario
+from tests.voa_cli.labs import Lab, service_on
+from tests.voa_cli.recordings.bags import START_NS, laser_scan
+from tests.waiting import wait_for
+from voa_cli.main import main
+from voa_cli.recordings.reading import Recording
+from voa_cli.recordings.ros_types import LASER_SCAN, RosTypes
+from voa_cli.recordings.sessions import recorded_sessions
+from voa_cli.zenoh_session import joined
+from voa_client import Client
+from voa_client.zenoh_address import ZenohAddress
+from voa_msgs.keys import Keys
+from voa_msgs.scenarios import ScenarioRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
+from voa_ros.cdr import encode_laser_scan
+from voa_ros.topics import LASER_SCAN as ROS_LASER_SCAN
+from voa_ros.topics import RmwAttachment, rmw_key
+
+TYPES = RosTypes()
+SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, 0.5, None, 1.0], no_return=[2]))
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    with router() as own, service_on(own, tmp_path_factory.mktemp("lab")) as service:
+        yield service
+
+
+class Recorder:
+    """`voa record` in a process of its own."""
+
+    def __init__(self, path: Path, *options: str) -> None:
+        self.path = path
+        self._said = path.with_suffix(".err")
+        self._printed = path.with_suffix(".out")
+        command = [sys.executable, "-m", "voa_cli.main", "record", "-o", str(path), *options]
+        with self._said.open("wb") as stderr, self._printed.open("wb") as stdout:
+            self.process = subprocess.Popen(command, stdout=stdout, stderr=stderr)
+
+    def wait_until_it_listens(self) -> None:
+        """Fails with what it said."""
+
+        def listens() -> bool:
+            said = self._said.read_text()
+            assert self.process.poll() is None, said
+            return "listening to" in said
+
+        wait_for(listens, "the recorder listens")
+
+    def stop(self, number: signal.Signals) -> str:
+        """What it printed in the end."""
+        self.process.send_signal(number)
+        assert self.process.wait(30) == 0, self._said.read_text()
+        assert self._said.read_text().count("\n") == 1
+        return self._printed.read_text()
+
+
+@contextmanager
+def recording(path: Path, *options: str) -> Iterator[Recorder]:
+    own = Recorder(path, *options)
+    try:
+        own.wait_until_it_listens()
+        yield own
+    finally:
+        own.process.kill()
+        own.process.wait()
+
+
+def sessions_in(path: Path) -> dict[str, int]:
+    """The sessions that can be made anew from what is on the disk now, and how many versions of each."""
+    found = recorded_sessions(Recording(path, TYPES).messages())
+    return {told.session: len(told.file.history) for told in found if told.file is not None}
+
+
+def messages(path: Path) -> list[tuple[str, str, Any]]:
+    """Topic, encoding and data."""
+    with path.open("rb") as file:
+        return [(c.topic, c.message_encoding, m) for _, c, m in make_reader(file).iter_messages()]
+
+
+def moved_session(client: Client) -> str:
+    """A session with versions of every kind."""
+    scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
+    own = client.create_session(SessionRequest(scenario=scenario.id)).id
+    client.apply_scan(own, SCAN)
+    client.report_outcome(own, OutcomeRequest(grasp="G1", success=False))
+    return own
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_session_is_recorded_and_made_anew_elsewhere(
+    lab: Lab, process: str, tmp_path: Path, number: signal.Signals, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "look.mcap"
+    with Client(lab.url) as client, recording(path, "--url", lab.zenoh) as own:
+        session = moved_session(client)
+        client.put_belief(session, BeliefRequest(belief=None))
+        last = client.apply_scan(session, SCAN)
+        wait_for(lambda: sessions_in(path).get(session) == 5, "all versions are recorded")
+        printed = own.stop(number)
+    assert f"/voa/{session}/belief" in printed
+    kinds = [topic.rpartition("/")[2] for topic, _, _ in messages(path) if session in topic]
+    assert kinds.count("scenario") == 1
+    assert (kinds.count("history"), last.version) == (5, 4)
+    assert main(["replay", str(path), "--url", process, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["damage"] is None
+    [again] = [item for item in told["sessions"] if item["recorded"] == session]
+    assert (again["same"], again["session"]["belief"]) == (True, last.belief)
+    assert main(["replay", str(path), "--url", process]) == 0
+    assert "believes exactly what was recorded" in " ".join(capsys.readouterr().out.split())
+
+
+def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> None:
+    path = tmp_path / "look.mcap"
+    topics = ["--topic", "/tb3_1/scan", "--topic", "*/scan", "--topic", "tb3_1/other"]
+    payload = encode_laser_scan(laser_scan([0.5] * 360))
+    gid = bytes(range(16))
+    address = ZenohAddress.parse(lab.zenoh)
+    with Client(lab.url) as client, recording(path, "--url", lab.zenoh, *topics) as own, joined(address) as robot:
+        session = moved_session(client)
+        robot.put("tb3_1/scan", payload)
+        beside = RmwAttachment(7, START_NS + 5, gid).encode()
+        robot.put(rmw_key("tb3_1/scan", ROS_LASER_SCAN), payload, attachment=beside)
+        robot.put("tb3_1/other", b"\0\1\0\0something else")
+        robot.put("tb3_2/scan", payload)
+        robot.put(Keys().scan(session, "r1"), SCAN.model_dump_json(), attachment=b'{"id": "look-1", "key": "secret"}')
+        robot.put(Keys().scan(session, "r1"), b"{}")
+        wait_for(lambda: refusals(lab) > 0, "the second scan is refused")
+        printed = own.stop(signal.SIGINT)
+    found = messages(path)
+    scans = [message for topic, encoding, message in found if (topic, encoding) == ("/tb3_1/scan", "cdr")]
+    assert [message.data for message in scans] == [payload] * 2
+    assert 7 in [message.sequence for message in scans]
+    assert all(0 <= message.log_time - message.publish_time < 60_000_000_000 for message in scans)
+    assert [message.data for topic, _, message in found if topic == "/tb3_2/scan"] == [payload]
+    by_topic: dict[str, list[bytes]] = {}
+    for topic, _, message in found:
+        by_topic.setdefault(topic, []).append(message.data)
+    assert SCAN.model_dump_json().encode() in by_topic[f"/voa/{session}/scan"]
+    assert json.loads(by_topic[f"/voa/{session}/scan_attachment"][0]) == {"id": "look-1"}
+    assert b"secret" not in path.read_bytes()
+    assert json.loads(by_topic[f"/voa/{session}/refused"][0])["status"] == 422
+    assert "1 messages have no type" in printed
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert LASER_SCAN in [schema.name for schema in summary.schemas.values()]
+
+
+def refusals(lab: Lab) -> int:
+    with Client(lab.url) as client:
+        return sum(report.refused for report in client.robots().items)
+
+
+def test_one_session_alone_is_recorded_whole_although_nothing_happens(lab: Lab, process: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    with Client(lab.url) as client:
+        session, other = moved_session(client), moved_session(client)
+        with recording(path, "--url", lab.zenoh, "--session", session) as own:
+            client.apply_scan(other, SCAN)
+            wait_for(lambda: sessions_in(path).get(session) == 3, "the session is recorded")
+            own.stop(signal.SIGINT)
+    assert not [topic for topic, _, _ in messages(path) if other in topic]
+    assert main(["replay", str(path), "--url", process]) == 0
+
+
+def test_a_recorder_that_was_killed_leaves_what_it_heard(
+    lab: Lab, process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "killed.mcap"
+    with Client(lab.url) as client, recording(path, "--url", lab.zenoh) as own:
+        session = moved_session(client)
+        wait_for(lambda: sessions_in(path).get(session) == 3, "it is on the disk")
+        own.process.kill()
+        own.process.wait()
+    assert main(["replay", str(path), "--url", process, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["damage"] == "ends in the middle"
+    assert session in [again["recorded"] for again in told["sessions"] if again["same"]]
+    assert main(["replay", str(path), "--url", process]) == 0
+    assert "the recording ends in the middle:" in " ".join(capsys.readouterr().out.split())
+
+
+def test_it_ends_by_itself_after_so_many_seconds(lab: Lab, tmp_path: Path) -> None:
+    assert main(["record", "-o", str(tmp_path / "x.mcap"), "--url", lab.zenoh, "--seconds", "0.1"]) == 0
+    assert messages(tmp_path / "x.mcap") == []
+
+
+def test_an_existing_file_is_kept_unless_told_otherwise(
+    lab: Lab, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "x.mcap"
+    path.write_text("precious")
+    command = ["record", "-o", str(path), "--url", lab.zenoh, "--seconds", "0.1"]
+    assert main(command) == 1
+    assert "--force overwrites it" in capsys.readouterr().err
+    assert path.read_text() == "precious"
+    assert main([*command, "--force"]) == 0
+    assert messages(path) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--url", "zenoh://127.0.0.1:1"], "no Zenoh router took us at tcp/127.0.0.1:1"),
+        (["--url", "http://127.0.0.1:8000"], "expected a URL with zenoh://"),
+        (["--topic", "a//b"], "expected a topic like /tb3_1/scan"),
+        (["--url", "zenoh://h/bad root"], "expected a root like"),
+    ],
+)
+def test_what_cannot_work_is_said_so(
+    tmp_path: Path, options: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "x.mcap"
+    assert main(["record", "-o", str(path), *options]) == 1
+    assert says in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_a_router_that_restarts_is_joined_again(tmp_path: Path) -> None:
+    with router() as own, service_on(own, tmp_path / "service") as lab, Client(lab.url) as client:
+        path = tmp_path / "x.mcap"
+        with recording(path, "--url", lab.zenoh) as recorder:
+            moved_session(client)
+            own.kill()
+            own.start()
+            session = moved_session(client)
+
+            def heard() -> bool:
+                client.apply_scan(session, SCAN)
+                return session in sessions_in(path)
+
+            wait_for(heard, "the session is heard again")
+            recorder.stop(signal.SIGINT)
