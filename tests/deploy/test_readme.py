@@ -26,7 +26,9 @@ def test_the_programs_import_what_exists() -> None:
     programs = blocks("python")
     assert len(programs) == 2
     for program in programs:
-        imports = [node for node in ast.parse(program).body if isinstance(node, ast.Import | ast.ImportFrom)]
+        imports: list[ast.stmt] = [
+            node for node in ast.parse(program).body if isinstance(node, ast.Import | ast.ImportFrom)
+        ]
         exec(compile(ast.Module(imports, []), "README.md", "exec"), {})  # noqa: S102 - our own text
 
 
