@@ -209,7 +209,7 @@ class AsyncClient:
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard within `timeout_s`.
+            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
         """
         following = Following(self._patience, for_s)
         while not following.is_over:
@@ -218,13 +218,17 @@ class AsyncClient:
             async with self._transport.watch(session_id, following.seen, box.put):
                 news = None if self._transport.ask_s is None else await self._ask(session_id, following)
                 while not following.is_over and not isinstance(news, Lost):
-                    if news is not None and (session := following.take(news)) is not None:
+                    if news is None:
+                        news = await box.get(following.within(self._transport.ask_s))
+                        if news is None and not following.is_over:
+                            news = await self._ask(session_id, following)
+                        continue
+                    session, news = following.take(news), None
+                    if session is not None:
                         yield session
-                    news = await box.get(following.within(self._transport.ask_s))
-                    if news is None and not following.is_over:
-                        news = await self._ask(session_id, following)
             if isinstance(news, Lost):
                 await self._sleep(following.lost(news))
+        following.end()
 
     async def _ask(self, session_id: str, following: Following) -> News:
         call = calls.get_session(session_id)

@@ -6,7 +6,7 @@ from collections import deque
 
 from voa_client.answers import parse
 from voa_client.attempts import Patience, worth_another
-from voa_client.errors import NotFoundError
+from voa_client.errors import NotFoundError, TimedOutError, VoaClientError
 from voa_client.transport import Deleted, Lost, News, State
 from voa_msgs.sessions import Session
 
@@ -28,6 +28,7 @@ class Following:
         self._began = patience.clock()
         self._for_s = for_s
         self._failures = 0
+        self._error: VoaClientError = TimedOutError("nothing was heard of the session in time")
 
     @property
     def left_s(self) -> float | None:
@@ -61,23 +62,27 @@ class Following:
     def lost(self, news: Lost) -> float:
         """Seconds to wait before a new watch.
 
-        A service that went away is waited for as long as it takes; one that was never there, as long as a call, and
-        not beyond the end.
+        A service that went away is waited for as long as it takes; one that was never there, as long as a call.
 
         Raises:
-            VoaClientError: there is no use in waiting, or nothing was ever heard.
+            VoaClientError: there is no use in waiting, or nothing was ever heard within the time of a call.
         """
         error = news.error
         if isinstance(error, NotFoundError) and self.seen is not None:
             self.ended = True
             return 0.0
         late = self._patience.clock() - self._began >= self._patience.timeout_s
-        never = self.seen is None and (late or self.left_s == 0.0)
-        if never or not worth_another(error):
+        if (late and self.seen is None) or not worth_another(error):
             raise error
+        self._error = error
         self._failures += 1
         wait = self._patience.retries.wait_s(self._failures, self._patience.chance())
         return self.within(wait) or 0.0
+
+    def end(self) -> None:
+        """The time is over; raises UnreachableError if nothing was ever heard."""
+        if self.seen is None and not self.ended:
+            raise self._error
 
 
 class Mailbox:

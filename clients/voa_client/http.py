@@ -35,6 +35,7 @@ class HttpTransport:
     def __init__(self, url: str, network: httpx2.BaseTransport | None = None) -> None:
         self._url = url
         self._http = httpx2.Client(base_url=checked(url), transport=network)
+        self._readers: set[_Reader] = set()
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
@@ -47,16 +48,19 @@ class HttpTransport:
     def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:
         """As the port says: a thread reads the stream, so that whoever waits for news can wait as long as they like."""
         reader = _Reader(self._http, self._url, _stream(session_id, seen), tell)
+        self._readers.add(reader)
         reader.start()
         try:
             yield
         finally:
+            self._readers.discard(reader)
             reader.stop()
-            reader.join(_CONNECT_S)
 
     def close(self) -> None:
-        """As the port says."""
+        """As the port says; whoever still follows is told."""
         self._http.close()
+        for reader in list(self._readers):
+            reader.stop()
 
 
 class _Reader(threading.Thread):
@@ -86,13 +90,21 @@ class _Reader(threading.Thread):
             self._tell(Lost(_error(self._url, error)))
         except VoaClientError as error:
             self._tell(Lost(error))
+        except RuntimeError as error:
+            if not self._http.is_closed:
+                raise
+            self._tell(Lost(UsageError(f"the client of {self._url} is closed: {error}")))
 
     def stop(self) -> None:
-        """Wake the thread where it waits for the network; only shutting a socket down does that."""
+        """Wake the thread where it waits for the network; only shutting a socket down does that.
+
+        One that is still connecting is left to find out by itself: nobody should wait for that.
+        """
         self._stopped = True
         if self._socket is not None:
             with suppress(OSError):
                 self._socket.shutdown(socket.SHUT_RDWR)
+            self.join(_CONNECT_S)
 
     def _tell_of(self, event: httpx2.ServerSentEvent) -> None:
         news = _news(event)
@@ -145,6 +157,10 @@ class AsyncHttpTransport:
             tell(Lost(_error(self._url, error)))
         except VoaClientError as error:
             tell(Lost(error))
+        except RuntimeError as error:
+            if not self._http.is_closed:
+                raise
+            tell(Lost(UsageError(f"the client of {self._url} is closed: {error}")))
 
     async def close(self) -> None:
         """As the port says."""

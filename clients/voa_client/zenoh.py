@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _ASK_S = 3.0  # puts are lost without a word while a link is down
 _GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over; it gets a moment to say so
 _LOOK_S = 0.02
-_JOIN_S = 5.0
+_JOIN_S = 0.2  # a watch begins again where it cannot begin now
 _AGAIN_S = 0.2
 _CLOSE_S = 2.0
 
@@ -153,11 +153,13 @@ class _Link:
 
     @property
     def session(self) -> "zenoh.Session | None":
-        """The session while it is connected."""
+        """The session while it is connected; raises UsageError once it is closed."""
+        if self._ended.is_set():
+            raise UsageError(f"the client of {self._address.endpoint} is closed")
         return self._opened if self._connected else None
 
     def wait(self, seconds: float) -> "zenoh.Session":
-        """The session; raises TimedOutError if it is not connected in time."""
+        """The session; raises TimedOutError if it is not connected in time, UsageError if it is closed."""
         with self._changed:
             if not self._changed.wait_for(lambda: self.session is not None, seconds):
                 raise self.failure(seconds)
@@ -171,6 +173,8 @@ class _Link:
     def close(self) -> None:
         """An open session keeps threads, and hears the router for ever."""
         self._ended.set()
+        with self._changed:
+            self._changed.notify_all()
         self._opening.join(_CLOSE_S)
         session: Any = self._opened  # Zenoh's stub leaves the method untyped
         if session is not None:

@@ -67,6 +67,23 @@ def test_client_and_messages_import_and_bring_nothing_heavy(python: Path) -> Non
     assert heavy == "[]"
 
 
+def test_the_base_install_talks_to_a_service(python: Path, process: str, capsys: pytest.CaptureFixture[str]) -> None:
+    program = (
+        "from voa_client import Client\n"
+        "from voa_client.footprint import main\n"
+        f"with Client({process!r}) as client:\n"
+        "    assert client.lidars().items\n"
+        "    print(client.health().status)\n"
+        "main([])\n"
+    )
+    told = run(python, program)
+    with capsys.disabled():
+        print(f"\nthe base install, in an environment of its own:\n{told}")
+    assert told.startswith("ready\n")
+    assert re.search(r"installed +[0-9.]+ MB", told)
+    assert "heavy       nothing" in told
+
+
 @pytest.mark.parametrize("name", HEAVY)
 def test_a_library_of_the_service_is_not_installed(python: Path, name: str) -> None:
     assert run(python, f"import importlib.util; print(importlib.util.find_spec({name!r}))") == "None\n"

@@ -51,8 +51,8 @@ def opened(service: Replica, count: int) -> list[str]:
 def stamps(service: Replica, session: str) -> Counter[str]:
     """How often each stamp is in the history of a session."""
     with Client(service.url) as client:
-        entries = [entry.request for entry in client.history(session) if entry.kind == "scan"]
-    return Counter(json.dumps(request["scan"]["stamp"]) for request in entries if isinstance(request, dict))
+        scans = [ScanRequest.model_validate(e.request) for e in client.history(session) if e.kind == "scan"]
+    return Counter(json.dumps(request.scan.stamp) for request in scans)
 
 
 class Robots:

@@ -1,0 +1,110 @@
+"""The same call for HTTP and by name."""
+
+import base64
+import json
+from typing import Any, get_type_hints
+
+import pytest
+
+from voa_client import UsageError, calls
+from voa_client.calls import Call
+from voa_msgs.objects import ObjectUpload
+from voa_msgs.rankings import VoaRequest
+from voa_msgs.scenarios import PredictionsRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
+
+SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, None]))
+NAMED = {"session": "s"}
+CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
+    (calls.health(), "service.health", "GET /readyz", {}),
+    (calls.get_object("o"), "object.get", "GET /v1/objects/o", {"id": "o"}),
+    (calls.stable_poses("o"), "object.stable_poses", "GET /v1/objects/o/stable-poses", {"id": "o"}),
+    (calls.list_objects("c"), "object.list", "GET /v1/objects", {"after": "c"}),
+    (calls.list_scenarios(None), "scenario.list", "GET /v1/scenarios", {}),
+    (calls.get_scenario("c"), "scenario.get", "GET /v1/scenarios/c", {"id": "c"}),
+    (
+        calls.predict("c", PredictionsRequest(sensors=["Q1"])),
+        "scenario.predict",
+        "POST /v1/scenarios/c/predictions",
+        {"id": "c", "sensors": ["Q1"]},
+    ),
+    (calls.create_session(SessionRequest(scenario="c")), "session.create", "POST /v1/sessions", {"scenario": "c"}),
+    (calls.get_session("s"), "session.get", "GET /v1/sessions/s", NAMED),
+    (calls.delete_session("s", None), "session.delete", "DELETE /v1/sessions/s", NAMED),
+    (calls.history("s", "7"), "history.get", "GET /v1/sessions/s/history", NAMED | {"after": "7"}),
+    (
+        calls.put_belief("s", BeliefRequest(belief=None), None),
+        "belief.put",
+        "PUT /v1/sessions/s/belief",
+        NAMED | {"belief": None},
+    ),
+    (
+        calls.report_outcome("s", OutcomeRequest(grasp="G", success=True), None),
+        "outcome.report",
+        "POST /v1/sessions/s/grasp-outcomes",
+        NAMED | {"grasp": "G", "success": True},
+    ),
+    (
+        calls.apply_scan("s", SCAN, None),
+        "scan.apply",
+        "POST /v1/sessions/s/scans",
+        NAMED | {"sensor": "Q1", "scan": {"ranges": [0.5, None]}},
+    ),
+    (
+        calls.rank_looks("s", VoaRequest(outcomes=True)),
+        "voa.rank",
+        "POST /v1/sessions/s/voa",
+        NAMED | {"outcomes": True},
+    ),
+    (
+        calls.rank_grasps("s", ["G1", "G2"]),
+        "grasp.rank",
+        "GET /v1/sessions/s/grasps",
+        NAMED | {"grasps": ["G1", "G2"]},
+    ),
+    (calls.rank_grasps("s", None), "grasp.rank", "GET /v1/sessions/s/grasps", NAMED),
+    (calls.robots(), "robot.list", "GET /v1/robots", {}),
+    (calls.request_look("r 1"), "robot.look", "POST /v1/robots/r%201/look", {"robot": "r 1"}),
+]
+
+
+@pytest.mark.parametrize(("call", "rpc", "http", "payload"), CASES, ids=lambda case: case if type(case) is str else "")
+def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http: str, payload: dict[str, Any]) -> None:
+    assert call.rpc == rpc
+    assert f"{call.method} {call.url}" == http
+    assert json.loads(call.payload()) == payload
+    body = json.loads(call.content() or b"{}")
+    assert body | dict(call.ids) | call.asked == payload
+
+
+def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
+    hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if callable(made)}
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 24
+    writes = {call.rpc for call, *_ in CASES if call.writes}
+    assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply"}
+    heavy = {call.rpc for call, *_ in CASES if call.heavy}
+    assert heavy == {"object.stable_poses", "scenario.predict", "voa.rank"}
+
+
+def test_an_upload_is_a_form_or_base64() -> None:
+    call = calls.create_object("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
+    assert call.upload is not None
+    assert call.upload.form() == {"scale": "0.001", "name": "crate"}
+    told = ObjectUpload.model_validate_json(call.payload())
+    assert (told.filename, told.file, told.name, told.scale) == ("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
+    plain = json.loads(calls.create_object("box.obj", b"v", None, 1).payload())
+    assert plain == {"filename": "box.obj", "file": base64.b64encode(b"v").decode(), "scale": 1.0}
+    assert call.heavy
+    assert call.content() is None
+
+
+@pytest.mark.parametrize(
+    ("id_", "quoted"), [("a/b", "a%2Fb"), ("..", "%2E%2E"), ("a.b", "a.b"), ("ä?#", "%C3%A4%3F%23"), ("%41", "%2541")]
+)
+def test_an_id_is_one_segment_of_the_path(id_: str, quoted: str) -> None:
+    assert calls.get_session(id_).url == f"/v1/sessions/{quoted}"
+
+
+def test_an_empty_id_is_no_id() -> None:
+    with pytest.raises(UsageError, match=r"session\.get: expected the session"):
+        calls.get_session("")

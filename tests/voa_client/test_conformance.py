@@ -1,0 +1,284 @@
+"""One suite for every transport, sync and async, against the real service."""
+
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.serving import data_scenario, mesh_scenario
+from tests.voa_client.blocking import is_blocking, role_of
+from voa_client import (
+    Client,
+    InvalidRequestError,
+    NotFoundError,
+    ProblemError,
+    StaleVersionError,
+    UsageError,
+    VoaClientError,
+)
+from voa_msgs import WIRE_VERSION
+from voa_msgs.geometry import CandidateSensor
+from voa_msgs.rankings import RankingRequest, VoaRequest
+from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
+from voa_msgs.sessions import (
+    BeliefRequest,
+    OutcomeRequest,
+    Scan,
+    ScanRequest,
+    SessionRequest,
+    UpdatedSession,
+    UpdateRequest,
+)
+
+GOOD = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, 0.5, None, 1.0]))
+EMPTY = ScanRequest(sensor="Q1", scan=Scan(ranges=[None] * 4))
+END_S = 30.0
+
+
+def test_the_service_says_how_it_is(client: Client) -> None:
+    for health in (client.ready(), client.health()):
+        assert (health.status, health.wire_version) == ("ready", WIRE_VERSION)
+        assert health.now is not None
+
+
+def test_a_session_from_beginning_to_end(client: Client, scenario: str) -> None:
+    opened = client.create_session(SessionRequest(scenario=scenario))
+    assert client.get_session(opened.id) == opened
+    assert opened.id in [each.id for each in client.list_sessions()]
+    ranking = client.rank_looks(opened.id, VoaRequest(outcomes=True))
+    assert ranking.version == 0
+    assert ranking.ranking[0].outcomes
+    once = client.update_once(UpdateRequest(scenario=scenario, belief=opened.belief, sensor="Q1", scan=GOOD.scan))
+    after = client.apply_scan(opened.id, GOOD)
+    assert isinstance(after, UpdatedSession)
+    assert after.belief == once.belief != opened.belief
+    assert client.rank_once(RankingRequest(scenario=scenario, belief=after.belief)).version is None
+    assert [grasp.name for grasp in client.rank_grasps(opened.id, ["G2"]).grasps] == ["G2"]
+    assert len(client.rank_grasps(opened.id).grasps) == 2
+    assert client.report_outcome(opened.id, OutcomeRequest(grasp="G1", success=False)).version == 2
+    assert client.put_belief(opened.id, BeliefRequest(belief=None)).belief == opened.belief
+    kinds = [entry.kind for entry in client.history(opened.id)]
+    assert kinds == ["prior", "scan", "outcome", "belief"]
+    client.delete_session(opened.id)
+    with pytest.raises(NotFoundError, match=opened.id):
+        client.get_session(opened.id)
+
+
+def test_objects_and_scenarios(client: Client, box: Path) -> None:
+    stored = client.create_object(box, "crate", 2.0)
+    assert stored.name == "crate"
+    assert stored.extents == pytest.approx([0.08, 0.12, 0.10])
+    assert client.create_object(box, scale=2.0).id == stored.id
+    assert client.get_object(stored.id) == stored
+    assert stored in list(client.list_objects())
+    assert client.stable_poses(stored.id).items
+    made = client.create_scenario(ScenarioRequest.model_validate(mesh_scenario(stored.id)))
+    assert client.get_scenario(made.id) == made
+    assert made.id in [each.id for each in client.list_scenarios()]
+    predicted = client.predict(made.id, PredictionsRequest(sensors=["E"]))
+    assert (predicted.sensors, len(predicted.ranges[0])) == (["E"], 2)
+    assert len(client.predict(made.id).sensors) == 2
+    assert "lds-01" in [preset.name for preset in client.lidars().items]
+
+
+def test_lists_longer_than_a_page_come_whole(client: Client, session: str) -> None:
+    for _ in range(105):
+        client.put_belief(session, BeliefRequest(belief=[0.2, 0.3, 0.5]))
+    assert [entry.version for entry in client.history(session)] == list(range(106))
+
+
+def test_robots(client: Client) -> None:
+    assert client.robots().items == []
+    with pytest.raises(NotFoundError):
+        client.request_look("nobody")
+
+
+@pytest.mark.parametrize("odd", ["nothing", "a/b", "..", ".", "%2F", "*", "**", "$*", "a b", "ä", "a?b=c#d"])
+def test_an_id_of_nothing_is_not_found_whatever_it_looks_like(client: Client, odd: str) -> None:
+    for call in (client.get_session, client.get_scenario, client.get_object, client.delete_session):
+        with pytest.raises(NotFoundError) as refused:
+            call(odd)
+        assert refused.value.kind == "not-found"
+    with pytest.raises(NotFoundError):
+        next(iter(client.follow(odd)))
+
+
+def test_an_empty_id_is_not_sent(client: Client) -> None:
+    with pytest.raises(UsageError, match="session"):
+        client.get_session("")
+
+
+def test_a_refusal_says_why(client: Client, session: str) -> None:
+    with pytest.raises(InvalidRequestError) as refused:
+        client.apply_scan(session, ScanRequest(sensor="Q9", scan=GOOD.scan))
+    assert (refused.value.kind, refused.value.problem.known) == ("unknown-name", ["Q1", "Q2"])
+    assert refused.value.problem.request_id
+    with pytest.raises(InvalidRequestError, match="belief"):
+        client.put_belief(session, BeliefRequest(belief=[0.5, 0.5]))
+
+
+def test_the_same_key_takes_effect_once(client: Client, other: Client, session: str, scenario: str) -> None:
+    first = client.apply_scan(session, GOOD, key="look 1")
+    assert other.apply_scan(session, GOOD, key="look 1") == first
+    assert client.get_session(session).version == 1
+    with pytest.raises(ProblemError) as refused:
+        client.apply_scan(session, EMPTY, key="look 1")
+    assert refused.value.kind == "idempotency-key-reused"
+    assert client.apply_scan(session, GOOD).version == 2, "a new key each time"
+    request = SessionRequest(scenario=scenario)
+    named = f"{session} begins"
+    assert client.create_session(request, key=named).id == other.create_session(request, key=named).id
+
+
+@pytest.mark.parametrize("key", ["", "x" * 256, "ä", "a\nb"])
+def test_a_key_that_cannot_be_sent_is_refused_here(client: Client, session: str, key: str) -> None:
+    with pytest.raises(UsageError, match="key"):
+        client.apply_scan(session, GOOD, key=key)
+
+
+def test_a_scan_that_is_not_accepted_says_so(client: Client, session: str) -> None:
+    answer = client.apply_scan(session, EMPTY)
+    assert (answer.update.accepted, answer.update.reason, answer.version) == (False, "no_beams", 0)
+
+
+def test_a_write_can_ask_for_a_version(client: Client, way: str, session: str) -> None:
+    if not way.startswith("http"):
+        with pytest.raises(UsageError, match="over HTTP"):
+            client.apply_scan(session, GOOD, if_match=0)
+        return
+    assert client.apply_scan(session, GOOD, if_match=0).version == 1
+    with pytest.raises(StaleVersionError) as stale:
+        client.report_outcome(session, OutcomeRequest(grasp="G1", success=True), if_match=0)
+    assert stale.value.version == 1
+    with pytest.raises(StaleVersionError):
+        client.put_belief(session, BeliefRequest(belief=None), if_match=7)
+    with pytest.raises(StaleVersionError):
+        client.delete_session(session, if_match=0)
+    client.delete_session(session, if_match=1)
+
+
+def test_followers_see_the_state_then_each_newer_version_until_the_end(
+    client: Client, other: Client, session: str
+) -> None:
+    other.apply_scan(session, GOOD)
+    seen = []
+    for followed in client.follow(session):
+        seen.append(followed)
+        if len(seen) < 4:
+            other.apply_scan(session, GOOD)
+        elif len(seen) == 4:
+            other.delete_session(session)
+    assert [each.version for each in seen] == [1, 2, 3, 4]
+    assert type(seen[0]).__name__ == "Session"
+
+
+def test_followers_in_a_crowd_miss_no_last_version_and_see_none_twice(
+    client: Client, other: Client, session: str
+) -> None:
+    def write() -> None:
+        for _ in range(30):
+            other.put_belief(session, BeliefRequest(belief=[0.2, 0.3, 0.5]))
+
+    writing = threading.Thread(target=write)
+    versions: list[int] = []
+    for followed in client.follow(session, END_S):
+        if not versions:
+            writing.start()
+        versions.append(followed.version or 0)
+        if followed.version == 30:
+            break
+    writing.join()
+    assert versions == sorted(set(versions))
+    assert (versions[0], versions[-1]) == (0, 30)
+
+
+def test_following_ends_in_time(client: Client, session: str) -> None:
+    began = time.monotonic()
+    assert [each.version for each in client.follow(session, for_s=0.3)] == [0]
+    assert 0.3 <= time.monotonic() - began < 5.0
+
+
+def test_the_sensor_drives_where_it_is_worth_most_until_grasping_is_better(client: Client, session: str) -> None:
+    sensor = role_of(client, "sensor", session)
+    been: list[str] = []
+    ranges = data_scenario()["predictions"]["Q1"]["P2"]
+
+    def drive(name: str) -> None:
+        been.append(name)
+
+    def take_scan() -> Scan:
+        return Scan(ranges=ranges, no_return=[1, 2])
+
+    async def drive_there(name: str) -> None:
+        drive(name)
+
+    async def take_it() -> Scan:
+        return take_scan()
+
+    sync = not is_blocking(client)
+    advice = sensor.where_to_look()
+    assert (advice.action, advice.sensor) == ("look", "Q1")
+    tour = sensor.run(drive if sync else drive_there, take_scan if sync else take_it, ["Q1"], most_looks=6)
+    assert been == ["Q1"] * len(tour.looks)
+    assert len(tour.looks) == 6 or tour.advice.action == "grasp"
+    assert tour.looks[-1].after.version == len(tour.looks)
+    assert tour.looks[-1].after.best_grasp == "G2"
+    sent = sensor.send_scan(Scan(ranges=ranges), "Q1", key="again")
+    assert sensor.send_scan(Scan(ranges=ranges), "Q1", key="again") == sent
+
+
+def test_the_sensor_sends_along_a_pose_that_the_scenario_does_not_know(client: Client, box: Path) -> None:
+    made = client.create_scenario(ScenarioRequest.model_validate(mesh_scenario(client.create_object(box).id)))
+    session = client.create_session(SessionRequest(scenario=made.id)).id
+    places = [
+        CandidateSensor(x=0.3, y=0.0, yaw_rad=3.141592653589793),
+        CandidateSensor(name="far", x=3, y=3, yaw_rad=0),
+    ]
+    sensor = role_of(client, "sensor", session)
+    taken = client.predict(made.id, PredictionsRequest(sensors=list(places))).ranges[0][0]
+    scan = Scan(ranges=taken, no_return=[index for index, value in enumerate(taken) if value is None])
+
+    async def drive(name: str) -> None:
+        assert name == "0"
+
+    async def take_scan() -> Scan:
+        return scan
+
+    if is_blocking(client):
+        tour = sensor.run(drive, take_scan, places, most_looks=1)
+    else:
+        tour = sensor.run(lambda name: None, lambda: scan, places, most_looks=1)
+    (look,) = tour.looks
+    assert look.sensor == "0"
+    (entry,) = [each for each in client.history(session) if each.kind == "scan"]
+    assert isinstance(entry.request, dict)
+    assert entry.request["sensor_pose"] == {"x": 0.3, "y": 0.0, "yaw_rad": 3.141592653589793, "height_m": None}
+
+
+def test_the_arm_waits_for_a_score_or_for_looks_to_stop_paying(client: Client, other: Client, session: str) -> None:
+    arm = role_of(client, "arm", session)
+    assert arm.wait_until(0.9, timeout_s=0.2).reason == "timeout"
+    assert arm.wait_until(0.2).reason == "score"
+    other.put_belief(session, BeliefRequest(belief=[1.0, 0.0, 0.0]))
+    done = arm.wait_until(0.95)
+    assert (done.reason, done.session.version, done.session.best_grasp) == ("no_look_pays", 1, "G1")
+    assert arm.best_grasp().name == "G1"
+    assert arm.best_grasp(["G2"]).name == "G2"
+    assert arm.wait_until(0.85).reason == "score"
+    assert arm.wait_until(0.85, ["G2"]).reason == "no_look_pays"
+    assert arm.report("G1", success=True, key="attempt 1") == arm.report("G1", success=True, key="attempt 1")
+    assert [each.version for each in arm.follow(0.2)] == [2]
+
+
+def test_the_arm_is_told_that_the_session_has_ended(client: Client, other: Client, session: str) -> None:
+    arm = role_of(client, "arm", session)
+    ending = threading.Timer(0.3, other.delete_session, [session])
+    began = time.monotonic()
+    ending.start()
+    done = arm.wait_until(0.99, timeout_s=END_S)
+    assert time.monotonic() - began < 2.5, "it is told, not asked for after some silence"
+    ending.join()
+    assert (done.reason, done.session.version) == ("deleted", 0)
+    with pytest.raises(VoaClientError):
+        arm.best_grasp()

@@ -1,0 +1,249 @@
+"""A session's versions in order, whatever the news do; and cut off in every way that a test can make."""
+
+import asyncio
+import contextlib
+import json
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import pytest
+
+from tests.replicas import Replica, replicas
+from tests.routers import Router, router
+from tests.serving import data_scenario
+from tests.voa_client.blocking import blocking
+from tests.voa_client.test_attempts import SESSION, problem
+from tests.waiting import wait_for
+from voa_cli.local_service import running
+from voa_client import AsyncClient, Client, NotFoundError, Retries, UnavailableError, UnreachableError, UsageError
+from voa_client.attempts import Patience
+from voa_client.errors import refusal
+from voa_client.following import AsyncMailbox, Following, Mailbox
+from voa_client.transport import Deleted, Lost, State
+from voa_msgs.problems import Problem
+from voa_msgs.scenarios import ScenarioRequest
+from voa_msgs.sessions import BeliefRequest, Session, SessionRequest
+
+MOVE = BeliefRequest(belief=[0.2, 0.3, 0.5])
+SECONDS = 30.0
+Connect = Callable[..., AbstractContextManager[Client]]
+
+
+def state(version: int) -> State:
+    return State(json.dumps(json.loads(SESSION.body) | {"version": version}).encode())
+
+
+def test_news_come_once_in_order_and_the_newest_wins() -> None:
+    following = Following(Patience(), None)
+    taken = [following.take(state(version)) for version in (3, 3, 2, 4, 7, 5, 7, 8)]
+    assert [session.version for session in taken if session is not None] == [3, 4, 7, 8]
+    assert not following.is_over
+    assert following.take(Deleted()) is None
+    assert following.is_over
+
+
+def test_what_is_lost_is_waited_for_longer_each_time_until_something_comes() -> None:
+    following = Following(Patience(chance=lambda: 0.0), None)
+    gone = Lost(UnreachableError("gone"))
+    assert [following.lost(gone) for _ in range(3)] == [0.1, 0.2, 0.4]
+    following.take(state(0))
+    assert following.lost(gone) == 0.1
+    assert following.lost(Lost(UnavailableError(json_problem("not-ready", 503)))) == 0.2
+
+
+def json_problem(kind: str, status: int) -> Problem:
+    return Problem.model_validate_json(problem(kind, status).body)
+
+
+def test_a_session_that_was_there_and_is_not_found_has_ended() -> None:
+    missing = Lost(refusal(json_problem("not-found", 404)))
+    following = Following(Patience(), None)
+    with pytest.raises(NotFoundError):
+        following.lost(missing)
+    following.take(state(0))
+    following.lost(missing)
+    assert following.is_over
+
+
+def test_a_service_that_was_never_there_is_waited_for_as_long_as_a_call() -> None:
+    now = [0.0]
+    gone = Lost(UnreachableError("gone"))
+    following = Following(Patience(timeout_s=10.0, clock=lambda: now[0]), None)
+    following.lost(gone)
+    now[0] = 10.0
+    with pytest.raises(UnreachableError):
+        following.lost(gone)
+    following.take(state(0))
+    now[0] = 1e6
+    following.lost(gone)
+
+
+def test_the_end_bounds_every_wait() -> None:
+    now = [0.0]
+    following = Following(Patience(chance=lambda: 0.0, clock=lambda: now[0]), 0.15)
+    assert (following.within(None), following.within(3.0), following.within(0.1)) == (0.15, 0.15, 0.1)
+    following.take(state(0))
+    gone = Lost(UnreachableError("gone"))
+    assert [following.lost(gone), following.lost(gone)] == [0.1, 0.15]
+    now[0] = 0.2
+    assert following.is_over
+    assert (following.within(None), following.lost(gone)) == (0.0, 0.0)
+    assert Following(Patience(), None).within(None) is None
+
+
+def test_a_mailbox_keeps_the_newest_for_who_reads_slowly() -> None:
+    box, twin = Mailbox(), AsyncMailbox()
+
+    async def all_of_twin() -> list[object]:
+        return [await twin.get(0.0) for _ in range(1_001)]
+
+    for version in range(1_500):
+        box.put(state(version))
+        twin.put(state(version))
+    found = [box.get(0.0) for _ in range(1_001)]
+    assert found == [*[state(version) for version in range(500, 1_500)], None]
+    assert asyncio.run(all_of_twin()) == found
+
+
+class Follower(threading.Thread):
+    """Follows in a thread of its own."""
+
+    def __init__(self, client: Client, session: str) -> None:
+        super().__init__(daemon=True)
+        self.client, self.session = client, session
+        self.versions: list[int] = []
+        self.failed: Exception | None = None
+
+    def run(self) -> None:
+        try:
+            for followed in self.client.follow(self.session):
+                self.versions.append(followed.version or 0)
+        except Exception as error:
+            self.failed = error
+
+    def sees(self, version: int) -> None:
+        wait_for(lambda: self.failed or self.versions[-1:] == [version], f"version {version}", SECONDS)
+        assert self.failed is None
+        assert self.versions == sorted(set(self.versions))
+
+    def ends(self) -> None:
+        self.join(SECONDS)
+        assert not self.is_alive()
+        assert self.failed is None
+
+
+def opened(client: Client) -> Session:
+    scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
+    return client.create_session(SessionRequest(scenario=scenario.id))
+
+
+@pytest.fixture
+def replica(tmp_path: Path) -> Iterator[Replica]:
+    with replicas(f"sqlite:///{tmp_path / 'voa.db'}", tmp_path) as (own,):
+        yield own
+
+
+@pytest.mark.parametrize("connect", [Client, blocking])
+def test_over_http_calls_and_followers_outlive_the_service(replica: Replica, connect: Connect) -> None:
+    with Client(replica.url, attempt_s=2.0) as client, connect(replica.url) as apart:
+        session = opened(client)
+        follower = Follower(apart, session.id)
+        follower.start()
+        follower.sees(0)
+        client.put_belief(session.id, MOVE)
+        follower.sees(1)
+        replica.kill()
+        starting = threading.Timer(0.2, replica.launch)
+        starting.start()
+        assert client.put_belief(session.id, MOVE, key="through it all").version == 2
+        starting.join()
+        follower.sees(2)
+        assert client.put_belief(session.id, MOVE, key="through it all").version == 2
+        client.delete_session(session.id)
+        follower.ends()
+    assert follower.versions == [0, 1, 2]
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Router, str]]:
+    folder: Path = tmp_path_factory.mktemp("lab")
+    with router() as own:
+        options = ["--database-url", f"sqlite:///{folder / 'voa.db'}", "--zenoh", own.endpoint]
+        with running("voa_service", options, folder / "log") as service:
+            yield own, service.url
+
+
+@pytest.mark.parametrize("connect", [Client, blocking])
+def test_over_zenoh_calls_and_followers_outlive_the_router(lab: tuple[Router, str], connect: Connect) -> None:
+    own, url = lab
+    with Client(url) as beside, Client(own.endpoint) as client, connect(own.endpoint) as apart:
+        session = opened(client)
+        follower = Follower(apart, session.id)
+        follower.start()
+        follower.sees(0)
+        own.kill()
+        for version in (1, 2):  # what is put now, nobody hears
+            assert beside.put_belief(session.id, MOVE).version == version
+        own.start()
+        assert client.put_belief(session.id, MOVE).version == 3
+        follower.sees(3)
+        client.put_belief(session.id, MOVE)
+        follower.sees(4)
+        client.delete_session(session.id)
+        follower.ends()
+
+
+@pytest.mark.parametrize("connect", [Client, blocking])
+@pytest.mark.parametrize("address", ["http://127.0.0.1:1", "tcp/127.0.0.1:1"])
+def test_a_follower_of_nobody_is_told_so(address: str, connect: Connect) -> None:
+    with connect(address, timeout_s=0.4, attempt_s=0.2) as client, pytest.raises(UnreachableError):
+        next(client.follow("s"))
+    with connect(address, retries=Retries(first_s=0.01)) as client, pytest.raises(UnreachableError):
+        list(client.follow("s", for_s=0.3))
+
+
+def test_a_follower_that_leaves_takes_its_thread_along(replica: Replica) -> None:
+    with Client(replica.url) as client:
+        session = opened(client)
+        for _ in range(3):
+            with contextlib.closing(client.follow(session.id)) as sessions:
+                assert next(sessions).version == 0
+                assert "voa-events" in [thread.name for thread in threading.enumerate()]
+            assert "voa-events" not in [thread.name for thread in threading.enumerate()]
+
+
+@pytest.mark.parametrize("transport", ["http", "zenoh"])
+def test_a_follower_whose_client_is_closed_is_told_so(lab: tuple[Router, str], transport: str) -> None:
+    own, url = lab
+    with Client(url) as beside:
+        session = opened(beside)
+        with Client(url if transport == "http" else own.endpoint) as client:
+            follower = Follower(client, session.id)
+            follower.start()
+            follower.sees(0)
+        follower.join(SECONDS)
+    assert not follower.is_alive()
+    assert isinstance(follower.failed, UsageError)
+    assert "closed" in str(follower.failed)
+
+
+@pytest.mark.parametrize("transport", ["http", "zenoh"])
+def test_so_is_one_within_an_event_loop(lab: tuple[Router, str], transport: str) -> None:
+    own, url = lab
+
+    async def follow(client: AsyncClient, session: str, heard: asyncio.Event) -> None:
+        async for _ in client.follow(session):
+            heard.set()
+
+    async def main(session: str) -> None:
+        heard = asyncio.Event()
+        async with AsyncClient(url if transport == "http" else own.endpoint) as client:
+            following = asyncio.create_task(follow(client, session, heard))
+            await asyncio.wait_for(heard.wait(), SECONDS)
+        with pytest.raises(UsageError, match="closed"):
+            await asyncio.wait_for(following, SECONDS)
+
+    with Client(url) as beside:
+        asyncio.run(main(opened(beside).id))

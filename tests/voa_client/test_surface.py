@@ -1,0 +1,113 @@
+"""What is sync is async too, by the same names and arguments; and nothing needs Zenoh before it is used."""
+
+import asyncio
+import importlib
+import inspect
+import pkgutil
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+import voa_client
+from voa_client import ArmClient, AsyncArmClient, AsyncClient, AsyncSensorClient, Client, SensorClient, UsageError
+from voa_client.http import AsyncHttpTransport, HttpTransport
+from voa_client.in_process import AsyncInProcessTransport, InProcessTransport
+from voa_client.transport import AsyncTransport, Transport
+from voa_client.zenoh import AsyncZenohTransport, ZenohTransport
+
+TWINS: list[tuple[type[Any], type[Any]]] = [
+    (Client, AsyncClient),
+    (SensorClient, AsyncSensorClient),
+    (ArmClient, AsyncArmClient),
+    (HttpTransport, AsyncHttpTransport),
+    (ZenohTransport, AsyncZenohTransport),
+    (InProcessTransport, AsyncInProcessTransport),
+    (Transport, AsyncTransport),
+]
+
+
+def surface(kind: type[Any]) -> dict[str, list[tuple[str, object, object]]]:
+    """Public methods and constructor, with names, kinds and defaults of their arguments."""
+    return {
+        name: [
+            (each.name, each.kind, None if each.name == "sleep" else each.default)
+            for each in inspect.signature(method).parameters.values()
+        ]
+        for name, method in inspect.getmembers(kind, callable)
+        if not name.startswith("_") or name == "__init__"
+    }
+
+
+@pytest.mark.parametrize(("sync", "twin"), TWINS, ids=lambda kind: kind.__name__)
+def test_twins_have_the_same_surface(sync: type[Any], twin: type[Any]) -> None:
+    assert surface(sync) == surface(twin)
+    assert len(surface(sync)) > 3
+
+
+@pytest.mark.parametrize(("sync", "twin"), TWINS[:3], ids=lambda kind: kind.__name__)
+def test_every_method_of_a_twin_is_awaited_or_iterated(sync: type[Any], twin: type[Any]) -> None:
+    for name in surface(sync).keys() - {"__init__"}:
+        method = getattr(twin, name)
+        returns = inspect.signature(method).return_annotation
+        awaited = inspect.iscoroutinefunction(method)
+        assert awaited or str(returns).startswith("collections.abc.Async"), name
+        assert not inspect.iscoroutinefunction(getattr(sync, name)), name
+
+
+def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
+    names = [f"voa_client.{module.name}" for module in pkgutil.iter_modules(voa_client.__path__)]
+    assert "voa_client.zenoh" in names
+    program = (
+        "import sys, importlib\n"
+        "sys.modules['zenoh'] = None\n"
+        f"for name in {names!r}: importlib.import_module(name)\n"
+        "from voa_client import Client, AsyncClient, VoaClientError\n"
+        "for kind in (Client, AsyncClient):\n"
+        "    try: kind('zenoh://127.0.0.1')\n"
+        "    except VoaClientError as error: print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert done.stdout.count("pip install 'voa[zenoh]'") == 2
+
+
+def test_all_that_is_promised_is_there() -> None:
+    for name in voa_client.__all__:
+        assert getattr(importlib.import_module("voa_client"), name).__doc__
+
+
+@pytest.mark.parametrize(
+    ("address", "kind"),
+    [
+        ("http://127.0.0.1:8000", HttpTransport),
+        ("https://lab/voa", HttpTransport),
+        ("zenoh://127.0.0.1:1", ZenohTransport),
+        ("tcp/127.0.0.1:1", ZenohTransport),
+    ],
+)
+def test_the_address_decides_on_the_transport(address: str, kind: type[Any]) -> None:
+    with Client(address) as client:
+        assert type(client._transport) is kind
+
+    async def main() -> str:
+        async with AsyncClient(address) as twin:
+            return type(twin._transport).__name__
+
+    assert asyncio.run(main()) == f"Async{kind.__name__}"
+
+
+@pytest.mark.parametrize("address", ["ftp://lab", "127.0.0.1:8000", "", "lab", "mqtt/lab:1"])
+@pytest.mark.parametrize("kind", [Client, AsyncClient])
+def test_an_unknown_scheme_lists_those_that_exist(address: str, kind: type[Any]) -> None:
+    with pytest.raises(UsageError, match=r"http://, https://, zenoh://, zenoh\+tls://"):
+        kind(address)
+
+
+@pytest.mark.parametrize(
+    "address", ["http://", "http://lab:port", "zenoh://", "zenoh://lab:port", "zenoh://lab/*", "tcp/"]
+)
+def test_an_address_that_is_none_is_refused_here(address: str) -> None:
+    with pytest.raises(UsageError), Client(address, timeout_s=0.5):
+        raise AssertionError("a client of nothing")
