@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from voa_client.client import Client
-from voa_client.errors import VoaClientError
+from voa_client.errors import NotFoundError, VoaClientError
 from voa_msgs.base import Message
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, HistoryEntry, OutcomeRequest, ScanRequest, Session, SessionRequest
@@ -76,6 +76,12 @@ def replay_session(client: Client, told: SessionFile, mesh: Path | None = None) 
         stored = client.create_object(mesh).id
         if stored != told.scenario.object:
             raise InvalidSessionFile(f"{mesh} is object {stored}, the session's is {told.scenario.object}")
+    elif told.scenario.object is not None:
+        try:
+            client.get_object(told.scenario.object)
+        except NotFoundError as error:
+            lacking = f"this service has no object {told.scenario.object}"
+            raise InvalidSessionFile(f"{lacking}: name its mesh, with `voa replay --mesh FILE`") from error
     scenario = client.create_scenario(told.scenario)
     session = client.create_session(SessionRequest.model_validate(_body(told.history[0]) | {"scenario": scenario.id}))
     for entry in told.history[1:]:

@@ -41,6 +41,9 @@ class ZenohAddress:
         """The address of a `zenoh://` or `zenoh+tls://` URL, or of an endpoint; raises UsageError."""
         if "://" not in address:
             return cls(address)
+        scheme = address.partition("://")[0]
+        if scheme not in SCHEMES:
+            raise UsageError(f"{_safe(address)}: expected {' or '.join(f'{known}://' for known in SCHEMES)}")
         try:
             url = urlsplit(address)
             host, port = url.hostname, url.port or PORT

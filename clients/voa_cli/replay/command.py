@@ -150,7 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     bag.add_argument("--scenario", help="what is looked at: a scenario file, or the id of a stored one")
     bag.add_argument("--robots", type=Path, help="which topics are whose, and where the lidars were (voa serve's file)")
     bag.add_argument("--sensor", help="instead: all scans were taken from this sensor configuration")
-    bag.add_argument("--topic", default="/scan", help="with --sensor: where the scans are (default /scan)")
+    bag.add_argument("--topic", help="with --sensor: where the scans are (default: the only topic that has any)")
     bag.add_argument(
         "--look",
         choices=["stationary", "every"],

@@ -110,7 +110,7 @@ def replay(client: Client, recording: Recording, options: argparse.Namespace) ->
     """
     path = Path(options.scenario)
     scenario = load_scenario(client, path) if path.is_file() else client.get_scenario(options.scenario)
-    mappings = _mappings(options, scenario)
+    mappings = _mappings(options, scenario, recording)
     sessions: dict[str, str] = {}
     for mapping in mappings:
         target = mapping.session or mapping.scenario or ""
@@ -145,10 +145,12 @@ def _look(client: Client, robot: Heard, taken: Taken) -> Look:
     return Look(name, taken.request, answer, None)
 
 
-def _mappings(options: argparse.Namespace, scenario: Scenario) -> tuple[RobotMapping, ...]:
+def _mappings(options: argparse.Namespace, scenario: Scenario, recording: Recording) -> tuple[RobotMapping, ...]:
     """The robots, fit for a recording: there is nobody to request a look, nor an attachment."""
     try:
-        mappings = load(options.robots.read_text(encoding="utf-8")) if options.robots else (_simple(options),)
+        mappings = (
+            load(options.robots.read_text(encoding="utf-8")) if options.robots else (_simple(options, recording),)
+        )
     except (InvalidRobots, ValidationError) as error:
         raise InvalidMapping(f"{options.robots or '--topic'}: {error}") from error
     except (OSError, UnicodeDecodeError) as error:
@@ -175,13 +177,21 @@ def _without_requests(mapping: RobotMapping) -> RobotMapping:
     return mapping.model_copy(update={"look": mapping.look.model_copy(update={"mode": "stationary"})})
 
 
-def _simple(options: argparse.Namespace) -> RobotMapping:
+def _simple(options: argparse.Namespace, recording: Recording) -> RobotMapping:
     told: dict[str, Any] = {
         "name": "lidar",
         "namespace": "",
         "session": _OF_ITS_OWN,
-        "scan": f"/{options.topic.strip('/')}",
+        "scan": f"/{(options.topic or _only_topic(recording)).strip('/')}",
         "look": {"mode": options.look},
         "place": {"from": "sensor", "sensor": options.sensor},
     }
     return RobotMapping.model_validate(told)
+
+
+def _only_topic(recording: Recording) -> str:
+    """The topic that has scans; raises InvalidMapping where there are several, or none."""
+    topics = sorted({message.topic for message in recording.messages() if message.type_name == LASER_SCAN})
+    if len(topics) != 1:
+        raise InvalidMapping(f"--topic: expected one topic with scans, name which{recording.found}")
+    return topics[0]
