@@ -64,10 +64,9 @@ def test_two_robots_play_the_papers_scene_while_a_third_process_follows(urls: di
     with Client(url) as client, ExitStack() as stack:
         scenario = load_scenario(client, asset_path("mug") / "scenario.json")
         session = client.create_session(SessionRequest(scenario=scenario.id))
-        onlooker, arm, sensor = (
-            stack.enter_context(Role(role, url, session.id)) for role in ("onlooker", "arm", "sensor")
-        )
+        onlooker = stack.enter_context(Role("onlooker", url, session.id))
         onlooker.begins()
+        arm, sensor = (stack.enter_context(Role(role, url, session.id)) for role in ("arm", "sensor"))
         looked, grasped = sensor.ends(), arm.ends()
         assert looked["looks"][0] == "ENE"  # the paper's first look
         assert (grasped["reason"], grasped["grasp"]) == ("score", looked["grasp"])

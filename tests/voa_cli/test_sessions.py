@@ -62,7 +62,7 @@ def test_a_session_whose_mesh_is_not_there_says_so(
     exported = tmp_path / "session.json"
     exported.write_text(capsys.readouterr().out, encoding="utf-8")
     assert main(["replay", str(exported)]) == 1
-    assert "there is no object" in capsys.readouterr().err
+    assert "name its mesh, with `voa replay --mesh FILE`" in capsys.readouterr().err
 
 
 def test_a_session_that_does_not_exist_and_a_file_that_is_none_are_errors(

@@ -60,6 +60,7 @@ class Recording:
         Raises:
             UnreadableRecording: nothing of it can be read.
         """
+        self.recovered, self.damage = 0, None  # another reading begins at the front
         for message in self._all():
             self.recovered += 1
             yield message

@@ -133,7 +133,7 @@ def test_a_mesh_is_given_where_the_service_has_none(
         mug += [("s2", "history", entry) for entry in client.history(session.id)]
     path = written(tmp_path / "x.mcap", [*mug, *told])
     assert main(["replay", str(path)]) == 1
-    assert "there is no object" in capsys.readouterr().err
+    assert "name its mesh, with `voa replay --mesh FILE`" in capsys.readouterr().err
     assert main(["replay", str(path), "--mesh", str(MUG / "mug.obj")]) == 0
     assert capsys.readouterr().out.count("exactly what was") == 2
     alone = written(tmp_path / "y.mcap", told)
