@@ -8,6 +8,7 @@ import structlog
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedError, ProgrammingError
 from sqlalchemy.exc import TimeoutError as NoConnection
+from sqlalchemy.sql.compiler import SQLCompiler
 
 from voa_service.failures import NOT_READY, OVERLOADED, Failure
 
@@ -47,19 +48,36 @@ def transaction(engine: Engine) -> Iterator[Connection]:
         Failure: see `_told`. Where the connection broke during the commit nobody knows if it happened: hence the
             idempotency keys.
     """
-    with _told(), engine.begin() as connection:
+    with _told(engine), engine.begin() as connection:
         yield connection
 
 
 @contextmanager
 def statement(engine: Engine) -> Iterator[Connection]:
     """For one statement that reads; raises as `transaction`."""
-    with _told(), engine.connect() as connection:
+    with _told(engine), engine.connect() as connection:
         yield connection
 
 
+def scalar(engine: Engine, query: SQLCompiler, name: str, value: str) -> Any:
+    """The first value of the first row of a query with one parameter, None if there is no row; raises as `transaction`.
+
+    By the driver itself: for the smallest question, which is asked most often, SQLAlchemy takes three quarters of the
+    time. `query` is compiled for the engine; `name` is that of its parameter.
+    """
+    with _told(engine):
+        connection = engine.raw_connection()
+        try:
+            cursor = connection.cursor()
+            cursor.execute(str(query), (value,) if query.positional else {name: value})
+            row = cursor.fetchone()
+        finally:
+            connection.close()
+    return None if row is None else row[0]
+
+
 @contextmanager
-def _told() -> Iterator[None]:
+def _told(engine: Engine) -> Iterator[None]:
     """What a database does wrong, as a failure.
 
     Raises:
@@ -69,8 +87,9 @@ def _told() -> Iterator[None]:
         yield
     except _OURS:
         raise
-    except DBAPIError as error:
-        structlog.get_logger().error("the database failed", error=f"{type(error.orig).__name__}: {error.orig}")
+    except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
+        cause = error.orig if isinstance(error, DBAPIError) else error
+        structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
         detail = "the database does not work at the moment: try again, writes with the same Idempotency-Key"
         raise Failure(NOT_READY, detail, _TRY_AGAIN) from error
     except NoConnection as error:

@@ -41,7 +41,7 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
-from voa_service.store.engines import connect, statement, transaction
+from voa_service.store.engines import connect, scalar, statement, transaction
 from voa_service.store.listening import CHANNEL, Listener
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
@@ -77,6 +77,7 @@ class SqlStore:
     def __init__(self, url: str) -> None:
         self._engines = connect(url)
         self._writer, self._readers, self._single = self._engines
+        self._version = _VERSION.compile(dialect=self._single.dialect)
         self._tells = self._writer.dialect.name == "postgresql"
         self._listener: Listener | None = None
         migrate(self._writer)
@@ -165,9 +166,9 @@ class SqlStore:
 
     def session_version(self, id_: str) -> int | None:
         """See `ports.Store`."""
-        with statement(self._single) as connection:
-            row = _named(connection, _VERSION, id_)
-        return None if row is None else int(row.version)
+        # PostgreSQL has no text with a NUL in it, so nothing is named so.
+        found: int | None = None if "\0" in id_ else scalar(self._single, self._version, "by_id", id_)
+        return found
 
     def newest_session(self, scenario: str) -> str | None:
         """See `ports.Store`."""

@@ -238,6 +238,41 @@ def test_a_cursor_holds_while_the_list_grows_and_shrinks(store: Store) -> None:
 # ------------------------------------------------------------------------------------------------------ sessions
 
 
+def test_the_version_of_a_session_is_that_of_its_newest_state(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.session_version("S") is None
+    assert one.session_version("S\0") is None
+    create(one)
+    assert (one.session_version("S"), other.session_version("S")) == (0, 0)
+    one.change_session("S", write(), next_version)
+    assert (one.session_version("S"), other.session_version("S")) == (1, 1)
+    one.delete_session("S", None, None)
+    assert other.session_version("S") is None
+
+
+def test_the_newest_session_on_a_scenario(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.newest_session("A") is None
+    create(one, "first")
+    create(other, "second")
+    one.change_session("first", write(), next_version)
+    assert (one.newest_session("A"), other.newest_session("A")) == ("second", "second")
+    one.delete_session("second", None, None)
+    assert other.newest_session("A") == "first"
+    assert one.newest_session("B") is None
+
+
+def test_an_answer_is_found_by_its_key_whoever_gave_it(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.get_answer(key()) is None
+    create(one)
+    answered = one.change_session("S", write(named=key()), next_version)
+    assert other.get_answer(key()) == answered
+    with pytest.raises(Failure) as reused:
+        other.get_answer(key(fingerprint="another"))
+    assert reused.value.kind == "idempotency-key-reused"
+
+
 def test_a_new_session_has_its_prior_as_history(store: Store) -> None:
     answer = store.create_session(session(), write(request='{"scenario": "A"}', kind="prior"), Answered("body", 0))
     assert answer == Answered("body", 0)
@@ -590,6 +625,8 @@ def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_agai
     try:
         calls: list[Callable[[], object]] = [
             lambda: store.get_session("S"),
+            lambda: store.session_version("S"),
+            lambda: store.newest_session("A"),
             lambda: store.history("S", -1, 9),
             lambda: store.list_sessions(9, None),
             lambda: store.put_object(stored_mesh()),
