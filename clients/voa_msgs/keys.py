@@ -23,7 +23,7 @@ from voa_msgs.geometry import UncertainSensorPose
 ROOT = "voa/v1/default"
 CHUNK = re.compile(r"[A-Za-z0-9_.-]+")
 
-IdempotencyId = Annotated[str, StringConstraints(min_length=1, max_length=255)]
+IdempotencyId = Annotated[str, StringConstraints(min_length=1, max_length=255, pattern=r"^[^\x00]*$")]
 
 
 def check_root(root: str) -> str:

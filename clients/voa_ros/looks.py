@@ -134,6 +134,11 @@ class LookTaker:
         """What has to happen until there is a look, in words; None where each scan is one, and its pose known."""
         return self._waiting_for
 
+    @property
+    def requested(self) -> bool:
+        """Whether a look was asked for and not taken yet."""
+        return self._requested
+
     def request(self) -> None:
         """The next revolutions for which the robot stands still are to be a look.
 

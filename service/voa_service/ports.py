@@ -1,6 +1,6 @@
 """What the use cases need from the world."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Generic, Literal, Protocol, TypeVar
@@ -51,6 +51,14 @@ class SessionState:
     last_fit_rmsd_mm: float | None
     created_at: datetime
     updated_at: datetime
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A session, and its place in the order in which sessions were opened."""
+
+    id: str
+    order: int
 
 
 @dataclass(frozen=True)
@@ -160,11 +168,11 @@ class Store(Protocol):
     def get_session(self, id_: str) -> SessionState | None:
         """The session as it stands."""
 
-    def session_version(self, id_: str) -> int | None:
-        """Of the session as it stands: all that is asked of a session that has not moved."""
+    def session_mark(self, id_: str) -> Hashable | None:
+        """Another one whenever the session has moved: all that is asked of one that has not."""
 
-    def newest_session(self, scenario: str) -> str | None:
-        """The id of the session on a scenario that was opened last."""
+    def newest_session(self, scenario: str) -> Opened | None:
+        """The session on a scenario that was opened last."""
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """Oldest first."""

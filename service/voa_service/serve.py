@@ -11,6 +11,7 @@ from typing import Any
 import structlog
 import uvicorn
 from pydantic import ValidationError
+from pydantic_settings import SettingsError
 from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
@@ -35,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             settings = settings.model_copy(
                 update={"zenoh": ZenohSettings.model_validate(settings.zenoh.model_dump() | bus)}
             )
-    except ValidationError as error:
+    except (ValidationError, SettingsError) as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 2
     wrong = _wrong_mapping(settings)

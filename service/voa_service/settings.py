@@ -3,9 +3,19 @@
 import ipaddress
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, SecretStr
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    FilePath,
+    PositiveFloat,
+    PositiveInt,
+    SecretStr,
+    model_validator,
+)
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from voa_msgs.keys import ROOT, check_root
@@ -31,21 +41,38 @@ class Limits(BaseModel):
     """Values in one JSON body, either way (counted by their separators on the way in)."""
 
 
+def _endpoint(endpoint: str) -> str:
+    """The endpoint itself; raises ValueError unless it looks like one."""
+    protocol, slash, address = endpoint.partition("/")
+    if not (protocol.isalnum() or protocol == "unixsock-stream") or not slash or not address:
+        raise ValueError("expected PROTOCOL/ADDRESS, as in tcp/192.168.0.2:7447")
+    return endpoint
+
+
+Endpoint = Annotated[str, AfterValidator(_endpoint)]
+
+
 class ZenohSettings(BaseModel):
     """Which router to join, and as whom: `VOA_ZENOH__CONNECT='["tcp/192.168.0.2:7447"]'` and so on."""
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, hide_input_in_errors=True)
 
-    connect: list[str] = []
+    connect: list[Endpoint] = []
     """Endpoints of routers, the first that answers is taken; none: no Zenoh."""
     root: Annotated[str, AfterValidator(check_root)] = ROOT
     """Of every key; its last chunk is the lab."""
     user: str | None = None
     password: SecretStr | None = None
-    config: Path | None = None
+    config: FilePath | None = None
     """A Zenoh configuration (JSON5) to begin with, for TLS and the like."""
     grace_seconds: PositiveFloat = 2.0
     """How long a replica waits before it works on a sample that another one should have worked on."""
+
+    @model_validator(mode="after")
+    def _somebody(self) -> Self:
+        if self.password is not None and self.user is None:
+            raise ValueError("a password is for a user: expected 'user' too")
+        return self
 
 
 class Settings(BaseSettings):

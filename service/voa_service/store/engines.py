@@ -17,6 +17,13 @@ _CONNECTIONS = 16
 _BUSY_MS = 10_000
 _WAIT_SECONDS = 30
 _CONNECT_SECONDS = 5
+_PATIENCE = {
+    # A row that somebody holds, who may be frozen, must not hold up every worker for good.
+    "options": f"-c lock_timeout={_BUSY_MS} -c idle_in_transaction_session_timeout={_BUSY_MS}",
+    "keepalives_idle": 10,
+    "keepalives_interval": 5,
+    "keepalives_count": 3,
+}
 _TRY_AGAIN = {"Retry-After": "1"}
 _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 """What a statement of ours did; every other error of a database is that of the database."""
@@ -59,8 +66,8 @@ def statement(engine: Engine) -> Iterator[Connection]:
         yield connection
 
 
-def scalar(engine: Engine, query: SQLCompiler, name: str, value: str) -> Any:
-    """The first value of the first row of a query with one parameter, None if there is no row; raises as `transaction`.
+def first(engine: Engine, query: SQLCompiler, name: str, value: str) -> tuple[Any, ...] | None:
+    """The first row of a query with one parameter, None if there is none; raises as `transaction`.
 
     By the driver itself: for the smallest question, which is asked most often, SQLAlchemy takes three quarters of the
     time. `query` is compiled for the engine; `name` is that of its parameter.
@@ -70,10 +77,10 @@ def scalar(engine: Engine, query: SQLCompiler, name: str, value: str) -> Any:
         try:
             cursor = connection.cursor()
             cursor.execute(str(query), (value,) if query.positional else {name: value})
-            row = cursor.fetchone()
+            row: tuple[Any, ...] | None = cursor.fetchone()
         finally:
             connection.close()
-    return None if row is None else row[0]
+    return row
 
 
 @contextmanager
@@ -111,7 +118,7 @@ def connect(url: str) -> Engines:
         max_overflow=0,
         pool_timeout=_WAIT_SECONDS,
         pool_pre_ping=True,  # a database that went and came back costs one query, not an error
-        connect_args={"connect_timeout": make_url(url).query.get("connect_timeout", _CONNECT_SECONDS)},
+        connect_args={"connect_timeout": make_url(url).query.get("connect_timeout", _CONNECT_SECONDS)} | _PATIENCE,
     )
     return Engines(engine, engine, engine.execution_options(isolation_level="AUTOCOMMIT"))
 

@@ -9,6 +9,8 @@ CHANNEL = "voa_sessions"
 
 _LOOK_SECONDS = 0.5  # how late the end is noticed
 _AGAIN_SECONDS = 1.0  # after the database went
+_CONNECT_SECONDS = 5
+_END_SECONDS = 1.0  # a host that is silent is not waited for
 
 
 class Listener:
@@ -24,14 +26,14 @@ class Listener:
     def close(self) -> None:
         """End the thread."""
         self._ended.set()
-        self._thread.join()
+        self._thread.join(_END_SECONDS)
 
     def _run(self) -> None:
         import psycopg  # noqa: PLC0415 - the extra `postgres`; without it there is no such database
 
         while not self._ended.is_set():
             try:
-                with psycopg.connect(self._address, autocommit=True) as connection:
+                with psycopg.connect(self._address, autocommit=True, connect_timeout=_CONNECT_SECONDS) as connection:
                     connection.execute(f"LISTEN {CHANNEL}")
                     while not self._ended.is_set():
                         for notice in connection.notifies(timeout=_LOOK_SECONDS):

@@ -5,7 +5,7 @@ idempotency key, check the version, apply, append to the history, keep the answe
 never retry. What was answered is committed and synced.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from datetime import datetime
 from typing import Any, TypeVar
@@ -35,13 +35,14 @@ from voa_service.ports import (
     HistoryEntry,
     IdempotencyKey,
     Listed,
+    Opened,
     SessionState,
     Step,
     StoredObject,
     StoredScenario,
     Write,
 )
-from voa_service.store.engines import connect, scalar, statement, transaction
+from voa_service.store.engines import connect, first, statement, transaction
 from voa_service.store.listening import CHANNEL, Listener
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
@@ -60,9 +61,9 @@ _HISTORY = (
     .order_by(history.c.version)
     .limit(bindparam("by_limit"))
 )
-_VERSION = select(sessions.c.version).where(sessions.c.id == bindparam("by_id"))
+_MARK = select(sessions.c.version, sessions.c.updated_at).where(sessions.c.id == bindparam("by_id"))
 _NEWEST_SESSION = (
-    select(sessions.c.id)
+    select(sessions.c.id, sessions.c.seq)
     .where(sessions.c.scenario == bindparam("by_scenario"))
     .order_by(sessions.c.seq.desc())
     .limit(1)
@@ -77,7 +78,7 @@ class SqlStore:
     def __init__(self, url: str) -> None:
         self._engines = connect(url)
         self._writer, self._readers, self._single = self._engines
-        self._version = _VERSION.compile(dialect=self._single.dialect)
+        self._mark = _MARK.compile(dialect=self._single.dialect)
         self._tells = self._writer.dialect.name == "postgresql"
         self._listener: Listener | None = None
         migrate(self._writer)
@@ -164,17 +165,16 @@ class SqlStore:
         row = self._get(sessions, id_)
         return None if row is None else _session(row)
 
-    def session_version(self, id_: str) -> int | None:
+    def session_mark(self, id_: str) -> Hashable | None:
         """See `ports.Store`."""
         # PostgreSQL has no text with a NUL in it, so nothing is named so.
-        found: int | None = None if "\0" in id_ else scalar(self._single, self._version, "by_id", id_)
-        return found
+        return None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
 
-    def newest_session(self, scenario: str) -> str | None:
+    def newest_session(self, scenario: str) -> Opened | None:
         """See `ports.Store`."""
         with statement(self._single) as connection:
-            found: str | None = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).scalar_one_or_none()
-        return found
+            row = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).one_or_none()
+        return None if row is None else Opened(row.id, row.seq)
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """See `ports.Store`."""

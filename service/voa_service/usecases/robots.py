@@ -48,6 +48,8 @@ class Robots:
     def heard(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
         """A scan came in."""
         with self._lock:
+            if source == "ros2" and robot not in self._mapped:  # what was on its way when its mapping went
+                return
             before = self._report(robot, source, key)
             session = before.session if session is None else session
             heard = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}

@@ -29,7 +29,18 @@ from voa_service.cache import Cache
 from voa_service.failures import UNKNOWN, Failure, not_found, of_core
 from voa_service.mapping import place_of, prior_of, scan_of
 from voa_service.models import Models
-from voa_service.ports import Answered, Clock, HistoryEntry, IdempotencyKey, IdSource, SessionState, Step, Store, Write
+from voa_service.ports import (
+    Answered,
+    Clock,
+    HistoryEntry,
+    IdempotencyKey,
+    IdSource,
+    Opened,
+    SessionState,
+    Step,
+    Store,
+    Write,
+)
 from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
 from voa_service.usecases.pages import page, position
 
@@ -52,7 +63,7 @@ class Sessions:
     now: Clock
     new_id: IdSource
     told: Cache
-    """Answers about a session at a version."""
+    """Answers about a session, by when it moved last."""
     committed: Callable[[str, SessionState | None], None]
     """Told after each commit: the session as it is then; None: it is gone."""
     observed: Callable[[str, str], None]
@@ -79,11 +90,11 @@ class Sessions:
         return self.message(self.state(id_))
 
     def answered(self, id_: str) -> Answered:
-        """The same as JSON, with its version; what was told of a version before is told again."""
-        version = self.store.session_version(id_)
-        if version is None:
+        """The same as JSON, with its version; what was told before is told again while it has not moved."""
+        mark = self.store.session_mark(id_)
+        if mark is None:
             raise not_found("session", id_)
-        told = self.told.get((id_, version), lambda: self._told(id_))
+        told = self.told.get((id_, mark), lambda: self._told(id_))
         return Answered(told.body, told.version)
 
     def _told(self, id_: str) -> "_Told":
@@ -167,7 +178,7 @@ class Sessions:
             next=str(entries[limit - 1].state.version) if more else None,
         )
 
-    def newest(self, scenario: str) -> str | None:
+    def newest(self, scenario: str) -> Opened | None:
         """The session on a scenario that was opened last."""
         return self.store.newest_session(scenario)
 

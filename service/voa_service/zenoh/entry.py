@@ -32,7 +32,7 @@ def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = 
     link = services.health.link
     replicas = Replicas(services.health.replica, keys)
     outbox = Outbox(services.sessions.message, keys, link, services.metrics)
-    queries = Queries(Rpc(services), keys, services.metrics)
+    queries = Queries(Rpc(services), keys, services.metrics, services.limits.body_bytes)
     with ExitStack() as stack:
         scans = Scans(services, keys, replicas, outbox, settings.grace_seconds)
         stack.callback(scans.close)

@@ -19,6 +19,7 @@ Part = Callable[[zenoh.Session], AbstractContextManager[object]]
 """Declares what it needs on a session for the length of a `with`."""
 
 _AGAIN_SECONDS = 0.25
+_END_SECONDS = 1.8
 _TOLD_EVERY = 240  # tries, a minute
 
 
@@ -40,19 +41,28 @@ class ZenohLink:
         self._transports = 0
         self._ended = threading.Event()
         link.state = "connecting"
-        self._thread = threading.Thread(target=self._run, name="voa-zenoh")
+        self._thread = threading.Thread(target=self._run, name="voa-zenoh", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Leave the parts and the router."""
         self._ended.set()
-        self._thread.join()
+        self._thread.join(_END_SECONDS)  # an endpoint that takes connections and is silent is not waited for
         self._link.state = "off"
 
     def _run(self) -> None:
-        session = self._open()
-        if session is None:
-            return
+        while (session := self._open()) is not None:
+            try:
+                self._serve(session)
+            except Exception as error:  # whatever it was: a service that has left the bus must come back
+                structlog.get_logger("voa").exception("left zenoh, joining again", exc_info=error)
+                self._metrics.zenoh("link failed")
+                self._transports = 0
+                self._link.state = "connecting"
+                self._ended.wait(_AGAIN_SECONDS)
+
+    def _serve(self, session: zenoh.Session) -> None:
+        """With everything declared, until it is not wanted any more."""
         with ExitStack() as stack:
             stack.callback(session.close)
             events = session.info.declare_transport_events_listener(Callback(self._moved, indirect=False), history=True)

@@ -6,6 +6,7 @@ A subscriber keeps the newest version, and reads the session where one is missin
 
 import queue
 import threading
+from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ from voa_service.ports import SessionState
 from voa_service.usecases.health import Link
 
 _MOST_WAITING = 4096
+_MOST_ENDED = 4096
+_END_SECONDS = 0.4
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,9 @@ class Outbox:
         self._keys = keys
         self._link = link
         self._metrics = metrics
-        self._waiting: queue.Queue[_Item | None] = queue.Queue(_MOST_WAITING)
+        self._waiting: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
+        self._ended: OrderedDict[str, None] = OrderedDict()
+        """Sessions that are gone: what comes late of them is not told any more."""
 
     def committed(self, session: str, state: SessionState | None) -> None:
         """A session moved, None: ended. From any thread; returns at once."""
@@ -69,22 +74,27 @@ class Outbox:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Publish for the length of a `with`."""
-        thread = threading.Thread(target=self._run, args=(session,), name="voa-outbox")
+        # A put may wait for seconds where a router is frozen: nobody waits for the thread longer than a moment.
+        thread = threading.Thread(target=self._run, args=(session,), name="voa-outbox", daemon=True)
         thread.start()
         try:
             yield
         finally:
             self._waiting.put(None)
-            thread.join()
+            thread.join(_END_SECONDS)
+            while not self._waiting.empty():
+                item = self._waiting.get()
+                if item is not None:
+                    self._metrics.zenoh(f"{item.kind} dropped")
 
     def _add(self, item: _Item) -> None:
         if self._link.state != "connected":
             self._metrics.zenoh(f"{item.kind} that nobody could hear")
             return
-        try:
-            self._waiting.put_nowait(item)
-        except queue.Full:
+        if self._waiting.qsize() >= _MOST_WAITING:
             self._metrics.zenoh(f"{item.kind} dropped")
+        else:
+            self._waiting.put(item)
 
     def _run(self, session: zenoh.Session) -> None:
         while True:
@@ -97,6 +107,12 @@ class Outbox:
                 return
 
     def _put(self, session: zenoh.Session, item: _Item) -> None:
+        if item.make is None:
+            self._ended[item.key] = None
+            while len(self._ended) > _MOST_ENDED:
+                self._ended.popitem(last=False)
+        elif item.key in self._ended:
+            return
         try:
             if item.make is None:
                 session.delete(item.key, congestion_control=CongestionControl.BLOCK)

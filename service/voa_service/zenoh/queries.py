@@ -12,11 +12,13 @@ from zenoh.handlers import Callback
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Keys
-from voa_service.failures import Failure, document
+from voa_service.failures import NOT_READY, OVERLOADED, TOO_LARGE, Failure, document
 from voa_service.metrics import Metrics
 from voa_service.rpc import Rpc
 
-_END_SECONDS = 1.0
+_END_SECONDS = 0.4
+_SHARE = 4
+"""Payloads under way may hold so many times what one may."""
 
 
 class Queries:
@@ -25,11 +27,13 @@ class Queries:
     It is complete: of several replicas Zenoh then asks one, and another one when that is gone.
     """
 
-    def __init__(self, rpc: Rpc, keys: Keys, metrics: Metrics) -> None:
+    def __init__(self, rpc: Rpc, keys: Keys, metrics: Metrics, most_bytes: int) -> None:
         self._rpc = rpc
         self._keys = keys
         self._metrics = metrics
-        self._open = 0
+        self._most_bytes = most_bytes
+        self._open: dict[int, zenoh.Query] = {}
+        self._bytes = 0
         self._closed = threading.Condition()
 
     @contextmanager
@@ -38,22 +42,45 @@ class Queries:
         with session.declare_queryable(self._keys.rpc("*"), Callback(self._heard, indirect=False), complete=True):
             yield
         with self._closed:
-            self._closed.wait_for(lambda: self._open == 0, _END_SECONDS)
+            self._closed.wait_for(lambda: not self._open, _END_SECONDS)
+            left = list(self._open.values())
+        for query in left:
+            self._refuse(query, Failure(NOT_READY, "the service is ending: ask again, writes under the same id"))
 
     def _heard(self, query: zenoh.Query) -> None:
         """In a Zenoh thread: hand over, or refuse."""
         method = self._keys.last(str(query.key_expr))
+        size = 0 if query.payload is None else len(query.payload)
         with self._closed:
-            self._open += 1
+            self._open[id(query)] = query
+            self._bytes += size
         try:
-            self._rpc.queue(method).submit(partial(self._answer, method, query))
+            self._check_size(size)
+            self._rpc.queue(method).submit(partial(self._answer, method, query, size))
         except Failure as failure:
             self._metrics.rpc("none", failure.status, 0.0)
+            self._refuse(query, failure)
+            self._answered(query, size)
+
+    def _check_size(self, size: int) -> None:
+        """Before anything is read.
+
+        Raises:
+            Failure: too large, or too much with what others have sent.
+        """
+        if size > self._most_bytes:
+            raise Failure(TOO_LARGE, f"expected a payload of at most {self._most_bytes} bytes, got {size}")
+        if self._bytes > _SHARE * self._most_bytes:
+            raise Failure(OVERLOADED, "too much is being sent at the moment: try again", {"Retry-After": "1"})
+
+    def _refuse(self, query: zenoh.Query, failure: Failure) -> None:
+        try:
             with query:
                 query.reply_err(document(failure), encoding=Encoding.APPLICATION_JSON)
-            self._answered()
+        except zenoh.ZError:
+            self._metrics.zenoh("answer not heard")
 
-    def _answer(self, method: str, query: zenoh.Query) -> None:
+    def _answer(self, method: str, query: zenoh.Query, size: int) -> None:
         """In a worker thread. A query that is not dropped leaves its caller waiting: `with` drops it."""
         try:
             with query:
@@ -73,12 +100,14 @@ class Queries:
             self._metrics.zenoh("answer not heard")
             structlog.get_logger().warning("answer not sent", method=method, error=str(error))
         finally:
-            self._answered()
+            self._answered(query, size)
 
-    def _answered(self) -> None:
+    def _answered(self, query: zenoh.Query, size: int) -> None:
         with self._closed:
-            self._open -= 1
-            self._closed.notify_all()
+            del self._open[id(query)]
+            self._bytes -= size
+            if not self._open:
+                self._closed.notify_all()
 
 
 def _beside(version: int | None) -> bytes:

@@ -22,21 +22,22 @@ from voa_msgs.sessions import ScanRequest
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.looks import LookTaker, Taken, Waiting, Where, robot_of
 from voa_ros.places import NoPose, localisation, middle_s
-from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace, load
 from voa_ros.topics import LASER_SCAN, ODOMETRY, MessageType, expressions
 from voa_service.failures import INTERNAL, INVALID, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure, not_found
+from voa_service.ports import IdempotencyKey
 from voa_service.rpc import attachment_of
 from voa_service.services import Services
 from voa_service.writes import idempotency_key, scope_of, write_of
-from voa_service.zenoh.mailboxes import Later, Mailboxes
+from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 2
-_MOST_WAITING = 8192
-_MOST_WAITING_BYTES = 64 * 2**20
 _LOOK_SECONDS = 1.0
 """How late a change of the mapping, or a new session on a mapped scenario, is noticed."""
+_END_SECONDS = 0.4
+_SAME_STOP_SECONDS = 600
 _NEWEST = 50
 """Versions of a session among which the newest look of a robot is searched."""
 
@@ -73,6 +74,7 @@ class _Robot:
         self._localisation = localisation(mapping)
         self._taker = LookTaker(mapping.name, mapping.look)
         self._session: str | None = None
+        self._order = -1
         self._looked_for_session = -_LOOK_SECONDS
         self._lock = threading.Lock()
 
@@ -80,6 +82,16 @@ class _Robot:
     def waiting_for(self) -> str | None:
         """See `LookTaker`."""
         return self._taker.waiting_for
+
+    @property
+    def session(self) -> str | None:
+        """The session that its scans are for, as far as that is known."""
+        return self._session or self.mapping.session
+
+    def has_look(self, request: ScanRequest) -> None:
+        """The session has this look of the robot, whoever applied it."""
+        with self._lock:
+            self._taker.resume(request)
 
     def request(self) -> None:
         """See `LookTaker`."""
@@ -139,9 +151,12 @@ class _Robot:
         self._looked_for_session = now
         if session != self._session:
             newest = last_look(self._services, session, self.name)
+            requested = self._taker.requested
             self._taker = LookTaker(self.name, self.mapping.look)
             if newest is not None:
                 self._taker.resume(newest)
+            if requested:
+                self._taker.request()
             self._session = session
         return session
 
@@ -151,9 +166,11 @@ class _Robot:
             return self.mapping.session
         scenario = self.mapping.scenario or ""
         newest = sessions.newest(scenario)
-        if newest is None:
+        # When the newest one is deleted, an older one, which may be finished, is not to be changed any more.
+        if newest is None or newest.order < self._order:
             raise not_found("session yet on scenario", scenario)
-        return newest
+        self._order = newest.order
+        return newest.id
 
 
 class Ros2:
@@ -169,9 +186,9 @@ class Ros2:
         self._robots: dict[str, tuple[_Robot, ExitStack]] = {}
         self._read: str | None = None
         self._boxes: Mailboxes[tuple[_Robot, _Heard | _Look]] = Mailboxes(
-            self._work, _WORKERS, _MOST_WAITING, _MOST_WAITING_BYTES
+            self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
-        self._later: Later[_Look] = Later(grace_seconds, self._hand_on, _MOST_WAITING)
+        self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
 
     def close(self) -> None:
         """End the workers."""
@@ -192,6 +209,8 @@ class Ros2:
             thread.join()
             for name in list(self._robots):
                 self._drop(name)
+            for _ in range(self._boxes.drain(_END_SECONDS)):
+                self._services.metrics.zenoh("ROS message dropped at the end")
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
         while not ended.wait(_LOOK_SECONDS):
@@ -205,7 +224,7 @@ class Ros2:
                 return
             self._read = text
             wanted = {mapping.name: mapping for mapping in load(text)}
-        except (OSError, UnicodeDecodeError, InvalidRobots) as error:
+        except Exception as error:  # whatever is wrong with the file, the mapping in force goes on
             why = f"{self._file.name}: {error}"
             if self._services.robots.mapping_error != why:
                 structlog.get_logger().warning("mapping not read, the old one holds", error=why)
@@ -270,7 +289,8 @@ class Ros2:
             if self._replicas.owns(robot.name):
                 self._apply(look)
             else:
-                self._later.put(replace(look, second=True))
+                for _ in range(self._later.put(replace(look, second=True), 0)):
+                    self._services.metrics.zenoh("look forgotten")
         except Failure as failure:
             self._refuse(robot, what.key, failure)
         except Exception as error:
@@ -280,29 +300,39 @@ class Ros2:
 
     def _apply(self, look: _Look) -> None:
         request, sessions = look.taken.request, self._services.sessions
-        if look.second and self._has_been_applied(look):
-            return
         key = idempotency_key(look.taken.name, scope_of(look.session), "scan", request)
+        if self._has_been_applied(look, key):
+            self._services.metrics.zenoh("look applied already")
+            return
         body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
         try:
             sessions.apply_scan(look.session, request, write_of("scan", body, key))
         except Failure as failure:
-            if failure.kind == KEY_REUSED[0]:  # another replica heard one revolution more, or less
+            if failure.kind == KEY_REUSED[0]:  # another replica's poses were a hair apart
+                self._services.metrics.zenoh("look applied already")
                 return
             raise
         self._services.robots.looked(look.robot.name, "ros2", look.key, look.session)
 
-    def _has_been_applied(self, look: _Look) -> bool:
-        """Whether the session has this look, or another one of the same stop."""
+    def _has_been_applied(self, look: _Look, key: IdempotencyKey | None) -> bool:
+        """Whether the session has this look, or, where one stop is one look, another one of the same stop."""
+        if look.robot.mapping.look.mode != "stationary":
+            return look.second and key is not None and self._services.sessions.has_answered(key)
         newest = last_look(self._services, look.session, look.robot.name)
-        return newest is not None and _time(newest.scan.stamp, "to") >= _time(look.taken.request.scan.stamp, "from")
+        if newest is None:
+            return False
+        overlap = _seconds(newest.scan.stamp, "to") - _seconds(look.taken.request.scan.stamp, "from")
+        if not 0.0 <= overlap < _SAME_STOP_SECONDS:  # else the robot's clock was set back
+            return False
+        look.robot.has_look(newest)
+        return True
 
     def _refuse(self, robot: _Robot, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
         self._services.metrics.zenoh(f"ROS message refused: {failure.kind}")
         if self._services.robots.refused(robot.name, "ros2", key, why):
             structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
-        self._outbox.refused(robot.mapping.session or "none", robot.name, failure)
+        self._outbox.refused(robot.session or "none", robot.name, failure)
 
 
 def last_look(services: Services, session: str, robot: str) -> ScanRequest | None:
@@ -319,9 +349,7 @@ def last_look(services: Services, session: str, robot: str) -> ScanRequest | Non
     return None
 
 
-def _time(stamp: object, which: str) -> tuple[int, int]:
+def _seconds(stamp: object, which: str) -> float:
     """When a look began or ended, by the robot's clock."""
     end = stamp.get(which) if isinstance(stamp, dict) else None
-    if not isinstance(end, dict):
-        return (0, 0)
-    return (int(end.get("sec", 0)), int(end.get("nanosec", 0)))
+    return float(end.get("sec", 0)) + 1e-9 * float(end.get("nanosec", 0)) if isinstance(end, dict) else 0.0

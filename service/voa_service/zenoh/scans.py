@@ -25,13 +25,12 @@ from voa_service.reading import json_object, message
 from voa_service.rpc import attachment_of, place_in
 from voa_service.services import Services
 from voa_service.writes import idempotency_key, scope_of, write_of
-from voa_service.zenoh.mailboxes import Later, Mailboxes
+from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 4
-_MOST_WAITING = 8192
-_MOST_WAITING_BYTES = 64 * 2**20
+_END_SECONDS = 0.4
 
 
 @dataclass(frozen=True)
@@ -60,8 +59,8 @@ class Scans:
         self._keys = keys
         self._replicas = replicas
         self._outbox = outbox
-        self._boxes = Mailboxes(self._work, _WORKERS, _MOST_WAITING, _MOST_WAITING_BYTES)
-        self._later: Later[Heard] = Later(grace_seconds, self._hand_on, _MOST_WAITING)
+        self._boxes = Mailboxes(self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES)
+        self._later: Later[Heard] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
         services.metrics.gauge("voa_scans_waiting", "Scans heard, not applied yet.", lambda: self._boxes.waiting)
 
     def close(self) -> None:
@@ -74,14 +73,19 @@ class Scans:
         """Hear scans for the length of a `with`."""
         with session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._heard, indirect=False)):
             yield
+        for _ in range(self._boxes.drain(_END_SECONDS)):
+            self._services.metrics.zenoh("scan dropped at the end")
 
     def _heard(self, sample: zenoh.Sample) -> None:
         """In a Zenoh thread: hand over, or refuse."""
         if sample.kind != zenoh.SampleKind.PUT:
             return
         key = str(sample.key_expr)
-        session, robot = key.split("/")[-2:]
         self._services.metrics.zenoh("scan heard")
+        if "*" in key:
+            self._services.metrics.zenoh("scan refused: for nobody in particular")
+            return
+        session, robot = key.split("/")[-2:]
         self._services.robots.heard(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
@@ -91,14 +95,17 @@ class Scans:
         payload = sample.payload.to_bytes()
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
         heard = Heard(session, robot, key, payload, str(sample.encoding), attachment, name_of(sample, payload))
-        if heard.name is None or self._replicas.owns(f"{session}/{robot}"):
+        if self._replicas.owns(f"{session}/{robot}"):
             self._hand_on(heard)
+        elif heard.name is None:  # nothing could tell whether another replica has worked on it
+            self._services.metrics.zenoh("scan without a name left to another replica")
         else:
-            self._later.put(replace(heard, second=True))
+            for _ in range(self._later.put(replace(heard, second=True), size)):
+                self._services.metrics.zenoh("scan of another replica forgotten")
 
     def _hand_on(self, heard: Heard) -> None:
         if not self._boxes.put(f"{heard.session}/{heard.robot}", heard, len(heard.payload)):
-            detail = "more scans are waiting than this service can work on: send fewer, or by scan.apply"
+            detail = "more scans of this robot are waiting than can be worked on: send fewer, or by scan.apply"
             self._refuse(heard.session, heard.robot, heard.key, Failure(OVERLOADED, detail))
 
     def _work(self, heard: Heard) -> None:
@@ -108,7 +115,8 @@ class Scans:
         try:
             self._apply(heard)
         except Failure as failure:
-            self._refuse(heard.session, heard.robot, heard.key, failure)
+            if not heard.second:  # else the replica that heard it first has said so
+                self._refuse(heard.session, heard.robot, heard.key, failure)
         except Exception as error:
             structlog.get_logger().exception("unexpected error", exc_info=error)
             defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")

@@ -238,27 +238,34 @@ def test_a_cursor_holds_while_the_list_grows_and_shrinks(store: Store) -> None:
 # ------------------------------------------------------------------------------------------------------ sessions
 
 
-def test_the_version_of_a_session_is_that_of_its_newest_state(pair: tuple[Store, Store]) -> None:
+def test_the_mark_of_a_session_changes_with_it(pair: tuple[Store, Store]) -> None:
     one, other = pair
-    assert one.session_version("S") is None
-    assert one.session_version("S\0") is None
+    assert one.session_mark("S") is None
+    assert one.session_mark("S\0") is None
     create(one)
-    assert (one.session_version("S"), other.session_version("S")) == (0, 0)
+    first = one.session_mark("S")
+    assert first is not None
+    assert other.session_mark("S") == first
     one.change_session("S", write(), next_version)
-    assert (one.session_version("S"), other.session_version("S")) == (1, 1)
+    assert other.session_mark("S") == one.session_mark("S") != first
     one.delete_session("S", None, None)
-    assert other.session_version("S") is None
+    assert other.session_mark("S") is None
 
 
 def test_the_newest_session_on_a_scenario(pair: tuple[Store, Store]) -> None:
     one, other = pair
     assert one.newest_session("A") is None
     create(one, "first")
+    first = one.newest_session("A")
+    assert first is not None
     create(other, "second")
     one.change_session("first", write(), next_version)
-    assert (one.newest_session("A"), other.newest_session("A")) == ("second", "second")
+    newest = one.newest_session("A")
+    assert newest is not None
+    assert (first.id, newest.id, other.newest_session("A")) == ("first", "second", newest)
+    assert newest.order > first.order
     one.delete_session("second", None, None)
-    assert other.newest_session("A") == "first"
+    assert other.newest_session("A") == first
     assert one.newest_session("B") is None
 
 
@@ -625,7 +632,7 @@ def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_agai
     try:
         calls: list[Callable[[], object]] = [
             lambda: store.get_session("S"),
-            lambda: store.session_version("S"),
+            lambda: store.session_mark("S"),
             lambda: store.newest_session("A"),
             lambda: store.history("S", -1, 9),
             lambda: store.list_sessions(9, None),

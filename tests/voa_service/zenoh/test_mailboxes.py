@@ -28,7 +28,7 @@ def worker() -> Worker:
 
 @pytest.fixture
 def boxes(worker: Worker) -> Iterator[Mailboxes[tuple[str, int]]]:
-    own = Mailboxes(worker, workers=2, most_items=5, most_bytes=100)
+    own = Mailboxes(worker, workers=2, most_items=20, most_bytes=100)
     yield own
     for gate in worker.gates.values():
         gate.release(100)
@@ -50,11 +50,23 @@ def test_one_sender_is_served_in_order_and_does_not_hold_up_another(
 
 def test_what_does_not_fit_is_refused_and_room_is_made_again(worker: Worker, boxes: Mailboxes[tuple[str, int]]) -> None:
     assert not boxes.put("a", ("a", 99), 101)
-    assert all(boxes.put("a", ("a", number), 20) for number in range(5))
-    assert not boxes.put("b", ("b", 0), 1)
-    worker.gates["a"].release(5)
-    wait_for(lambda: boxes.waiting == 0, "room")
-    assert boxes.put("b", ("b", 0), 100)
+    assert all(boxes.put("a", ("a", number), 1) for number in range(5))
+    assert not boxes.put("a", ("a", 5), 1), "a quarter is this box's share"
+    assert boxes.put("b", ("b", 0), 20)
+    assert boxes.put("b", ("b", 1), 20)
+    assert not boxes.put("b", ("b", 2), 20), "by bytes too"
+    for gate in worker.gates.values():
+        gate.release(10)
+    assert boxes.drain(30.0) == 0
+    assert boxes.put("a", ("a", 6), 50)
+
+
+def test_draining_says_what_is_left(worker: Worker, boxes: Mailboxes[tuple[str, int]]) -> None:
+    assert boxes.put("a", ("a", 0), 1)
+    assert boxes.put("a", ("a", 1), 1)
+    assert boxes.drain(0.01) == 2
+    worker.gates["a"].release(2)
+    assert boxes.drain(30.0) == 0
 
 
 def test_closing_drops_what_waits_and_takes_nothing_more(worker: Worker) -> None:
@@ -74,24 +86,27 @@ def test_closing_drops_what_waits_and_takes_nothing_more(worker: Worker) -> None
 
 def test_what_is_put_off_comes_later_in_order() -> None:
     came: list[int] = []
-    later = Later(0.05, came.append, 100)
-    for number in range(10):
-        later.put(number)
+    later = Later(0.05, came.append, 100, 100)
+    assert [later.put(number, 1) for number in range(10)] == [0] * 10
     assert came == []
     wait_for(lambda: len(came) == 10, "all of them")
     assert came == list(range(10))
     later.close()
 
 
-def test_what_is_put_off_is_forgotten_at_the_end_and_beyond_the_bound() -> None:
+def test_what_is_put_off_is_forgotten_at_the_end() -> None:
     came: list[int] = []
-    never = Later(3600.0, came.append, 100)
-    never.put(1)
+    never = Later(3600.0, came.append, 100, 100)
+    never.put(1, 1)
     never.close()
     assert came == []
-    few = Later(0.02, came.append, 2)
-    for number in range(5):
-        few.put(number)
+
+
+@pytest.mark.parametrize(("most", "most_bytes"), [(2, 1000), (1000, 20)])
+def test_beyond_the_bounds_the_oldest_are_forgotten_and_counted(most: int, most_bytes: int) -> None:
+    came: list[int] = []
+    few = Later(0.2, came.append, most, most_bytes)
+    assert sum(few.put(number, 10) for number in range(5)) == 3
     wait_for(lambda: len(came) == 2, "the newest")
     few.close()
     assert came == [3, 4]
