@@ -34,6 +34,40 @@ def test_a_setting_that_cannot_be_is_refused(arguments: list[str], capsys: pytes
     assert "port" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--zenoh", "127.0.0.1:7447"], "tcp/192.168.0.2:7447"),
+        (["--zenoh", "tcp/127.0.0.1:7447", "--zenoh-root", "voa/*"], "root"),
+        (["--robots", "robots.toml"], "--robots needs --zenoh"),
+        (["--zenoh", "tcp/127.0.0.1:7447", "--robots", "/nowhere/robots.toml"], "/nowhere/robots.toml"),
+    ],
+)
+def test_a_bus_that_cannot_be_joined_is_refused_at_once(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("VOA_ZENOH__CONNECT", "not JSON", "zenoh"),
+        ("VOA_ZENOH__CONFIG", "/nowhere/zenoh.json5", "config"),
+        ("VOA_ZENOH__PASSWORD", "hunter2", "expected 'user' too"),
+    ],
+)
+def test_a_setting_of_the_bus_that_cannot_be_is_refused_without_secrets(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, value: str, says: str
+) -> None:
+    monkeypatch.setenv(name, value)
+    assert main([]) == 2
+    said = capsys.readouterr().err
+    assert says in said
+    assert "hunter2" not in said
+
+
 @pytest.mark.parametrize("arguments", [["--colour"], ["--port", "many"], ["--log-level", "LOUD"]])
 def test_an_option_that_does_not_exist_is_a_usage_error(
     arguments: list[str], capsys: pytest.CaptureFixture[str]

@@ -26,7 +26,7 @@ def own_router() -> Iterator[Router]:
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory, own_router: Router) -> Iterator[Service]:
-    limits = Limits(scan_bytes=20_000)
+    limits = Limits(scan_bytes=20_000, body_bytes=1_000_000)
     with serving(tmp_path_factory.mktemp("bus"), limits=limits) as own, bridged(own, own_router):
         yield own
 
@@ -190,6 +190,21 @@ def test_one_query_more_than_fits_is_answered_overloaded(service: Service, bus: 
     finally:
         gate.set()
     assert all(call.result(30) for call in held)
+
+
+def test_a_payload_that_is_too_large_is_not_even_read(service: Service, bus: Stranger) -> None:
+    most = service.inside.limits.body_bytes
+    replies = list(bus.session.get(bus.keys.rpc("scan.apply"), payload=b" " * (most + 1), timeout=20.0))
+    assert len(replies) == 1
+    assert replies[0].err is not None
+    problem = json.loads(replies[0].err.payload.to_bytes())
+    assert problem["type"] == "urn:voa:problem:too-large"
+
+
+def test_a_scan_for_nobody_in_particular_is_counted(service: Service, bus: Stranger) -> None:
+    bus.session.put("**", json.dumps(GOOD))
+    told = 'event="scan refused: for nobody in particular"'
+    wait_for(lambda: told in service.http.get("/metrics").text, "the count")
 
 
 def test_another_root_is_another_lab(own_router: Router, service: Service) -> None:

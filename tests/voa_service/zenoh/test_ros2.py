@@ -84,6 +84,10 @@ class Lab:
         self.mapping.write_text("\n".join(f"[[robot]]\n{robot}" for robot in robots))
         names = [line.partition('"')[2].rstrip('"') for text in robots for line in text.split("\n")[:1]]
         wait_for(lambda: [each["robot"] for each in self.reports() if each["source"] == "ros2"] == names, "the mapping")
+        for name in names:
+            with self.bus.session.declare_publisher(f"{name}/scan") as publisher:
+                # The stub says bool; it is an object whose `matching` tells.
+                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined]
 
     def reports(self) -> list[Json]:
         return list(self.service.get("/v1/robots")["items"])
@@ -212,6 +216,38 @@ def test_a_look_on_request_is_taken_when_it_is_asked_for(own: Lab, session: str)
     own.bus.call("robot.look", {"robot": "tb3_1"})
     own.revolutions(10, first=20)
     assert own.version(session) == 2
+
+
+def test_a_look_that_was_asked_for_is_not_forgotten(own: Lab) -> None:
+    scenario = own.service.create(data_scenario())
+    own.map(
+        f'name = "tb3_1"\nscenario = "{scenario}"\nlook = {{ mode = "on_request", scans = 3 }}\n'
+        'place = { from = "sensor", sensor = "Q1" }\n'
+    )
+    first = own.service.open(scenario)
+    own.bus.call("robot.look", {"robot": "tb3_1"})  # before it was ever heard
+    own.revolutions(3)
+    assert own.version(first) == 1
+
+
+def test_a_session_that_is_deleted_does_not_send_the_robot_to_an_older_one(own: Lab) -> None:
+    scenario = own.service.create(data_scenario())
+    own.map(
+        f'name = "tb3_1"\nscenario = "{scenario}"\nlook = {{ mode = "every" }}\n'
+        'place = { from = "sensor", sensor = "Q1" }\n'
+    )
+    older, newer = own.service.open(scenario), own.service.open(scenario)
+    own.revolutions(1)
+    wait_for(lambda: own.version(newer) == 1, "the look")
+    own.bus.call("session.delete", {"session": newer})
+    turns = iter(range(1, 1_000))
+
+    def refused_by_name() -> bool:
+        own.put("tb3_1/scan", laser_scan(GOOD, 200.0 + next(turns)))
+        return "session yet on scenario" in str(own.report()["last_refusal"])
+
+    wait_for(refused_by_name, "the refusal")
+    assert own.version(older) == 0
 
 
 def test_a_look_of_a_robot_that_takes_none_on_request_is_refused(own: Lab, session: str) -> None:
