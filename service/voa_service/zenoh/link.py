@@ -20,6 +20,7 @@ Part = Callable[[zenoh.Session], AbstractContextManager[object]]
 
 _AGAIN_SECONDS = 0.25
 _END_SECONDS = 1.8
+_OPEN_SECONDS = 0.5
 _TOLD_EVERY = 240  # tries, a minute
 
 
@@ -47,7 +48,8 @@ class ZenohLink:
     def close(self) -> None:
         """Leave the parts and the router."""
         self._ended.set()
-        self._thread.join(_END_SECONDS)  # an endpoint that takes connections and is silent is not waited for
+        # An endpoint that takes connections and is silent is not waited for.
+        self._thread.join(_END_SECONDS if self._link.state == "connected" else _OPEN_SECONDS)
         self._link.state = "off"
 
     def _run(self) -> None:
