@@ -1,0 +1,1 @@
+"""The bracket: mesh, scenario, physics, and the program that makes the mesh."""
