@@ -4,7 +4,7 @@ from typing import Any
 
 import mujoco
 
-from voa_fleet.groups import ARM_SEEN, HAND_OBJECT, HAND_TABLE
+from voa_fleet.groups import ARM_SEEN, HAND_OBJECT, HAND_TABLE, HARD, STIFF
 from voa_fleet.objects import GripperSetting
 
 PALM_M = 0.090
@@ -14,6 +14,8 @@ FINGER_M = 0.055
 THICKNESS_M = 0.008
 """Of a finger, along the direction in which it closes."""
 WIDTH_M = 0.020
+"""Of a finger, across that direction."""
+PALM_WIDTH_M = 0.028
 TOOL = "tool"
 """The site in the middle between the fingertips; its z points out of the hand, its x along the closing direction."""
 FINGERS = ("finger_right", "finger_left")
@@ -21,13 +23,12 @@ SERVO = "grip"
 
 _KP, _KV = 4000.0, 100.0
 _TOUCH = HAND_TABLE | HAND_OBJECT
-_STIFF = (0.004, 1.0)  # seconds, damping ratio: 5 ms steps would be too long for it
 
 
 def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> None:
     """Mount the gripper on the flange."""
     reach = setting.opening_m / 2.0
-    palm = [reach + THICKNESS_M + 0.004, WIDTH_M, PALM_M / 2.0]
+    palm = [reach + THICKNESS_M + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
     flange.add_geom(
         name="palm",
         type=mujoco.mjtGeom.mjGEOM_BOX,
@@ -36,6 +37,8 @@ def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> No
         mass=0.8,
         contype=_TOUCH,
         conaffinity=_TOUCH,
+        solref=list(STIFF),
+        solimp=list(HARD),
         group=ARM_SEEN,
         rgba=[0.25, 0.27, 0.30, 1.0],
     )
@@ -69,7 +72,9 @@ def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
         range=[-0.001, reach + 0.001],
         limited=mujoco.mjtLimited.mjLIMITED_TRUE,
         damping=[10.0, 0.0, 0.0],
-        armature=0.05,
+        armature=0.5,
+        solref_limit=list(STIFF),
+        solimp_limit=list(HARD),
     )
     finger.add_geom(
         name=name,
@@ -80,7 +85,8 @@ def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
         conaffinity=_TOUCH,
         condim=4,
         friction=[1.0, 0.005, 0.0001],
-        solref=list(_STIFF),
+        solref=list(STIFF),
+        solimp=list(HARD),
         group=ARM_SEEN,
         rgba=[0.15, 0.16, 0.18, 1.0],
     )

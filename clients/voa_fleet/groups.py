@@ -1,4 +1,4 @@
-"""Groups of geometries: who is seen by the lidar, and who touches whom."""
+"""Groups of geometries: who is seen by the lidar, who touches whom, and how hard."""
 
 WORLD_SEEN = 0
 """Table and clutter."""
@@ -21,3 +21,8 @@ HAND_TABLE = 1
 """Bits of `contype` and `conaffinity`: two geometries touch if they share one."""
 OBJECT_TABLE = 2
 HAND_OBJECT = 4
+
+STIFF = (0.004, 1.0)
+"""`solref` of every contact: seconds, damping ratio. 5 ms steps would be too long for it."""
+HARD = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""`solimp` of every contact: softer, and 40 N press the fingers millimetres into what they hold."""

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from voa_fleet.frames import along, matrix_of, product, yaw_quaternion
-from voa_fleet.groups import HAND_OBJECT, OBJECT_TABLE, OBJECT_TOUCHED, TABLE_TOUCHED
+from voa_fleet.groups import HAND_OBJECT, HARD, OBJECT_TABLE, OBJECT_TOUCHED, STIFF, TABLE_TOUCHED
 from voa_fleet.objects import Box, Capsule, Cylinder, Solid, Touches, Tube
 
 _BITS: dict[Touches, int] = {"table": OBJECT_TABLE, "gripper": HAND_OBJECT, "both": OBJECT_TABLE | HAND_OBJECT}
@@ -50,6 +50,8 @@ def _add(body: Any, solid: Solid, friction: float, shape: Any, size: list[float]
         conaffinity=bits,
         condim=4,
         friction=[friction, 0.005, 0.0001],
+        solref=list(STIFF),
+        solimp=list(HARD),
         group=TABLE_TOUCHED if solid.touches == "table" else OBJECT_TOUCHED,
         **place,
     )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from voa_fleet.errors import UnstableSimulation
 from voa_fleet.frames import Floats, matrix_of
 from voa_fleet.gripper import FINGERS, SERVO, TOOL, add_gripper
-from voa_fleet.groups import HAND_TABLE, OBJECT_SEEN, OBJECT_TABLE, WORLD_SEEN
+from voa_fleet.groups import HAND_TABLE, HARD, OBJECT_SEEN, OBJECT_TABLE, STIFF, WORLD_SEEN
 from voa_fleet.imperfections import Clutter
 from voa_fleet.lidar_robot import add_robot
 from voa_fleet.objects import FleetObject
@@ -130,6 +130,8 @@ def _add_surroundings(spec: mujoco.MjSpec, clutter: Sequence[Clutter]) -> None:
         contype=HAND_TABLE | OBJECT_TABLE,
         conaffinity=HAND_TABLE | OBJECT_TABLE,
         friction=[1.0, 0.005, 0.0001],
+        solref=list(STIFF),
+        solimp=list(HARD),
         group=WORLD_SEEN,
         rgba=[0.87, 0.87, 0.84, 1.0],
     )
