@@ -21,6 +21,7 @@ COMMANDS = {
     "demo": Command("voa_cli.demo", "watch one look change a grasp", "cli"),
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
+    "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 

@@ -7,7 +7,7 @@
 | `physics.json`  | `density_kg_m3`, `friction`, `gripper`, `solids`, `grasps`, `rests`: see `Physics` |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
@@ -153,6 +153,19 @@ class FleetObject:
         if name not in self.physics.grasps:
             raise UnknownName("grasp", name, self.grasps)
         return self.physics.grasps[name]
+
+    def with_opening(self, opening_m: float) -> "FleetObject":
+        """The same object for a gripper that opens differently.
+
+        Raises:
+            InvalidObject: no gripper opens like that.
+        """
+        told = self.physics.gripper.model_dump() | {"opening_m": opening_m}
+        try:
+            setting = GripperSetting.model_validate(told)
+        except ValidationError as error:
+            raise InvalidObject(f"opening_m: {error.errors()[0]['msg']}, got {opening_m}") from error
+        return replace(self, physics=self.physics.model_copy(update={"gripper": setting}))
 
     @property
     def lidar_height_m(self) -> float:
