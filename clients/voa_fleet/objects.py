@@ -99,6 +99,15 @@ class GraspGeometry(_Part):
     """Direction along which the fingers close."""
 
 
+class Rest(_Part):
+    """One way to rest on the table."""
+
+    poses: list[str]
+    """The scenario's poses that rest so; none where the scenario leaves it out."""
+    ups: Annotated[list[Vector], Field(min_length=1)]
+    """Directions in the object's frame that then point up, of any length: several where its shape is symmetric."""
+
+
 class Physics(_Part):
     """What the simulation needs beside the scenario."""
 
@@ -109,8 +118,8 @@ class Physics(_Part):
     """What collides, in the object's frame; the mesh itself only meets the lidar's rays."""
     grasps: dict[str, GraspGeometry]
     """By the grasp's name in the scenario."""
-    rests: dict[str, list[str]]
-    """The ways to rest, each with the scenario's poses that rest so."""
+    rests: dict[str, Rest]
+    """The ways to rest, by name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +225,7 @@ def _check(found: FleetObject) -> None:
     where = found.folder / "physics.json"
     if set(found.physics.grasps) != set(found.grasps):
         raise InvalidObject(f"{where}: expected grasps {found.grasps}, got {sorted(found.physics.grasps)}")
-    resting = [pose for poses in found.physics.rests.values() for pose in poses]
+    resting = [pose for rest in found.physics.rests.values() for pose in rest.poses]
     if sorted(resting) != sorted(found.poses):
         raise InvalidObject(f"{where}: expected every pose {found.poses} to rest in one way, got {resting}")
     if any(pose.position is None or pose.quaternion_wxyz is None for pose in found.scenario.poses):
