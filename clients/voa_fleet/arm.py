@@ -105,9 +105,7 @@ def _starts(world: World, tip: Floats) -> list[Floats]:
     ]
 
 
-def _follow(
-    world: World, data: mujoco.MjData, places: list[Floats], rotation: Floats, start: Floats
-) -> Floats | None:
+def _follow(world: World, data: mujoco.MjData, places: list[Floats], rotation: Floats, start: Floats) -> Floats | None:
     rows = []
     joints = start
     for place in places:

@@ -89,9 +89,7 @@ def prior_of(thing: FleetObject, drops: Drops) -> list[float]:
     if total == 0:
         raise ValueError(f"in {drops.total} drops the {thing.name} never came to rest in a pose of its scenario")
     share = {
-        pose: seen[name] / total / len(rest.poses)
-        for name, rest in thing.physics.rests.items()
-        for pose in rest.poses
+        pose: seen[name] / total / len(rest.poses) for name, rest in thing.physics.rests.items() for pose in rest.poses
     }
     return [share[pose] for pose in thing.poses]
 

@@ -47,7 +47,8 @@ def along(axis: ArrayLike) -> Floats:
     if unit[2] < -1.0 + 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])
     quaternion = np.array([1.0 + unit[2], -unit[1], unit[0], 0.0])
-    return quaternion / np.linalg.norm(quaternion)
+    turned: Floats = quaternion / np.linalg.norm(quaternion)
+    return turned
 
 
 def tool_rotation(approach: ArrayLike, closing: ArrayLike) -> Floats:

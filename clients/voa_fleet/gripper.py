@@ -47,7 +47,11 @@ def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> No
         _add_finger(flange, name, side, reach)
     spec.add_exclude(bodyname1=FINGERS[0], bodyname2=FINGERS[1])
     coupling = spec.add_equality(
-        name="coupling", type=mujoco.mjtEq.mjEQ_JOINT, name1=FINGERS[0], name2=FINGERS[1], objtype=mujoco.mjtObj.mjOBJ_JOINT
+        name="coupling",
+        type=mujoco.mjtEq.mjEQ_JOINT,
+        name1=FINGERS[0],
+        name2=FINGERS[1],
+        objtype=mujoco.mjtObj.mjOBJ_JOINT,
     )
     coupling.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
     closing = spec.add_tendon(name=SERVO)
@@ -62,9 +66,7 @@ def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> No
 
 def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
     """A finger whose slide counts metres from the middle: `reach` when open, 0 when closed."""
-    finger = flange.add_body(
-        name=name, pos=[side * THICKNESS_M / 2.0, 0.0, PALM_M + FINGER_M / 2.0], gravcomp=1.0
-    )
+    finger = flange.add_body(name=name, pos=[side * THICKNESS_M / 2.0, 0.0, PALM_M + FINGER_M / 2.0], gravcomp=1.0)
     finger.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE,

@@ -50,8 +50,9 @@ class Imperfections:
     Attributes:
         robot_xy_m: of the robot's place, in x and in y: it believes to stand where it was sent.
         robot_yaw_rad: of its heading.
-        range_noise_m: of a range close by.
-        range_noise_ratio: of a range far away, as a share of it; the larger of the two counts.
+        range_noise_m: of a range.
+        range_noise_ratio: of a range beyond `near_m`, as a share of it, if that is more.
+        near_m: where a lidar's data sheet begins to state its noise as a share.
         beam_loss: share of beams that come back empty from a surface.
         packet_loss: share of packets of six beams that never arrive.
         resolution_m: ranges are whole multiples of it; 0: any.
@@ -64,6 +65,7 @@ class Imperfections:
     robot_yaw_rad: float = 0.0
     range_noise_m: float = 0.0
     range_noise_ratio: float = 0.0
+    near_m: float = 0.5
     beam_loss: float = 0.0
     packet_loss: float = 0.0
     resolution_m: float = 0.0
@@ -83,8 +85,8 @@ class Imperfections:
     def of_lds_01(cls) -> Self:
         """A room 2 m to each side, and an LDS-01 as it is said to err.
 
-        Noise: the paper found 1 to 3 mm at 30 to 40 cm, so 3 mm close by; its datasheet's 3 % far away. It reports
-        whole millimetres. That a packet in fifty and a beam in fifty are lost is an assumption.
+        Noise: the paper found 1 to 3 mm at 30 to 40 cm, so 3 mm below half a metre; beyond, the 3 % of its
+        data sheet. It reports whole millimetres. That a packet in fifty and a beam in fifty are lost is an assumption.
         """
         return cls(
             range_noise_m=0.003,

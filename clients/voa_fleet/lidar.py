@@ -44,7 +44,7 @@ class LidarGeometry:
     @property
     def angles(self) -> Floats:
         """Of every beam, (beams,), radians."""
-        return self.angle_min + self.angle_increment * np.arange(self.beams)
+        return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 
 def lidar_geometry(told: Lidar) -> LidarGeometry:
@@ -108,7 +108,8 @@ def with_faults(ranges: Floats, lidar: LidarGeometry, flaws: Imperfections, rng:
     lost_packet = np.repeat(rng.random(math.ceil(lidar.beams / PACKET_BEAMS)), PACKET_BEAMS)[: lidar.beams]
     there = np.isfinite(ranges)
     exact = np.where(there, ranges, 0.0)
-    measured = exact + normal * np.maximum(flaws.range_noise_m, flaws.range_noise_ratio * exact)
+    far = np.where(exact > flaws.near_m, flaws.range_noise_ratio * exact, 0.0)
+    measured = exact + normal * np.maximum(flaws.range_noise_m, far)
     if flaws.resolution_m > 0.0:
         measured = np.round(measured / flaws.resolution_m) * flaws.resolution_m
     keep = there & (lost_beam >= flaws.beam_loss) & (lost_packet >= flaws.packet_loss)

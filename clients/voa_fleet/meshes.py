@@ -1,6 +1,7 @@
 """Triangle meshes from Wavefront OBJ files: all that the objects of this project need."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ def read_obj(file: Path) -> Mesh:
                 vertices.append([float(number) for number in rest[:3]])
             elif kind == "f":
                 corners = [_index(corner, len(vertices)) for corner in rest]
-                faces += [[corners[0], b, c] for b, c in zip(corners[1:-1], corners[2:], strict=True)]
+                faces += [[corners[0], b, c] for b, c in pairwise(corners[1:])]
     except (OSError, ValueError) as error:
         raise InvalidObject(f"{file} is not an OBJ file: {error}") from error
     mesh = Mesh(np.array(vertices, dtype=np.float64), np.array(faces, dtype=np.int32))

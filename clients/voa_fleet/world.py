@@ -81,7 +81,8 @@ class World:
 
     def up(self, data: mujoco.MjData) -> Floats:
         """The world's up in the object's frame, (3,): tells how it rests, whatever its yaw."""
-        return matrix_of(self.object_pose(data).quaternion_wxyz)[2]
+        up: Floats = matrix_of(self.object_pose(data).quaternion_wxyz)[2]
+        return up
 
     def step(self, data: mujoco.MjData, count: int) -> None:
         """Advance by `count` steps; raises UnstableSimulation if the numbers explode."""

@@ -40,10 +40,13 @@ def make(mallet: Mallet | None = None) -> Mesh:
     head = trimesh.creation.box(mallet.head)
     reach = mallet.head[0] / 2.0 + mallet.handle_length
     handle = trimesh.creation.cylinder(mallet.handle_radius, reach, sections=mallet.sections)
-    # Half a side is turned, so that no edge of the handle lies in the plane of its axis; then z becomes x.
-    handle.apply_transform(trimesh.transformations.rotation_matrix(np.pi / mallet.sections, [0.0, 0.0, 1.0]))
-    handle.apply_translation([0.0, 0.0, reach / 2.0])
-    handle.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2.0, [0.0, 1.0, 0.0]))
+    # Turned by half a side, so that no edge of the handle lies in the plane of its axis; then z becomes x.
+    half = np.pi / mallet.sections
+    turn = np.array([[0.0, 0.0, 1.0], [np.sin(half), np.cos(half), 0.0], [-np.cos(half), np.sin(half), 0.0]])
+    place = np.eye(4)
+    place[:3, :3] = turn
+    place[:3, 3] = [reach / 2.0, 0.0, 0.0]
+    handle.apply_transform(place)
     solid = trimesh.boolean.union([head, handle], engine="manifold")
     return canonical(solid.vertices, solid.faces)
 

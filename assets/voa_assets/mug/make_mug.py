@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from voa_assets.make_obj import Mesh, canonical, obj_text
 
+
 @dataclass(frozen=True)
 class Mug:
     """Measures of the mug, in metres, and how finely its round parts are cut up.

@@ -16,9 +16,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from voa_fleet.commands.common import progress_bar
+from voa_fleet.attempts import Result
+from voa_fleet.commands.common import amount, count, progress_bar
 from voa_fleet.errors import FleetError
-from voa_fleet.grasp_scores import RESULTS, GraspScores, score_grasps
+from voa_fleet.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
 from voa_fleet.imperfections import Imperfections
 from voa_fleet.objects import FleetObject, named_object
 from voa_fleet.pictures import grasp_score_table
@@ -31,9 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         thing = named_object(options.object)
         if options.opening_mm is not None:
             thing = thing.with_opening(options.opening_mm / 1e3)
-        flaws = Imperfections(
-            object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg)
-        )
+        flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
         total = len(thing.poses) * len(thing.grasps) * options.attempts
         with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
             scores = score_grasps(
@@ -81,46 +80,53 @@ def write_csv(file: Path, scores: GraspScores) -> None:
             writer.writerow([cell.pose, cell.grasp, cell.successes, cell.attempts, *figures, *counts])
 
 
+_LETTERS: dict[Result, str] = {
+    "out of reach": "r",
+    "in the way": "w",
+    "stopped on approach": "s",
+    "nothing between the fingers": "n",
+    "not held": "h",
+    "slipped": "l",
+}
+
+
 def score_table(scores: GraspScores) -> Table:
-    """The table on a terminal; beside a cell that failed most of the time, why it did."""
-    table = Table(title=f"Grasp score of the {scores.object}: successes of {scores.attempts}", title_justify="left")
+    """The table on a terminal; a letter beside a cell that failed most of the time says why it mostly did."""
+    told = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
+    why = ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in told)
+    table = Table(
+        title=f"Grasp score of the {scores.object}: successes of {scores.attempts}",
+        title_justify="left",
+        caption=why,
+        caption_justify="left",
+    )
     table.add_column("pose")
     for grasp in scores.grasps:
-        table.add_column(grasp)
+        table.add_column(grasp, justify="right")
     for row in scores.cells:
-        cells = []
-        for cell in row:
-            failures = [result for result in cell.results if result != "lifted"]
-            worst = max(failures, key=lambda result: cell.results[result]) if failures else None
-            why = f" [dim]{worst}[/dim]" if worst is not None and 2 * cell.successes < cell.attempts else ""
-            cells.append(f"{cell.successes}{why}")
+        failures = [_most_frequent_failure(cell) for cell in row]
+        letters = [" " if failure is None else _LETTERS[failure] for failure in failures]
+        cells = [f"{cell.successes} [dim]{letter}[/dim]" for cell, letter in zip(row, letters, strict=True)]
         table.add_row(row[0].pose, *cells)
     return table
+
+
+def _most_frequent_failure(cell: Cell) -> Result | None:
+    failures = {result: count for result, count in cell.results.items() if result != "lifted"}
+    if 2 * cell.successes >= cell.attempts or not failures:
+        return None
+    return max(failures, key=lambda result: failures[result])
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate grasp-score", description=__doc__)
     parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, bracket, or a folder")
-    parser.add_argument("--attempts", type=_count, default=15, help="per pose and grasp (default 15)")
-    parser.add_argument("--noise-xy-mm", type=_amount, default=5.0, help="std of the object's place (default 5)")
-    parser.add_argument("--noise-yaw-deg", type=_amount, default=3.0, help="std of its heading (default 3)")
-    parser.add_argument("--opening-mm", type=_amount, help="of the gripper; default: the object's own setting")
+    parser.add_argument("--attempts", type=count, default=15, help="per pose and grasp (default 15)")
+    parser.add_argument("--noise-xy-mm", type=amount, default=5.0, help="std of the object's place (default 5)")
+    parser.add_argument("--noise-yaw-deg", type=amount, default=3.0, help="std of its heading (default 3)")
+    parser.add_argument("--opening-mm", type=amount, help="of the gripper; default: the object's own setting")
     parser.add_argument("--seed", type=int, default=0, help="of the noise (default 0)")
-    parser.add_argument("--processes", type=_count, default=1, help="that work at a time (default 1)")
+    parser.add_argument("--processes", type=count, default=1, help="that work at a time (default 1)")
     parser.add_argument("--out", type=Path, default=Path("voa-evaluation"), help="folder (default voa-evaluation)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"expected a number of at least 1, got {text}")
-    return number
-
-
-def _amount(text: str) -> float:
-    number = float(text)
-    if not (math.isfinite(number) and number >= 0.0):
-        raise argparse.ArgumentTypeError(f"expected a number of at least 0, got {text}")
-    return number
