@@ -16,8 +16,8 @@ class Clutter:
 
     Attributes:
         name: of its geometry.
-        centre: x, y in metres; the box stands on the table's plane.
-        size: along its own x and y, and its height, metres.
+        centre: x, y in metres; the box stands on the floor.
+        size: along its own x and y, and how high it reaches over the table's top, metres.
         yaw_rad: turned about the vertical.
     """
 
@@ -28,7 +28,7 @@ class Clutter:
 
 
 def wall(name: str, x: float, y: float, length_m: float, yaw_rad: float = 0.0) -> Clutter:
-    """A thin wall along its own x axis, half a metre high, with its middle at (x, y)."""
+    """A thin wall along its own x axis, half a metre higher than the table, with its middle at (x, y)."""
     return Clutter(name, (x, y), (length_m, 0.02, 0.5), yaw_rad)
 
 

@@ -67,7 +67,7 @@ def errors_by_beam(file: Path, found: ObservationErrors) -> None:
     columns = min(2, len(shown))
     rows = -(-len(shown) // columns)
     figure = new_figure(5.6 * columns, 0.9 + 2.3 * rows)
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     medians = found.by_beam()
     apart = [abs(beam.error_mm) for beam in found.beams if beam.error_mm is not None]
     reach = 1.15 * sorted(apart)[int(0.98 * (len(apart) - 1))] if apart else 1.0
@@ -93,7 +93,10 @@ def errors_by_beam(file: Path, found: ObservationErrors) -> None:
             [angle for angle, _ in middles],
             [middle for _, middle in middles],
             color=_ORANGE,
-            linewidth=1.6,
+            linestyle="none",
+            marker="_",
+            markersize=9,
+            markeredgewidth=2.2,
             label="median",
         )
         beyond = sum(abs(beam.error_mm or 0.0) > reach for beam in both)
@@ -123,7 +126,7 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
             predicted = [_point(beam.angle_deg, beam.predicted_m) for beam in pair if beam.predicted_m is not None]
             measured = [_point(beam.angle_deg, beam.measured_m) for beam in pair if beam.measured_m is not None]
             for points, style in (
-                (predicted, {"marker": "o", "color": _BLUE, "fillstyle": "none", "label": "predicted"}),
+                (predicted, {"marker": "o", "color": _BLUE, "fillstyle": "none", "label": "predicted", "zorder": 3}),
                 (measured, {"marker": "x", "color": _ORANGE, "label": "measured"}),
             ):
                 xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -133,14 +136,16 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
             axes.set_aspect("equal")
             axes.tick_params(labelsize=7)
             error = errors_of(pair).median_abs
-            axes.set_title("not measured" if error is None else f"median |error| {error:.1f} mm", fontsize=8)
+            told = "not measured" if error is None else f"median |error| {error:.1f} mm"
+            axes.set_title(f"{pose}\n{told}" if row == 0 else told, fontsize=8)
             if column == 0:
                 axes.set_ylabel(f"from {sensor}\nleft, mm", fontsize=8)
             if row == len(sensors) - 1:
-                axes.set_xlabel(f"ahead, mm\n{pose}", fontsize=8)
+                axes.set_xlabel("ahead, mm", fontsize=8)
     handles, labels = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper right", ncols=2, fontsize=9)
-    shown = "" if (sensors, poses) == (found.sensors, found.poses) else ", some of the pairs"
+    part = f" (the first {len(sensors)} of {len(found.sensors)} places, {len(poses)} of {len(found.poses)} poses)"
+    shown = "" if (sensors, poses) == (found.sensors, found.poses) else part
     figure.suptitle(f"{found.name}: scans in the lidar's frame{shown}", fontsize=11, x=0.02, ha="left")
     figure.savefig(file, dpi=_DPI)
 

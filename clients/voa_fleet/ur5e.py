@@ -61,6 +61,15 @@ def joint_names() -> list[str]:
 def add_arm(spec: mujoco.MjSpec) -> Any:
     """Add the arm and its servos; returns the flange, a body whose z points out of the hand's mounting face."""
     body = spec.worldbody.add_body(name="arm_base", pos=list(BASE))
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        pos=[0.0, 0.0, -0.25],
+        size=[0.085, 0.25, 0.0],
+        contype=0,
+        conaffinity=0,
+        group=ARM_SEEN,
+        rgba=[0.35, 0.37, 0.40, 1.0],
+    )
     position, alpha = (0.0, 0.0, 0.0), 0.0
     for link, name in zip(LINKS, joint_names(), strict=True):
         body = body.add_body(

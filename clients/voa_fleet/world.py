@@ -17,14 +17,17 @@ from voa_fleet.frames import Floats, matrix_of
 from voa_fleet.gripper import FINGERS, SERVO, TOOL, add_gripper
 from voa_fleet.groups import HAND_TABLE, HARD, OBJECT_SEEN, OBJECT_TABLE, STIFF, WORLD_SEEN
 from voa_fleet.imperfections import Clutter
-from voa_fleet.lidar_robot import add_robot
+from voa_fleet.lidar_robot import HEIGHT_M, add_robot
 from voa_fleet.objects import FleetObject
 from voa_fleet.solids import add_solid
 from voa_fleet.ur5e import add_arm, joint_names
 
 STEP_S = 0.002
 OBJECT = "object"
-TABLE_HALF_M = 0.75
+TABLE_HALF_M = 0.22
+"""The table that the arm and the robots share: small enough to drive around."""
+DROP_TABLE_HALF_M = 0.75
+"""The table for drops: large enough not to roll off."""
 _COLOUR = (0.90, 0.62, 0.0, 1.0)  # Okabe and Ito's orange: told apart from grey by everybody
 
 
@@ -109,7 +112,8 @@ def build_world(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
-    _add_surroundings(spec, clutter)
+    _add_surroundings(spec, thing.lidar_height_m, TABLE_HALF_M if arm else DROP_TABLE_HALF_M)
+    _add_clutter(spec, clutter, thing.lidar_height_m - HEIGHT_M)
     if arm:
         add_gripper(spec, add_arm(spec), thing.physics.gripper)
     for name in robots:
@@ -118,33 +122,53 @@ def build_world(
     return _world(spec.compile(), thing, tuple(robots), arm)
 
 
-def _add_surroundings(spec: mujoco.MjSpec, clutter: Sequence[Clutter]) -> None:
+def _add_surroundings(spec: mujoco.MjSpec, lidar_height_m: float, half_m: float) -> None:
+    """Light, the table with its top at z = 0, and the floor as far below it as the robot's lidar needs."""
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.93, 0.95, 0.97],
+        rgb2=[0.62, 0.70, 0.78],
+        width=64,
+        height=384,
+    )
+    floor = lidar_height_m - HEIGHT_M
     world = spec.worldbody
-    world.add_light(pos=[0.3, -0.6, 2.0], dir=[-0.15, 0.3, -1.0], diffuse=[0.7, 0.7, 0.7], castshadow=True)
+    world.add_light(pos=[0.3, -0.6, 2.0], dir=[-0.15, 0.3, -1.0], diffuse=[0.6, 0.6, 0.6], castshadow=True)
+    _add_support(
+        world, "table", pos=[0.0, 0.0, floor / 2.0], size=[half_m, half_m, -floor / 2.0], rgba=[0.87, 0.86, 0.82, 1.0]
+    )
+    _add_support(world, "floor", pos=[0.0, 0.0, floor - 0.02], size=[3.0, 3.0, 0.02], rgba=[0.60, 0.63, 0.66, 1.0])
+
+
+def _add_support(world: Any, name: str, **shape: list[float]) -> None:
+    bits = HAND_TABLE | OBJECT_TABLE
     world.add_geom(
-        name="table",
+        name=name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        pos=[0.0, 0.0, -0.02],
-        size=[TABLE_HALF_M, TABLE_HALF_M, 0.02],
-        contype=HAND_TABLE | OBJECT_TABLE,
-        conaffinity=HAND_TABLE | OBJECT_TABLE,
+        contype=bits,
+        conaffinity=bits,
         friction=[1.0, 0.005, 0.0001],
         solref=list(STIFF),
         solimp=list(HARD),
         group=WORLD_SEEN,
-        rgba=[0.87, 0.87, 0.84, 1.0],
+        **shape,
     )
+
+
+def _add_clutter(spec: mujoco.MjSpec, clutter: Sequence[Clutter], floor: float) -> None:
     for box in clutter:
         x, y = box.centre
         length, depth, height = box.size
-        world.add_geom(
+        spec.worldbody.add_geom(
             name=box.name,
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=[x, y, height / 2.0],
+            pos=[x, y, (floor + height) / 2.0],
             quat=[np.cos(box.yaw_rad / 2.0), 0.0, 0.0, np.sin(box.yaw_rad / 2.0)],
-            size=[length / 2.0, depth / 2.0, height / 2.0],
+            size=[length / 2.0, depth / 2.0, (height - floor) / 2.0],
             contype=0,
             conaffinity=0,
             group=WORLD_SEEN,

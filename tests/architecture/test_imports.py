@@ -70,6 +70,7 @@ PACKAGES = {
         "voa_ros",
         "voa_assets",
         "OpenGL",
+        "PIL",
         "matplotlib",
         "mujoco",
         "numpy",
