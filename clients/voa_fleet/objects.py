@@ -21,7 +21,7 @@ from voa_msgs.scenarios import Pose, ScenarioRequest
 
 M = TypeVar("M", bound=BaseModel)
 
-OBJECTS = ("mug", "mallet", "bracket")
+OBJECTS = ("mug", "mallet", "block")
 """The objects that this project brings."""
 
 Vector = tuple[float, float, float]

@@ -120,7 +120,7 @@ def _most_frequent_failure(cell: Cell) -> Result | None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate grasp-score", description=__doc__)
-    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, bracket, or a folder")
+    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, block, or a folder")
     parser.add_argument("--attempts", type=count, default=15, help="per pose and grasp (default 15)")
     parser.add_argument("--noise-xy-mm", type=amount, default=5.0, help="std of the object's place (default 5)")
     parser.add_argument("--noise-yaw-deg", type=amount, default=3.0, help="std of its heading (default 3)")

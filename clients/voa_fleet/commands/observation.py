@@ -139,7 +139,7 @@ def error_table(found: ObservationErrors) -> Table:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate observation", description=__doc__)
-    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, bracket, or a folder")
+    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, block, or a folder")
     parser.add_argument("--recorded", type=Path, metavar="DIR", help="a recorded experiment instead of the simulation")
     parser.add_argument(
         "--predict",

@@ -1,1 +1,0 @@
-"""The bracket: mesh, scenario, physics, and the program that makes the mesh."""
