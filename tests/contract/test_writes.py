@@ -28,7 +28,7 @@ TIMEOUT = 120.0
 
 @dataclass(frozen=True)
 class Call:
-    """One write; braces stand for a session, blocks for the scenario."""
+    """One write; braces stand for a session, brackets for the scenario."""
 
     method: str
     path: str
