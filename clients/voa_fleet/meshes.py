@@ -40,10 +40,11 @@ def read_obj(file: Path) -> Mesh:
             elif kind == "f":
                 corners = [_index(corner, len(vertices)) for corner in rest]
                 faces += [[corners[0], b, c] for b, c in pairwise(corners[1:])]
-    except (OSError, ValueError) as error:
+        mesh = Mesh(np.array(vertices, dtype=np.float64), np.array(faces, dtype=np.int32))
+    except (OSError, ValueError, IndexError) as error:
         raise InvalidObject(f"{file} is not an OBJ file: {error}") from error
-    mesh = Mesh(np.array(vertices, dtype=np.float64), np.array(faces, dtype=np.int32))
-    if mesh.vertices.ndim != 2 or mesh.faces.ndim != 2 or mesh.faces.max() >= len(mesh.vertices):
+    shapes = mesh.vertices.shape[1:], mesh.faces.shape[1:]
+    if shapes != ((3,), (3,)) or mesh.faces.max() >= len(mesh.vertices) or mesh.faces.min() < 0:
         raise InvalidObject(f"{file} holds no mesh: {len(vertices)} vertices, {len(faces)} faces")
     return mesh
 
