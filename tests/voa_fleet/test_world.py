@@ -86,7 +86,7 @@ def test_the_solids_are_where_the_mesh_is(things: dict[str, FleetObject], name: 
     solids = rays_against(world, OBJECT_TOUCHED, places, ways)
     both = (mesh >= 0.0) & (solids >= 0.0)
     assert both.sum() > 300
-    assert ((mesh >= 0.0) == (solids >= 0.0)).mean() > 0.97
+    assert ((mesh >= 0.0) == (solids >= 0.0)).mean() > 0.95
     assert np.median(np.abs(mesh - solids)[both]) < 5e-4
     assert np.quantile(np.abs(mesh - solids)[both], 0.95) < 2e-3
 

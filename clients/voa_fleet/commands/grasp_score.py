@@ -47,7 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print()
         return 0
     console = Console()
+    console.print(f"Grasp score of the {scores.object}: successes of {scores.attempts} attempts", highlight=False)
     console.print(score_table(scores))
+    console.print(failure_legend(scores), highlight=False)
     for what, file in files.items():
         console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
     return 0
@@ -92,14 +94,7 @@ _LETTERS: dict[Result, str] = {
 
 def score_table(scores: GraspScores) -> Table:
     """The table on a terminal; a letter beside a cell that failed most of the time says why it mostly did."""
-    told = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
-    why = ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in told)
-    table = Table(
-        title=f"Grasp score of the {scores.object}: successes of {scores.attempts}",
-        title_justify="left",
-        caption=why,
-        caption_justify="left",
-    )
+    table = Table()
     table.add_column("pose")
     for grasp in scores.grasps:
         table.add_column(grasp, justify="right")
@@ -109,6 +104,12 @@ def score_table(scores: GraspScores) -> Table:
         cells = [f"{cell.successes} [dim]{letter}[/dim]" for cell, letter in zip(row, letters, strict=True)]
         table.add_row(row[0].pose, *cells)
     return table
+
+
+def failure_legend(scores: GraspScores) -> str:
+    """What the letters in the table mean."""
+    told = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
+    return ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in told)
 
 
 def _most_frequent_failure(cell: Cell) -> Result | None:
