@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -18,9 +19,9 @@ _MOST_SENSORS = 8
 _MOST_ROWS, _MOST_COLUMNS = 4, 6
 
 
-def new_figure(width_in: float, height_in: float) -> Figure:
-    """A figure that needs no display."""
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+def new_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = "constrained") -> Figure:
+    """A figure that needs no display; with many panels the constrained layout takes seconds."""
+    figure = Figure(figsize=(width_in, height_in), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 
@@ -115,8 +116,11 @@ def errors_by_beam(file: Path, found: ObservationErrors) -> None:
 def scan_overlays(file: Path, found: ObservationErrors) -> None:
     """Measured over predicted points, seen from above in the lidar's frame: sensor configurations x poses."""
     sensors, poses = found.sensors[:_MOST_ROWS], found.poses[:_MOST_COLUMNS]
-    figure = new_figure(1.2 + 2.1 * len(poses), 1.3 + 2.1 * len(sensors))
+    width, height = 1.2 + 2.1 * len(poses), 1.4 + 2.1 * len(sensors)
+    figure = new_figure(width, height, None)
     panels = figure.subplots(len(sensors), len(poses), squeeze=False)
+    margins = {"left": 0.75 / width, "right": 1.0 - 0.15 / width, "bottom": 0.5 / height, "top": 1.0 - 0.8 / height}
+    figure.subplots_adjust(**margins, wspace=0.3, hspace=0.3)
     for row, sensor in enumerate(sensors):
         of_sensor = [beam for beam in found.beams if beam.sensor == sensor]
         middle, half = _window(of_sensor)
@@ -143,10 +147,17 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
             if row == len(sensors) - 1:
                 axes.set_xlabel("ahead, mm", fontsize=8)
     handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=2, fontsize=9)
+    figure.legend(handles, labels, loc="upper right", ncols=2, fontsize=9)
     part = f" (the first {len(sensors)} of {len(found.sensors)} places, {len(poses)} of {len(found.poses)} poses)"
     shown = "" if (sensors, poses) == (found.sensors, found.poses) else part
-    figure.suptitle(f"{found.name}: scans in the lidar's frame{shown}", fontsize=11, x=0.02, ha="left")
+    figure.suptitle(
+        f"{found.name}: scans in the lidar's frame{shown}",
+        fontsize=11,
+        x=0.02,
+        y=1.0 - 0.12 / height,
+        ha="left",
+        va="top",
+    )
     figure.savefig(file, dpi=_DPI)
 
 

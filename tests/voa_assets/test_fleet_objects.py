@@ -1,5 +1,4 @@
-"""Mallet and block: their meshes are what their makers make, they rest where their scenarios put them, and which look is
-best depends on what is believed."""
+"""Mallet and block: meshes as made, poses at rest, and the best look depends on what is believed."""
 
 import json
 from collections.abc import Callable

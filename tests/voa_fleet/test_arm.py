@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 from voa_fleet.arm import APPROACH_M, LIFT_M, GraspPlan, commands, joint_move, plan_grasp
-from voa_fleet.attempts import ObjectPose
 from voa_fleet.frames import Floats, tool_rotation
 from voa_fleet.objects import OBJECTS, FleetObject, GraspGeometry
-from voa_fleet.world import World, build_world
+from voa_fleet.world import ObjectPose, World, build_world
 
 
 def tools(world: World, joints: Floats) -> tuple[Floats, Floats]:
@@ -40,7 +39,7 @@ def test_the_tool_comes_straight_and_goes_straight_up(
         assert rotation[:, 2] @ wanted[:, 2] > 1.0 - 1e-5
         assert abs(rotation[:, 0] @ wanted[:, 0]) > 1.0 - 1e-5  # either way round: the gripper is symmetric
     lifted, _ = tools(mug_world, plan.lift)
-    np.testing.assert_allclose(lifted[-1], tip + [0.0, 0.0, LIFT_M], rtol=0.0, atol=2e-4)
+    np.testing.assert_allclose(lifted[-1], tip + np.array([0.0, 0.0, LIFT_M]), rtol=0.0, atol=2e-4)
 
 
 @pytest.mark.parametrize("name", OBJECTS)

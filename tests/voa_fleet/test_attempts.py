@@ -15,7 +15,7 @@ LETTERS = {
     "s": "stopped on approach",
     "n": "nothing between the fingers",
 }
-"""L: succeeds. s: the hand meets something first. n: there is nothing where the fingers close, or it was pushed away."""
+"""L succeeds. s: the hand meets something first. n: nothing is where the fingers close, or it was pushed away."""
 
 TABLES = {
     # The support of the paper's Fig. 2. TD0 at U_0 and TD90 at U_90 stop on the handle, both at D_90 on the base.

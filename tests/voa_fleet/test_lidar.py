@@ -1,6 +1,7 @@
 """The simulated lidar sees what the mesh's exact cut predicts, and errs as its imperfections say."""
 
 import math
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -144,7 +145,14 @@ def test_a_lidar_may_be_told_in_full_and_must_be_told_whole() -> None:
         lidar_geometry(Lidar(preset="lds-99", height_m=0.1))
 
 
-@pytest.mark.parametrize("wrong", [{"range_noise_m": -0.1}, {"beam_loss": 1.5}, {"robot_xy_m": math.nan}])
-def test_imperfections_that_cannot_be_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(InvalidObject, match=next(iter(wrong))):
-        Imperfections(**wrong)
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: Imperfections(range_noise_m=-0.1), "range_noise_m"),
+        (lambda: Imperfections(beam_loss=1.5), "beam_loss"),
+        (lambda: Imperfections(robot_xy_m=math.nan), "robot_xy_m"),
+    ],
+)
+def test_imperfections_that_cannot_be_are_refused(make: Callable[[], Imperfections], name: str) -> None:
+    with pytest.raises(InvalidObject, match=name):
+        make()

@@ -79,7 +79,7 @@ def test_a_folder_that_is_no_object_is_refused(
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InvalidObject, match="scenario.json"):
+    with pytest.raises(InvalidObject, match=r"scenario\.json"):
         read_object(tmp_path)
 
 

@@ -46,7 +46,8 @@ def test_a_robot_looks_from_where_it_was_sent(mug: FleetObject, scene: Scene) ->
     assert (believed.x, believed.y, believed.yaw_rad) == (sensor.x, sensor.y, sensor.yaw_rad)
     assert believed.std == PoseUncertainty(xy_m=0.01, yaw_rad=0.02)
     ranges = true_ranges(scene.world, scene.data, lidar_geometry(mug.scenario.lidar), sensor)
-    np.testing.assert_allclose(robot.take_scan().ranges, np.where(np.isfinite(ranges), ranges, 0.0), atol=1e-6)
+    measured = np.array(robot.take_scan().ranges, dtype=np.float64)
+    np.testing.assert_allclose(measured, np.where(np.isfinite(ranges), ranges, 0.0), rtol=0.0, atol=1e-6)
 
 
 def test_driving_and_looking_take_time(mug: FleetObject, scene: Scene, clock: VirtualClock) -> None:
