@@ -118,7 +118,7 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
     sensors, poses = found.sensors[:_MOST_ROWS], found.poses[:_MOST_COLUMNS]
     width, height = 1.2 + 2.1 * len(poses), 1.4 + 2.1 * len(sensors)
     figure = new_figure(width, height, None)
-    panels = figure.subplots(len(sensors), len(poses), squeeze=False)
+    panels = figure.subplots(len(sensors), len(poses), squeeze=False, sharex="row", sharey="row")
     margins = {"left": 0.75 / width, "right": 1.0 - 0.15 / width, "bottom": 0.5 / height, "top": 1.0 - 0.8 / height}
     figure.subplots_adjust(**margins, wspace=0.3, hspace=0.3)
     for row, sensor in enumerate(sensors):
@@ -137,7 +137,8 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
                 axes.plot(xs, ys, linestyle="none", markersize=4.5, **style)
             axes.set_xlim(middle[0] - half, middle[0] + half)
             axes.set_ylim(middle[1] - half, middle[1] + half)
-            axes.set_aspect("equal")
+            axes.locator_params(nbins=4)
+            axes.set_box_aspect(1.0)  # the window is square, so lengths are the same both ways
             axes.tick_params(labelsize=7)
             error = errors_of(pair).median_abs
             told = "not measured" if error is None else f"median |error| {error:.1f} mm"
