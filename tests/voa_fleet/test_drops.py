@@ -1,8 +1,15 @@
 """Poses are confirmed by letting go, and drops give a prior."""
 
+import json
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from voa_assets import path
+from voa_fleet.commands import drops as command
+from voa_fleet.commands import evaluate
 from voa_fleet.drops import MOVING, OTHER, STABLE_RAD, Drops, drop, prior_of, rest_of, tilt_when_let_go
 from voa_fleet.objects import OBJECTS, FleetObject
 
@@ -55,3 +62,23 @@ def test_without_a_drop_into_a_pose_there_is_no_prior(mug: FleetObject) -> None:
 def test_a_way_to_rest_is_told_by_what_points_up(mug: FleetObject, up: tuple[float, ...], name: str) -> None:
     direction = np.array(up)
     assert rest_of(mug, direction / np.linalg.norm(direction)) == name
+
+
+def test_the_command_reports_counts_prior_and_stability(capsys: pytest.CaptureFixture[str]) -> None:
+    assert evaluate.main(["drops", "block", "--drops", "20", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert sum(rest["count"] for rest in report["rests"]) == report["drops"] == 20
+    assert sum(pose["prior"] for pose in report["poses"]) == pytest.approx(1.0)
+    assert all(pose["stable"] for pose in report["poses"])
+
+
+def test_the_command_fails_where_a_pose_is_not_stable(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "own"
+    shutil.copytree(path("block"), folder)
+    body = json.loads((folder / "scenario.json").read_text(encoding="utf-8"))
+    body["poses"][0] |= {"quaternion_wxyz": [0.94, 0.342, 0.0, 0.0], "position": [0, 0, 0.06]}
+    (folder / "scenario.json").write_text(json.dumps(body), encoding="utf-8")
+    assert command.main([str(folder), "--drops", "12"]) == 1
+    said = capsys.readouterr().out
+    assert "12 drops of the block" in said
+    assert "NO" in said

@@ -14,6 +14,7 @@ class Evaluation(NamedTuple):
 
 
 EVALUATIONS = {
+    "drops": Evaluation("voa_fleet.commands.drops", "how an object comes to rest, and the prior that follows"),
     "grasp-score": Evaluation("voa_fleet.commands.grasp_score", "how often each grasp succeeds at each pose"),
     "observation": Evaluation("voa_fleet.commands.observation", "how far measured scans are from predicted ones"),
 }
