@@ -23,6 +23,7 @@ COMMANDS = {
     "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
+    "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 
