@@ -24,6 +24,7 @@ COMMANDS = {
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
     "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
+    "fleet": Command("voa_fleet.commands.fleet", "simulated robots as customers of the service", "fleet"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 

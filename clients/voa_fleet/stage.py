@@ -64,12 +64,14 @@ class Stage:
         robot = SimulatedSensorRobot(scene, self.scene.world.robots[0], stated_by(scene.flaws))
         return Drop(index, truth, robot, replace(self.arm, scene=scene))
 
+    def watched(self, watch: Watch) -> "Stage":
+        """The same stage, with somebody who is told whenever something moves."""
+        return replace(self, scene=replace(self.scene, watch=watch))
 
-def make_stage(
-    thing: FleetObject, flaws: Imperfections, seed: int, clock: Clock, robot: str, watch: Watch | None = None
-) -> Stage:
+
+def make_stage(thing: FleetObject, flaws: Imperfections, seed: int, clock: Clock, robot: str) -> Stage:
     """A stage with the object, one sensor robot of that name, and an arm."""
-    scene = make_scene(thing, clock, seed, flaws, robots=(robot,), watch=watch)
+    scene = make_scene(thing, clock, seed, flaws, robots=(robot,))
     return Stage(scene, seed, SimulatedArm(scene))
 
 

@@ -32,15 +32,15 @@ class TakenLook:
 
     Attributes:
         sensor: where the robot was sent.
-        request: what the service was told.
+        request: what the service was told; None where that is not known.
         after: the session then.
-        update: what the look did to it.
+        update: what the look did to it; None: it was not accepted, and nobody says why.
     """
 
     sensor: str
-    request: ScanRequest
+    request: ScanRequest | None
     after: Session
-    update: UpdateReport
+    update: UpdateReport | None
 
 
 @dataclass(frozen=True)
