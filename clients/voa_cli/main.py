@@ -18,7 +18,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
-    "demo": Command("voa_cli.demo", "watch one look change a grasp", "cli"),
+    "demo": Command("voa_fleet.commands.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
     "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
