@@ -284,9 +284,7 @@ class ByClient:
         scan = median_look([self.robot.take_scan() for _ in range(self.revolutions)], self.lidar)
         pose = self.robot.pose()
         request = (
-            ScanRequest(sensor=sensor.name, scan=scan)
-            if pose.std is None
-            else ScanRequest(sensor_pose=pose, scan=scan)
+            ScanRequest(sensor=sensor.name, scan=scan) if pose.std is None else ScanRequest(sensor_pose=pose, scan=scan)
         )
         after = self.client.apply_scan(session.id, request)
         return TakenLook(sensor.name, request, after, after.update)

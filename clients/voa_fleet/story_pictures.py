@@ -75,9 +75,28 @@ def _worth(axes: Axes, ranking: Ranking, taken: str | None, most: float) -> None
 
 
 def seen_from_above(file: Path, thing: FleetObject, truth: str, story: Story) -> None:
-    """The object where it is in truth (without the noise of its place), where the robot stood, and what it saw."""
-    figure = new_figure(6.4, 6.0)
-    axes = figure.subplots()
+    """The object where it is in truth (without the noise of its place), where the robot stood, and what it saw.
+
+    On the right the same, near the object.
+    """
+    figure = new_figure(11.0, 5.6)
+    wide, near = figure.subplots(1, 2)
+    box = thing.scenario.workspace
+    half = 0.2 if box is None else 1.05 * max(abs(corner) for corner in (*box.min, *box.max))
+    for axes, reach, title in ((wide, 0.55, "where the robot stood"), (near, half, "what it saw")):
+        _scene_from_above(axes, thing, truth, story)
+        axes.set_xlim(-reach, reach)
+        axes.set_ylim(-reach, reach)
+        axes.set_aspect("equal")
+        axes.set_xlabel("x, m")
+        axes.set_ylabel("y, m")
+        axes.set_title(title, fontsize=10)
+    wide.legend(fontsize=8, loc="lower left")
+    figure.suptitle(f"From above: the {thing.name} at {truth} (grey), the robot (circles)", fontsize=11)
+    figure.savefig(file, dpi=_DPI)
+
+
+def _scene_from_above(axes: Axes, thing: FleetObject, truth: str, story: Story) -> None:
     pose = object_pose(thing, truth)
     corners = thing.mesh.vertices @ matrix_of(pose.quaternion_wxyz).T + pose.position
     triangles = [corners[face][:, :2] for face in thing.mesh.faces]
@@ -95,32 +114,24 @@ def seen_from_above(file: Path, thing: FleetObject, truth: str, story: Story) ->
             [y for _, y in points],
             linestyle="none",
             marker=marker,
-            markersize=4.0,
+            markersize=5.0,
+            fillstyle="none",
             color=colour,
             label=f"look {index + 1}, from {look.sensor}",
             zorder=3 + index,
         )
         axes.add_patch(Circle((stand.x, stand.y), RADIUS_M, facecolor="none", edgecolor=colour, linewidth=1.5))
         nudge = 0.03 * (index - (len(story.looks) - 1) / 2.0)  # so that numbers of looks from one place stay apart
-        axes.text(stand.x + nudge, stand.y, str(index + 1), color=colour, ha="center", va="center", fontweight="bold")
-    box = thing.scenario.workspace
-    if box is not None:
-        axes.plot(
-            [box.min[0], box.max[0], box.max[0], box.min[0], box.min[0]],
-            [box.min[1], box.min[1], box.max[1], box.max[1], box.min[1]],
-            color=_GREY,
-            linewidth=0.8,
-            linestyle=":",
-            label="workspace",
+        axes.text(
+            stand.x + nudge,
+            stand.y,
+            str(index + 1),
+            color=colour,
+            ha="center",
+            va="center",
+            fontweight="bold",
+            clip_on=True,
         )
-    axes.set_xlim(-0.55, 0.55)
-    axes.set_ylim(-0.55, 0.55)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, m")
-    axes.set_ylabel("y, m")
-    axes.set_title(f"From above: the {thing.name} at {truth} (grey), the robot (circles), what it saw", fontsize=10)
-    axes.legend(fontsize=8, loc="lower left")
-    figure.savefig(file, dpi=_DPI)
 
 
 def _points(look: TakenLook, stand: SensorPose, lidar: LidarGeometry, thing: FleetObject) -> list[tuple[float, float]]:

@@ -20,25 +20,26 @@ def line_of(what: Happening) -> str:
     """What has happened, in a line."""
     match what:
         case Opened(session=session):
-            return f"session {session.id}: {_belief(session)}; {_best(session)}"
+            line = f"session {session.id}: {_belief(session)}; {_best(session)}"
         case Chosen():
-            return _choice(what)
+            line = _choice(what)
         case Arrived(sensor=sensor, pose=pose):
-            return f"the robot stands at {sensor}, x {pose.x:.3f} m, y {pose.y:.3f} m"
+            line = f"the robot stands at {sensor}, x {pose.x:.3f} m, y {pose.y:.3f} m"
         case Looked(look=look):
-            return f"looked from {look.sensor}: {_update(look)}; {_belief(look.after)}; {_best(look.after)}"
+            line = f"looked from {look.sensor}: {_update(look)}{_belief(look.after)}; {_best(look.after)}"
         case Grasping(grasp=None):
-            return "no grasp within reach is expected to succeed: the arm stays where it is"
+            line = "no grasp within reach is expected to succeed: the arm stays where it is"
         case Grasping(grasp=grasp, expected_score=score):
-            return f"the arm tries {grasp}, expected to succeed with {score:.2f}"
+            line = f"the arm tries {grasp}, expected to succeed with {score:.2f}"
         case Grasped(outcome=outcome):
             how = f": {outcome.detail}" if outcome.detail else ""
-            return f"{outcome.grasp} {'succeeded' if outcome.success else 'FAILED'}{how}"
+            line = f"{outcome.grasp} {'succeeded' if outcome.success else 'FAILED'}{how}"
         case Reported(after=None):
-            return "not reported: the attempt has moved the object, and the belief is about where it was"
+            line = "not reported: the attempt has moved the object, and the belief is about where it was"
         case Reported(after=after):
             told = "took it as evidence" if after is not None and after.update.accepted else "made nothing of it"
-            return f"outcome reported: the service {told}"
+            line = f"outcome reported: the service {told}"
+    return line
 
 
 def _choice(chosen: Chosen) -> str:
@@ -55,11 +56,11 @@ def _choice(chosen: Chosen) -> str:
 
 def _update(look: TakenLook) -> str:
     if look.update is None:
-        return "not accepted"
+        return "not accepted; "
     if not look.update.accepted:
-        return f"not accepted ({look.update.reason})"
+        return f"not accepted ({look.update.reason}); "
     fit = look.update.fit_hit_rmsd_mm
-    return f"{look.update.beams_compared} beams" + ("" if fit is None else f", best fit {fit:.1f} mm off")
+    return "" if fit is None else f"fits {look.update.best_fit_pose} to {fit:.1f} mm; "
 
 
 def _belief(session: Session) -> str:

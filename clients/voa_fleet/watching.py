@@ -28,7 +28,10 @@ def filmed(scene: Scene, clock: Clock, file: Path, view: View | None = None) -> 
         NoGraphics: there is no OpenGL library, or no ffmpeg where the file's ending asks for it.
     """
     apart_s = SPEED / FRAMES_PER_S
-    with Renderer(scene.world, _WIDTH, _HEIGHT, view, shadows=False) as renderer, open_video(file, FRAMES_PER_S) as video:
+    with (
+        Renderer(scene.world, _WIDTH, _HEIGHT, view, shadows=False) as renderer,
+        open_video(file, FRAMES_PER_S) as video,
+    ):
         due = clock.now_s()
 
         def watch(data: mujoco.MjData) -> None:

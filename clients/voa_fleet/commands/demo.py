@@ -56,7 +56,7 @@ from voa_msgs.scenarios import Scenario
 PAGE = "demo.html"
 PAIR = "robot"
 FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
-"""A lidar as its data sheet has it, and an object that lies 5 mm and 3 degrees beside its pose."""
+"""A lidar as its data sheet has it, and an object that lies 5 mm and 0.05 rad beside its pose (std)."""
 _READ_S = 1.2
 """For a reader at a terminal, after what changes the table."""
 _LABELS = {"none": "without a look", "voa": "with looks by VOA"}
@@ -86,6 +86,7 @@ class Demo:
     no_frames: str | None = None
     story: Story | None = None
     truth: str = ""
+    most_looks: int = MOST_LOOKS
     contrast: Contrast = field(default_factory=Contrast)
     paper: Path | None = None
 
@@ -107,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     console = Console()
     try:
-        demo = Demo(named_object(options.object), options.seed)
+        demo = Demo(named_object(options.object), options.seed, most_looks=options.looks)
         options.out.mkdir(parents=True, exist_ok=True)
         _perform(demo, options, console)
         page = write_demo(demo, options.out)
@@ -140,9 +141,7 @@ def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
         demo.paper = None
 
 
-def tell_story(
-    demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, most_looks: int
-) -> None:
+def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, most_looks: int) -> None:
     """One drop, from the session to the grasp."""
     name, poses, grasps = demo.thing.name, len(scenario.poses), len(scenario.grasps)
     console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
@@ -166,8 +165,20 @@ def tell_story(
             teller(event)
 
         demo.story = play(pair, scenario, ByVoa(), most_looks, tell)
-    ended = "The grasp succeeded." if demo.story.success else "The grasp failed: such things happen, see below."
-    console.print(f"\nIn truth the {name} was at [bold]{drop.truth}[/bold]. {ended}\n", highlight=False)
+    console.print(f"\n{truth_told(demo, demo.story)}\n", highlight=False)
+
+
+def truth_told(demo: Demo, story: Story) -> str:
+    """How the object lay, and what became of the grasp."""
+    rests = [name for name, rest in demo.thing.physics.rests.items() if demo.truth in rest.poses]
+    about = [grasp.data for grasp in demo.thing.scenario.grasps if grasp.name == story.grasp]
+    approach = about[0].get("approach") if about and isinstance(about[0], dict) else None
+    how = "" if approach is None else f" ({approach})"
+    lay = f"In truth the {demo.thing.name} was at {demo.truth} ({', '.join(rests)})."
+    if story.outcome is None:
+        return f"{lay} No grasp was tried."
+    ended = "succeeded" if story.success else f"failed ({story.outcome.detail}): such things happen, see below"
+    return f"{lay} {story.grasp}{how} {ended}."
 
 
 def tell_contrast(
@@ -211,16 +222,14 @@ def told_contrast(demo: Demo) -> str:
     without, with_looks = demo.tallies
     return (
         f"Drops 1 to {without.attempts} of seed {demo.seed}, the same for both, grasped in physics: without a look "
-        f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to "
-        f"{MOST_LOOKS if demo.story is None else max(MOST_LOOKS, len(demo.story.looks))} looks "
-        f"{with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Lengths, noise and lost beams as "
-        "those of an LDS-01; the object lies 5 mm and 3 degrees (std) beside its pose."
+        f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to {demo.most_looks} "
+        f"looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Noise and lost "
+        "beams as those of an LDS-01; the object lies 5 mm and 0.05 rad (std) beside its pose."
     )
 
 
 def write_demo(demo: Demo, out: Path) -> Path:
     """Draw the pictures and write the page of what there is; returns the page."""
-    name = demo.thing.name
     chapters = []
     if demo.story is not None:
         steps, above = out / "belief.png", out / "from-above.png"
@@ -234,10 +243,9 @@ def write_demo(demo: Demo, out: Path) -> Path:
             scene = out / f"scene-{index}.png"
             write_picture(scene, frame)
             pictures.append(Picture(scene, caption))
-        ended = "succeeded" if demo.story.success else "failed"
         text = [
-            f"A {name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. Drop 0 of seed "
-            f"{demo.seed}. In truth it was at {demo.truth}. The grasp {ended}."
+            f"A {demo.thing.name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. "
+            f"Drop 0 of seed {demo.seed}. {truth_told(demo, demo.story)}"
         ]
         if demo.no_frames is not None:
             text.append(f"No pictures of the scene: {demo.no_frames}")

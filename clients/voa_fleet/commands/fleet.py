@@ -137,9 +137,7 @@ def scenarios_of(client: Client, thing: FleetObject, names: Sequence[str], *, ow
     if not own:
         return [scenario] * len(names)
     request = thing.scenario.model_copy(update={"object": scenario.object})
-    return [
-        client.create_scenario(request.model_copy(update={"name": f"{request.name} of {name}"})) for name in names
-    ]
+    return [client.create_scenario(request.model_copy(update={"name": f"{request.name} of {name}"})) for name in names]
 
 
 def _mapping(url: str, thing: FleetObject, flaws: Imperfections, options: argparse.Namespace) -> str:
