@@ -66,7 +66,7 @@ def test_an_honest_robot_states_its_error() -> None:
     assert stated_by(Imperfections(robot_xy_m=0.02)) == PoseUncertainty(xy_m=0.02)
 
 
-@pytest.mark.parametrize(("what", "changed"), [("none", 0), ("wall", 100), ("box", 10)])
+@pytest.mark.parametrize(("what", "changed"), [("none", 0), ("wall", 50), ("box", 10)])
 def test_clutter_is_in_view(mug: FleetObject, what: str, changed: int) -> None:
     room = Imperfections.of_lds_01()
     lidar, sensor = lidar_geometry(mug.scenario.lidar), mug.scenario.sensors[1]

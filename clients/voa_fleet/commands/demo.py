@@ -156,7 +156,7 @@ def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, con
     demo.truth = drop.truth
     pair = Pair(PAIR, client, drop.robot, drop.arm, looking_by(client, drop.robot, scenario), stage.scene.clock)
     with ExitStack() as stack:
-        camera = _Camera.of(stack, demo, stage)
+        camera = Camera.of(stack, demo, stage)
         teller = stack.enter_context(Teller(console, (PAIR,), pace=_pace(console)))
 
         def tell(event: Event) -> None:
@@ -285,7 +285,7 @@ def write_demo(demo: Demo, out: Path) -> Path:
 
 
 @dataclass
-class _Camera:
+class Camera:
     """Takes pictures of the scene where something is to be seen; without OpenGL it does nothing."""
 
     demo: Demo
@@ -293,7 +293,7 @@ class _Camera:
     renderer: Renderer | None = None
 
     @classmethod
-    def of(cls, stack: ExitStack, demo: Demo, stage: Stage) -> "_Camera":
+    def of(cls, stack: ExitStack, demo: Demo, stage: Stage) -> "Camera":
         """One for the length of `stack`."""
         try:
             renderer = stack.enter_context(Renderer(stage.scene.world, 720, 480, shadows=False))
