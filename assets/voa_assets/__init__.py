@@ -1,9 +1,10 @@
-"""Scenarios as data: the mug (mesh, poses, grasps, sensor configurations), a recorded experiment, lidar presets.
+"""Scenarios as data: objects (mesh, poses, grasps, sensor configurations), a recorded experiment, lidar presets.
 
 | folder             | holds                                                                     |
 |--------------------|---------------------------------------------------------------------------|
 | `lidars/`          | one preset per file: beams, range, noise, what a zero means, and why      |
-| `mug/`             | `mug.obj`, the program that makes it, `scenario.json`                     |
+| `mug/`             | `mug.obj`, the program that makes it, `scenario.json`, `physics.json`     |
+| `mallet/`, `block/`| the same                                                                  |
 | `experiments/mug/` | synthetic scans of the mug in the format of a recorded experiment         |
 
 Nothing is read before it is asked for, and nothing but the standard library is needed.

@@ -18,11 +18,13 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
-    "demo": Command("voa_cli.demo", "watch one look change a grasp", "cli"),
+    "demo": Command("voa_fleet.commands.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
     "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
+    "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
+    "fleet": Command("voa_fleet.commands.fleet", "simulated robots as customers of the service", "fleet"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 

@@ -47,19 +47,3 @@ def weighted_scores(scenario: Scenario, belief: list[float]) -> list[list[float]
     """b[p] Q[x, p], poses x grasps (equation 4 of the paper)."""
     scores = scores_of(scenario)
     return [[share * row[pose] for row in scores] for pose, share in enumerate(belief)]
-
-
-def weighted_score_table(title: str, scenario: Scenario, belief: list[float]) -> Table:
-    """The paper's Fig. 3: weighted grasp scores, and the expected score of every grasp below."""
-    cells = weighted_scores(scenario, belief)
-    sums = [sum(column) for column in zip(*cells, strict=True)]
-    best = sums.index(max(sums))
-    table = Table(title=title, title_justify="left", show_footer=True)
-    table.add_column("pose", footer="expected score")
-    table.add_column("belief", justify="right", footer="")
-    for index, (grasp, total) in enumerate(zip(scenario.grasps, sums, strict=True)):
-        style = "bold green" if index == best else ""
-        table.add_column(grasp.name, justify="right", footer=f"{total:.2f}", style=style, footer_style=style)
-    for pose, share, row in zip(scenario.poses, belief, cells, strict=True):
-        table.add_row(pose.name, f"{share:.2f}", *(f"{cell:.2f}" if cell else "[dim]·[/dim]" for cell in row))
-    return table

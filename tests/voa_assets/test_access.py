@@ -8,14 +8,14 @@ import pytest
 from voa_assets import path
 
 
-@pytest.mark.parametrize("name", ["mug", "mug/mug.obj", "experiments/mug", "lidars"])
+@pytest.mark.parametrize("name", ["mug", "mug/mug.obj", "mallet", "block/physics.json", "experiments/mug", "lidars"])
 def test_an_asset_has_a_path(name: str) -> None:
     assert path(name).exists()
 
 
 @pytest.mark.parametrize("name", ["teapot", "..", "../voa_assets/../../README.md"])
 def test_what_is_not_an_asset_is_refused_with_what_there_is(name: str) -> None:
-    with pytest.raises(FileNotFoundError, match="experiments/mug, lidars, mug"):
+    with pytest.raises(FileNotFoundError, match="block, experiments/mug, lidars, mallet, mug"):
         path(name)
 
 

@@ -14,8 +14,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-DECIMALS = 7
-"""Of a metre: far below anything that matters, and above the single precision that manifold3d computes with."""
+from voa_assets.make_obj import Mesh, canonical, obj_text
 
 
 @dataclass(frozen=True)
@@ -48,12 +47,13 @@ class Mug:
     handle_sides: int = 16
 
 
-def make(mug: Mug | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def make(mug: Mug | None = None) -> Mesh:
     """Vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
     mug = mug or Mug()
     # The handle runs from wall to wall through the cup; what of it is inside the cup is cut away again.
     solid = trimesh.boolean.union([_cup(mug), _handle(mug)], engine="manifold")
-    return _canonical(trimesh.boolean.difference([solid, _cavity(mug)], engine="manifold"))
+    cup = trimesh.boolean.difference([solid, _cavity(mug)], engine="manifold")
+    return canonical(cup.vertices, cup.faces)
 
 
 def _cup(mug: Mug) -> trimesh.Trimesh:
@@ -110,22 +110,9 @@ def _cavity(mug: Mug) -> trimesh.Trimesh:
     return trimesh.creation.revolve(np.array(profile), sections=mug.sections)
 
 
-def _canonical(mesh: trimesh.Trimesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Rounded vertices without repetitions, and faces, in an order that depends on the shape alone."""
-    rounded = np.round(np.asarray(mesh.vertices, dtype=np.float64), DECIMALS) + 0.0  # no negative zeros
-    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
-    faces = index.reshape(-1)[np.asarray(mesh.faces)]
-    first = faces.argmin(axis=1)[:, None]
-    turned = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
-    return vertices, turned[np.lexsort(turned.T[::-1])].astype(np.int64)
-
-
 def to_obj(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> str:
     """The text of a Wavefront OBJ file, in metres."""
-    lines = ["# mug, metres; made by make_mug.py"]
-    lines += [f"v {x:.{DECIMALS}f} {y:.{DECIMALS}f} {z:.{DECIMALS}f}" for x, y, z in vertices]
-    lines += [f"f {a} {b} {c}" for a, b, c in faces + 1]
-    return "\n".join(lines) + "\n"
+    return obj_text("mug", vertices, faces)
 
 
 def main() -> None:

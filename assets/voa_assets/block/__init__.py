@@ -1,0 +1,1 @@
+"""The block: mesh, scenario, physics, and the program that makes the mesh."""

@@ -1,0 +1,1 @@
+"""The mallet: mesh, scenario, physics, and the program that makes the mesh."""

@@ -1,0 +1,368 @@
+"""`voa demo`: a lidar robot and an arm help each other through the service, in simulation, and what that is worth.
+
+Told in the terminal as it happens: an object lies on a table, nobody knows how; the service says from where a look is
+worth most, the robot drives there and looks, two or three times; the arm grasps. Then many more drops, each with and
+without looks. It leaves a page with the pictures.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import FrameType
+
+from rich.console import Console
+from rich.table import Table
+
+from voa_cli.local_service import local_service
+from voa_cli.paper import PICTURE, paper_picture
+from voa_cli.scenario_file import load_scenario
+from voa_client import Client, VoaClientError
+from voa_fleet.clocks import VirtualClock
+from voa_fleet.commands.common import count, progress_bar
+from voa_fleet.contrast import Contrast, Tally
+from voa_fleet.demo_page import Chapter, Picture, write_page
+from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
+from voa_fleet.imperfections import Imperfections
+from voa_fleet.objects import FleetObject, named_object
+from voa_fleet.policies import ByVoa
+from voa_fleet.render import Frame, Renderer, write_picture
+from voa_fleet.stage import Stage, make_stage
+from voa_fleet.story import (
+    MOST_LOOKS,
+    Arrived,
+    Chosen,
+    Event,
+    Grasped,
+    Happening,
+    Looked,
+    Opened,
+    Pair,
+    Story,
+    looking_by,
+    play,
+)
+from voa_fleet.story_pictures import belief_by_look, contrast_bars, seen_from_above
+from voa_fleet.telling import Teller, line_of
+from voa_msgs.rankings import Ranking
+from voa_msgs.scenarios import Scenario
+
+PAGE = "demo.html"
+PAIR = "robot"
+FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
+"""A lidar as its data sheet has it, and an object that lies 5 mm and 0.05 rad beside its pose (std)."""
+_READ_S = 1.2
+"""For a reader at a terminal, after what changes the table."""
+_LABELS = {"none": "without a look", "voa": "with looks by VOA"}
+
+
+class _Over(Exception):
+    """The time that DEMO_SECONDS gives is up."""
+
+
+@dataclass
+class Demo:
+    """What there is to show so far.
+
+    Attributes:
+        lines: as they were told.
+        rankings: that the service gave on the way.
+        frames: of the scene, with what they show; none without OpenGL.
+        no_frames: why there are none.
+        paper: the picture of the paper's scene.
+    """
+
+    thing: FleetObject
+    seed: int
+    lines: list[str] = field(default_factory=list)
+    rankings: list[Ranking] = field(default_factory=list)
+    frames: list[tuple[Frame, str]] = field(default_factory=list)
+    no_frames: str | None = None
+    story: Story | None = None
+    truth: str = ""
+    most_looks: int = MOST_LOOKS
+    contrast: Contrast = field(default_factory=Contrast)
+    paper: Path | None = None
+
+    def hear(self, event: Event) -> None:
+        """Keep what the page needs."""
+        self.lines.append(f"{event.at_s:6.1f} s  {line_of(event.what)}")
+        if isinstance(event.what, Chosen) and event.what.ranking is not None:
+            self.rankings.append(event.what.ranking)
+
+    @property
+    def tallies(self) -> list[Tally]:
+        """Of the contrast; empty if no drop was played."""
+        tallies = list(self.contrast.tallies.values())
+        return tallies if all(tally.attempts for tally in tallies) else []
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Tell the story, leave the page, return 0, also when it is ended early; 1 if something is wrong."""
+    options = _parser().parse_args(arguments)
+    console = Console()
+    try:
+        demo = Demo(named_object(options.object), options.seed, most_looks=options.looks)
+        options.out.mkdir(parents=True, exist_ok=True)
+        _perform(demo, options, console)
+        page = write_demo(demo, options.out)
+    except (FleetError, VoaClientError, OSError) as error:
+        print(f"voa demo: {error}", file=sys.stderr)
+        return 1
+    console.print(f"\nThe page with the pictures: [bold]{page}[/bold]", highlight=False, soft_wrap=True)
+    console.print(f"To see it, open [bold]{page.resolve().as_uri()}[/bold] in a browser.", soft_wrap=True)
+    console.print("More: [bold]voa fleet --pairs 4[/bold]; your own robots: [bold]voa serve[/bold], and README.md")
+    return 0
+
+
+def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
+    """All of it, or as much as time and Ctrl-C allow."""
+    try:
+        with ended_after(_seconds()), ExitStack() as stack:
+            console.print("[dim]starting the service on SQLite ...[/dim]")
+            client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
+            scenario = load_scenario(client, demo.thing.folder / "scenario.json")
+            stage = make_stage(demo.thing, FLAWS, demo.seed, VirtualClock(), PAIR)
+            tell_story(demo, client, scenario, stage, console, options.looks)
+            tell_contrast(demo, client, scenario, stage, console, options)
+            demo.paper = options.out / PICTURE
+            paper_picture(client, demo.paper)
+    except _Over:
+        console.print("\nDEMO_SECONDS are over: the demo ends here.")
+    except KeyboardInterrupt:
+        console.print("\nStopped: the demo ends here.")
+    if demo.paper is not None and not demo.paper.is_file():
+        demo.paper = None
+
+
+def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, most_looks: int) -> None:
+    """One drop, from the session to the grasp."""
+    name, poses, grasps = demo.thing.name, len(scenario.poses), len(scenario.grasps)
+    console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
+    console.print(
+        f"The arm can try {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The service "
+        f"keeps the belief, says what a look from each place is worth (by how much it should raise the chance of a "
+        f"good grasp), and names the best grasp. It does not know the pose, and neither do the robots. Drop 0 of seed "
+        f"{demo.seed}, whatever comes of it; simulated time.\n",
+        highlight=False,
+    )
+    drop = stage.drop(0)
+    demo.truth = drop.truth
+    pair = Pair(PAIR, client, drop.robot, drop.arm, looking_by(client, drop.robot, scenario), stage.scene.clock)
+    with ExitStack() as stack:
+        camera = Camera.of(stack, demo, stage)
+        teller = stack.enter_context(Teller(console, (PAIR,), pace=_pace(console)))
+
+        def tell(event: Event) -> None:
+            demo.hear(event)
+            camera.hear(event)
+            teller(event)
+
+        demo.story = play(pair, scenario, ByVoa(), most_looks, tell)
+    console.print(f"\n{truth_told(demo, demo.story)}\n", highlight=False)
+
+
+def truth_told(demo: Demo, story: Story) -> str:
+    """How the object lay, and what became of the grasp."""
+    rests = [name for name, rest in demo.thing.physics.rests.items() if demo.truth in rest.poses]
+    about = [grasp.data for grasp in demo.thing.scenario.grasps if grasp.name == story.grasp]
+    approach = about[0].get("approach") if about and isinstance(about[0], dict) else None
+    how = "" if approach is None else f" ({approach})"
+    lay = f"In truth the {demo.thing.name} was at {demo.truth} ({', '.join(rests)})."
+    if story.outcome is None:
+        return f"{lay} No grasp was tried."
+    ended = "succeeded" if story.success else f"failed ({story.outcome.detail}): such things happen, see below"
+    return f"{lay} {story.grasp}{how} {ended}."
+
+
+def tell_contrast(
+    demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, options: argparse.Namespace
+) -> None:
+    """More drops, each played with looks and without."""
+    console.rule("[bold]The same drops without a look, and with[/bold]", align="left")
+    policies = len(demo.contrast.policies)
+    drops = range(1, options.drops + 1)
+    with ExitStack() as stack:
+        progress = stack.enter_context(progress_bar("more drops", len(drops) * policies))
+        try:
+            demo.contrast.play(client, scenario, stage, drops, options.looks, progress)
+        finally:
+            if demo.tallies:
+                console.print(contrast_table(demo.tallies))
+                console.print(told_contrast(demo), highlight=False)
+
+
+def contrast_table(tallies: Sequence[Tally]) -> Table:
+    """Counts, and what the service had expected."""
+    table = Table("", "lifted", "95 % interval", "looks per drop", "expected by the service")
+    for tally in tallies:
+        table.add_row(*_row(tally))
+    return table
+
+
+def _row(tally: Tally) -> tuple[str, ...]:
+    low, high = tally.interval
+    return (
+        _LABELS[tally.policy],
+        f"{tally.successes} of {tally.attempts}",
+        f"{low:.0%} to {high:.0%}",
+        f"{tally.looks / tally.attempts:.1f}",
+        f"{tally.expected / tally.attempts:.0%}",
+    )
+
+
+def told_contrast(demo: Demo) -> str:
+    """What the counts say, in a sentence or two."""
+    without, with_looks = demo.tallies
+    return (
+        f"Drops 1 to {without.attempts} of seed {demo.seed}, the same for both, grasped in physics: without a look "
+        f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to {demo.most_looks} "
+        f"looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Noise and lost "
+        "beams as those of an LDS-01; the object lies 5 mm and 0.05 rad (std) beside its pose."
+    )
+
+
+def write_demo(demo: Demo, out: Path) -> Path:
+    """Draw the pictures and write the page of what there is; returns the page."""
+    chapters = []
+    if demo.story is not None:
+        steps, above = out / "belief.png", out / "from-above.png"
+        belief_by_look(steps, demo.story, demo.rankings, demo.truth)
+        seen_from_above(above, demo.thing, demo.truth, demo.story)
+        pictures = [
+            Picture(steps, "Above: the belief, the true pose in orange. Below: what a look from each place was worth."),
+            Picture(above, "What the lidar saw, look by look, over the object as it lay."),
+        ]
+        for index, (frame, caption) in enumerate(demo.frames):
+            scene = out / f"scene-{index}.png"
+            write_picture(scene, frame)
+            pictures.append(Picture(scene, caption))
+        text = [
+            f"A {demo.thing.name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. "
+            f"Drop 0 of seed {demo.seed}. {truth_told(demo, demo.story)}"
+        ]
+        if demo.no_frames is not None:
+            text.append(f"No pictures of the scene: {demo.no_frames}")
+        chapters.append(Chapter("What happened", tuple(text), tuple(demo.lines), tuple(pictures)))
+    elif demo.lines:
+        chapters.append(Chapter("What happened until it was ended", lines=tuple(demo.lines)))
+    if demo.tallies:
+        bars = out / "contrast.png"
+        contrast_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
+        heading = ("", "lifted", "95 % interval (Wilson)", "looks per drop", "expected by the service")
+        chapters.append(
+            Chapter(
+                "The same drops without a look, and with",
+                (told_contrast(demo),),
+                pictures=(Picture(bars, "Counts of drops in which the object was lifted."),),
+                table=(heading, *(_row(tally) for tally in demo.tallies)),
+            )
+        )
+    if demo.paper is not None:
+        chapters.append(
+            Chapter(
+                "The paper's example",
+                ("A mug, with the grasp scores measured in the paper: one look makes another grasp the best one.",),
+                pictures=(Picture(demo.paper, "Weighted grasp scores before and after one look (Fig. 3)."),),
+            )
+        )
+    chapters.append(
+        Chapter(
+            "Go on",
+            ("Commands to try next:",),
+            ("voa fleet --pairs 4", "voa fleet --object block --policy random", "voa evaluate --help", "voa serve"),
+        )
+    )
+    page = out / PAGE
+    write_page(page, "Value of Assistance: a look before the grasp", chapters)
+    return page
+
+
+@dataclass
+class Camera:
+    """Takes pictures of the scene where something is to be seen; without OpenGL it does nothing."""
+
+    demo: Demo
+    stage: Stage
+    renderer: Renderer | None = None
+
+    @classmethod
+    def of(cls, stack: ExitStack, demo: Demo, stage: Stage) -> "Camera":
+        """One for the length of `stack`."""
+        try:
+            renderer = stack.enter_context(Renderer(stage.scene.world, 720, 480, shadows=False))
+        except NoGraphics as error:
+            demo.no_frames = str(error)
+            return cls(demo, stage)
+        return cls(demo, stage, renderer)
+
+    def hear(self, event: Event) -> None:
+        """A picture at each look, and after the attempt."""
+        match event.what:
+            case Arrived(sensor=sensor):
+                caption = f"The robot looks from {sensor}."
+            case Grasped(outcome=outcome):
+                caption = f"After the attempt of {outcome.grasp}: {outcome.detail}."
+            case _:
+                return
+        if self.renderer is not None:
+            self.demo.frames.append((self.renderer.frame(self.stage.scene.data), caption))
+
+
+def _pace(console: Console) -> Callable[[Happening], None]:
+    """A pause after what changes the table, if somebody is there to read it."""
+
+    def pace(what: Happening) -> None:
+        if console.is_terminal and isinstance(what, Opened | Chosen | Looked | Grasped):
+            time.sleep(_READ_S)
+
+    return pace
+
+
+@contextmanager
+def ended_after(seconds: float | None) -> Iterator[None]:
+    """Raise `_Over` in the body after so many seconds; None, or outside of the main thread: never."""
+    if seconds is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(_number: int, _frame: FrameType | None) -> None:
+        raise _Over
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _seconds() -> float | None:
+    """DEMO_SECONDS, if it is set; raises InvalidObject if it is no number of seconds."""
+    told = os.environ.get("DEMO_SECONDS", "")
+    if not told:
+        return None
+    try:
+        seconds = float(told)
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds < 1e6:
+        raise InvalidObject(f"DEMO_SECONDS: expected seconds, more than 0, got {told!r}")
+    return seconds
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="voa demo", description=(__doc__ or "").partition("\n\n")[2])
+    parser.add_argument("--out", type=Path, default=Path("voa-demo"), help="folder for the page (default voa-demo)")
+    parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
+    parser.add_argument("--looks", type=count, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
+    parser.add_argument("--drops", type=count, default=20, help="for the contrast, each played twice (default 20)")
+    parser.add_argument("--seed", type=int, default=0, help="of drops and noise (default 0)")
+    return parser

@@ -1,0 +1,28 @@
+"""Objects and worlds that many tests share: building them takes longer than using them."""
+
+import pytest
+
+from voa_fleet.arm import GraspPlan, plan_grasp
+from voa_fleet.objects import OBJECTS, FleetObject, named_object
+from voa_fleet.world import World, build_world
+
+
+@pytest.fixture(scope="session")
+def things() -> dict[str, FleetObject]:
+    return {name: named_object(name) for name in OBJECTS}
+
+
+@pytest.fixture(scope="session")
+def mug(things: dict[str, FleetObject]) -> FleetObject:
+    return things["mug"]
+
+
+@pytest.fixture(scope="session")
+def mug_world(mug: FleetObject) -> World:
+    return build_world(mug)
+
+
+@pytest.fixture(scope="session")
+def mug_plans(mug: FleetObject, mug_world: World) -> dict[str, GraspPlan]:
+    plans = {grasp: plan_grasp(mug_world, mug.grasp(grasp)) for grasp in mug.grasps}
+    return {grasp: plan for grasp, plan in plans.items() if plan is not None}
