@@ -9,7 +9,7 @@
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -115,7 +115,7 @@ class Never:
         return Choice(None)
 
 
-def policy_named(name: str, seed: int) -> Policy:
+def policy_named(name: str, seed: int | Sequence[int]) -> Policy:
     """A policy; the same seed makes the same choices.
 
     Raises:

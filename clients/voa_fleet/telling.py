@@ -12,7 +12,7 @@ from voa_fleet.story import Arrived, Chosen, Event, Grasped, Grasping, Happening
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session
 
-_BAR = 24
+_BAR = 16
 _FEW = 3
 
 

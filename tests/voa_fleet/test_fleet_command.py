@@ -77,6 +77,7 @@ def test_imperfections_are_named_options(process: str, capfd: pytest.CaptureFixt
         (["--view", "--pairs", "2"], "--view shows one pair"),
         (["--ros2", "--url", "zenoh://127.0.0.1:7447", "--revolutions", "1"], "at least 2 --revolutions"),
         (["--looks", "-1"], "expected a number of at least 0"),
+        (["--seed", "-1"], "expected a number of at least 0"),
         (["--dropout", "1.5"], "expected a share of at most 1"),
     ],
 )

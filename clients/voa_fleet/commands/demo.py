@@ -26,6 +26,7 @@ from voa_cli.scenario_file import load_scenario
 from voa_client import Client, VoaClientError
 from voa_fleet.clocks import VirtualClock
 from voa_fleet.commands.common import count, progress_bar
+from voa_fleet.commands.fleet import natural
 from voa_fleet.contrast import Contrast, Tally
 from voa_fleet.demo_page import Chapter, Picture, write_page
 from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
@@ -200,7 +201,7 @@ def tell_contrast(
 
 def contrast_table(tallies: Sequence[Tally]) -> Table:
     """Counts, and what the service had expected."""
-    table = Table("", "lifted", "95 % interval", "looks per drop", "expected by the service")
+    table = Table("", "lifted", "95 % interval", "looks per drop", "expected")
     for tally in tallies:
         table.add_row(*_row(tally))
     return table
@@ -364,5 +365,5 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
     parser.add_argument("--looks", type=count, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
     parser.add_argument("--drops", type=count, default=20, help="for the contrast, each played twice (default 20)")
-    parser.add_argument("--seed", type=int, default=0, help="of drops and noise (default 0)")
+    parser.add_argument("--seed", type=natural, default=0, help="of drops and noise (default 0)")
     return parser

@@ -204,7 +204,7 @@ def _play(cast: _Cast) -> Told:
         stage = stack.enter_context(_watched(stage, clock, cast))
         drop = stage.drop(cast.index)
         pair = Pair(cast.name, client, drop.robot, drop.arm, _looking(cast, client, drop, clock), clock)
-        policy = policy_named(options.policy, options.seed * len(POLICIES) * 1000 + cast.index)
+        policy = policy_named(options.policy, (options.seed, cast.index, 1))
         return Told(play(pair, cast.scenario, policy, options.looks, cast.tell), drop.truth)
 
 
@@ -255,7 +255,7 @@ def share(text: str) -> float:
     return number
 
 
-def looks(text: str) -> int:
+def natural(text: str) -> int:
     """An option's number of at least 0; raises ArgumentTypeError."""
     number = int(text)
     if number < 0:
@@ -284,9 +284,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
     parser.add_argument("--pairs", type=count, default=1, help="of robots at once, each in its session (default 1)")
-    parser.add_argument("--looks", type=looks, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
+    parser.add_argument("--looks", type=natural, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
     parser.add_argument("--policy", choices=POLICIES, default="voa", help="who chooses the looks (default voa)")
-    parser.add_argument("--seed", type=int, default=0, help="of poses, noise and random looks (default 0)")
+    parser.add_argument("--seed", type=natural, default=0, help="of poses, noise and random looks (default 0)")
     parser.add_argument("--revolutions", type=count, default=REVOLUTIONS, help=f"in a look (default {REVOLUTIONS})")
     parser.add_argument("--real-time", action="store_true", help="as slow as the world; else as fast as it goes")
     way = parser.add_argument_group("the service")
