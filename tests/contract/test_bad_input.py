@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -42,15 +44,22 @@ class World(NamedTuple):
     mesh_session: str
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with serving(tmp_path_factory.mktemp("bad"), limits=LIMITS) as service:
+@contextmanager
+def some_world(folder: Path) -> Iterator[World]:
+    """A service with two scenarios and a session on each."""
+    with serving(folder, limits=LIMITS) as service:
         box = service.upload(box_obj())
         mesh = mesh_scenario(box, lidar={"preset": "lds-01", "beams": 60, "angle_increment": 0.1, "height_m": 0.02})
         data_id, mesh_id = service.create(data_scenario()), service.create(mesh)
         sessions = service.open(data_id), service.open(mesh_id)
         service.post(f"/v1/sessions/{sessions[0]}/scans", scan_of([0.5, 0.5, None, 1.0]))
         yield World(service, data_id, mesh_id, box, *sessions)
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with some_world(tmp_path_factory.mktemp("bad")) as own:
+        yield own
 
 
 class Case(NamedTuple):

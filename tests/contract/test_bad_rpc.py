@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.contract.test_bad_input import CASES, LIMITS, Case, World, filled
-from tests.serving import box_obj, data_scenario, json_of, mesh_scenario, scan_of, serving
+from tests.contract.test_bad_input import CASES, LIMITS, Case, World, filled, some_world
+from tests.serving import json_of, scan_of
 from voa_service.rpc import Rpc
 
 METHODS = (
@@ -26,13 +26,8 @@ METHODS = (
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with serving(tmp_path_factory.mktemp("rpc"), limits=LIMITS) as service:
-        box = service.upload(box_obj())
-        mesh = mesh_scenario(box, lidar={"preset": "lds-01", "beams": 60, "angle_increment": 0.1, "height_m": 0.02})
-        data_id, mesh_id = service.create(data_scenario()), service.create(mesh)
-        sessions = service.open(data_id), service.open(mesh_id)
-        service.post(f"/v1/sessions/{sessions[0]}/scans", scan_of([0.5, 0.5, None, 1.0]))
-        yield World(service, data_id, mesh_id, box, *sessions)
+    with some_world(tmp_path_factory.mktemp("rpc")) as own:
+        yield own
 
 
 class Called(NamedTuple):
