@@ -14,7 +14,6 @@ img { max-width: 100%; border: 1px solid #ddd; }
 figure { margin: 1rem 0; } figcaption { color: #555; font-size: .9rem; }
 pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: .82rem; }
 table { border-collapse: collapse; } th, td { border: 1px solid #ccc; padding: .3rem .7rem; text-align: left; }
-td.number { text-align: right; }
 """
 
 

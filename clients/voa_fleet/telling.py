@@ -60,7 +60,7 @@ def _update(look: TakenLook) -> str:
     if not look.update.accepted:
         return f"not accepted ({look.update.reason}); "
     fit = look.update.fit_hit_rmsd_mm
-    return "" if fit is None else f"fits {look.update.best_fit_pose} to {fit:.1f} mm; "
+    return "" if fit is None else f"best fit {fit:.1f} mm; "
 
 
 def _belief(session: Session) -> str:

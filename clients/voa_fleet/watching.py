@@ -18,6 +18,8 @@ FRAMES_PER_S = 10
 SPEED = 2.0
 """Of videos: most of a story is driving."""
 _WIDTH, _HEIGHT = 640, 427
+_ROUNDING_S = 1e-6
+"""Of a clock that adds up many short sleeps."""
 
 
 @contextmanager
@@ -36,7 +38,7 @@ def filmed(scene: Scene, clock: Clock, file: Path, view: View | None = None) -> 
 
         def watch(data: mujoco.MjData) -> None:
             nonlocal due
-            if clock.now_s() >= due:
+            if clock.now_s() >= due - _ROUNDING_S:
                 due = max(due + apart_s, clock.now_s())
                 video.add(renderer.frame(data))
 

@@ -3,18 +3,22 @@
 import json
 import sys
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from PIL import Image
 
 from tests.replicas import replicas
 from tests.routers import router
 from tests.waiting import wait_for
 from voa_cli.main import main
 from voa_client import Client
+from voa_fleet.clocks import Clock
+from voa_fleet.commands import fleet
 from voa_fleet.commands.fleet import pair_names
+from voa_fleet.simulated import Scene, Watch
 from voa_ros.robots import OdometryPlace, load
 
 
@@ -106,12 +110,12 @@ def test_without_the_viewers_library_it_says_what_to_install(
 def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     mapping = tmp_path / "robots.toml"
     mapping.write_text("")
-    fleet = ["fleet", "--pairs", "2", "--looks", "1", "--pose-error-m", "0.005", "--ros2"]
+    command = ["fleet", "--pairs", "2", "--looks", "1", "--pose-error-m", "0.005", "--ros2"]
     with router() as bus:
         options = ("--zenoh", bus.endpoint, "--robots", str(mapping))
         with replicas(f"sqlite:///{tmp_path / 'voa.db'}", tmp_path, 1, *options) as (service,):
             url = f"zenoh://127.0.0.1:{bus.port}"
-            assert main([*fleet, "--url", url, "--print-mapping"]) == 0
+            assert main([*command, "--url", url, "--print-mapping"]) == 0
             printed = capfd.readouterr().out
             robots = load(printed)
             assert [robot.scan_topic for robot in robots] == ["robot_1/scan", "robot_2/scan"]
@@ -124,7 +128,7 @@ def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd:
             mapping.write_text(printed)
             with Client(service.url) as client:
                 wait_for(lambda: len(client.robots().items) == 2, "the mapping")
-            assert main([*fleet, "--url", url, "--json"]) == 0
+            assert main([*command, "--url", url, "--json"]) == 0
             found = reports(capfd)
             assert [len(each["looks"]) for each in found] == [1, 1]
             with Client(service.url) as client:
@@ -133,9 +137,21 @@ def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd:
                     assert kinds[:2] == ["prior", "scan"]
 
 
-def test_the_first_story_as_a_video(process: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    video = tmp_path / "story.gif"
-    assert main(["fleet", "--url", process, "--looks", "0", "--policy", "none", "--video", str(video)]) == 0
-    with Image.open(video) as frames:
-        assert getattr(frames, "n_frames", 1) > 10
-        assert frames.size == (640, 427)
+def test_a_video_is_of_the_first_pair(
+    process: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    video, filmed = tmp_path / "story.gif", []
+
+    @contextmanager
+    def camera(scene: Scene, _clock: Clock, file: Path) -> Iterator[Watch]:
+        seen: list[float] = []
+        yield lambda data: seen.append(float(data.time))
+        filmed.append((scene.world.robots, file, seen))
+
+    monkeypatch.setattr(fleet, "filmed", camera)
+    play = ["fleet", "--url", process, "--looks", "0", "--policy", "none", "--pairs", "2", "--video", str(video)]
+    assert main(play) == 0
+    ((robots, file, seen),) = filmed
+    assert (robots, file) == (("robot_1",), video)
+    assert len(seen) > 300  # every 10 ms of the arm
+    assert seen == sorted(seen)

@@ -65,7 +65,7 @@ def looked(report: UpdateReport | None) -> Looked:
         (Chosen("Q2", None), "look from Q2 next"),
         (Chosen(None, RANKING, used_up=True), "the looks are used up (Q1 is worth +0.250): grasp"),
         (Chosen(None, None), "no more looks: grasp"),
-        (looked(REPORT), "looked from Q1: fits P1 to 4.0 mm; P1 0.90, P2 0.10; best grasp G1, 0.50"),
+        (looked(REPORT), "looked from Q1: best fit 4.0 mm; P1 0.90, P2 0.10; best grasp G1, 0.50"),
         (looked(None), "looked from Q1: not accepted; P1 0.90, P2 0.10; best grasp G1, 0.50"),
         (
             looked(REPORT.model_copy(update={"accepted": False, "reason": "no_match"})),

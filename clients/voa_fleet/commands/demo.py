@@ -277,7 +277,13 @@ def write_demo(demo: Demo, out: Path) -> Path:
         Chapter(
             "Go on",
             ("Commands to try next:",),
-            ("voa fleet --pairs 4", "voa fleet --object block --policy random", "voa evaluate --help", "voa serve"),
+            (
+                "voa demo --object mug      # whose looks gain less",
+                "voa fleet --pairs 4",
+                "voa fleet --object block --policy random",
+                "voa evaluate --help",
+                "voa serve",
+            ),
         )
     )
     page = out / PAGE
