@@ -106,6 +106,8 @@ def build_world(
         robots: names of the lidar robots.
         clutter: what else the lidar sees.
     """
+    # Else MuJoCo writes its warnings into a file in whatever folder one is in; `World.step` raises them.
+    mujoco.set_mju_user_warning(_no_log)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.timestep = STEP_S
@@ -120,6 +122,10 @@ def build_world(
         add_robot(spec, name, thing.lidar_height_m)
     _add_object(spec, thing)
     return _world(spec.compile(), thing, tuple(robots), arm)
+
+
+def _no_log(_warning: str) -> None:
+    """MuJoCo counts its warnings in MjData; that is enough."""
 
 
 def _add_surroundings(spec: mujoco.MjSpec, lidar_height_m: float, half_m: float) -> None:

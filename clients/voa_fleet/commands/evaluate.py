@@ -22,10 +22,13 @@ EVALUATIONS = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one evaluation; returns its exit code."""
-    given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    if given[0] in ("-h", "--help"):
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if not given:
         print(_usage())
         return 0
+    if given[0] in ("-h", "--help"):
+        print(_usage())
+        raise SystemExit(0)  # as every command's own parser does
     if given[0] not in EVALUATIONS:
         print(f"voa evaluate: there is no evaluation {given[0]!r}\n\n{_usage()}", file=sys.stderr)
         return 2
