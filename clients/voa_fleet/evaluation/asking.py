@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log
 
 import numpy as np
 
@@ -133,8 +132,3 @@ def expected_entropies(likelihoods: Floats, belief: Sequence[float]) -> Floats:
     logs = np.log(np.where(after > 0.0, after, 1.0))
     entropies: Floats = -(after * logs).sum(axis=2) @ prior
     return entropies
-
-
-def most_entropy(poses: int) -> float:
-    """Of a uniform belief, nats."""
-    return log(poses)

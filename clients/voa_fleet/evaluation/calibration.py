@@ -1,6 +1,7 @@
 """Calibration: looks binned by what they should be worth, against what they were worth on average."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def _bins(group: Rows, kind: Belief, rule: str, seed: int) -> list[Bin]:
     voa = np.array([[look.voa for look in row.looks] for row in group.rows])
     achieved = group.achieved()
     bins = []
-    for low, high in zip(EDGES, EDGES[1:], strict=False):
+    for low, high in pairwise(EDGES):
         inside = (voa >= low) & (voa < high)
         if not inside.any():
             continue

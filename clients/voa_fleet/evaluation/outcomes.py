@@ -74,7 +74,7 @@ def outcomes(rows: Rows, seed: int) -> list[Outcome]:
     for name in (None, *rows.objects):
         for kind in rows.kinds:
             for rule in rows.rules:
-                group = rows.of(object=name, kind=kind, rule=rule)
+                group = rows.of(thing=name, kind=kind, rule=rule)
                 ours = group.successes("voa")
                 for policy in POLICIES:
                     theirs = group.successes(policy)

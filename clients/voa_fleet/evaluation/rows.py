@@ -73,16 +73,16 @@ class Rows:
     def of(
         self,
         *,
-        object: str | None = None,
+        thing: str | None = None,
         kind: Belief | None = None,
-        rule: str | None = None,  # noqa: A002
+        rule: str | None = None,
     ) -> "Rows":
         """Those of an object, kind of belief or rule; None: any."""
         return Rows(
             tuple(
                 row
                 for row in self.rows
-                if object in (None, row.object) and kind in (None, row.kind) and rule in (None, row.rule)
+                if thing in (None, row.object) and kind in (None, row.kind) and rule in (None, row.rule)
             )
         )
 

@@ -76,7 +76,7 @@ def _groups(rows: Rows) -> Iterator[Rows]:
     for name in rows.objects:
         for kind in rows.kinds:
             for rule in rows.rules:
-                yield rows.of(object=name, kind=kind, rule=rule)
+                yield rows.of(thing=name, kind=kind, rule=rule)
 
 
 def _worths_of(group: Rows, seed: int) -> Iterator[Worth]:
