@@ -65,6 +65,7 @@ PACKAGES = {
         "clients/voa_fleet",
         STDLIB,
         *PYDANTIC,
+        "voa_cli",  # a service of one's own, scenario files
         "voa_client",
         "voa_msgs",
         "voa_ros",

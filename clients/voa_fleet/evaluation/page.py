@@ -106,6 +106,4 @@ def picture(file: Path, caption: str) -> str:
     """A PNG file, embedded; the caption says what it shows and is read out where it cannot be seen."""
     data = base64.b64encode(file.read_bytes()).decode("ascii")
     told = escape(caption)
-    return (
-        f'<figure><img alt="{told}" src="data:image/png;base64,{data}">\n<figcaption>{told}</figcaption></figure>'
-    )
+    return f'<figure><img alt="{told}" src="data:image/png;base64,{data}">\n<figcaption>{told}</figcaption></figure>'

@@ -44,7 +44,9 @@ def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -
             picture(pictures[each.object], f"Grasp scores of the {each.object}: poses in rows, grasps in columns.")
         )
         rows = [[row[0].pose, *(f"{cell.successes}/{cell.attempts}" for cell in row)] for row in each.cells]
-        blocks.append(folded("as a table", table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows)))
+        blocks.append(
+            folded("as a table", table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows))
+        )
     return Section("grasp-score", "Grasp scores", tuple(blocks))
 
 
@@ -70,7 +72,18 @@ def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[s
                 )
             )
         named = [*found.by_sensor().items(), ("all", overall)]
-        header = ("from", "beams", "mean", "median", "std", "min", "max", "median size", "measured only", "predicted only")
+        header = (
+            "from",
+            "beams",
+            "mean",
+            "median",
+            "std",
+            "min",
+            "max",
+            "median size",
+            "measured only",
+            "predicted only",
+        )
         blocks.append(table("Measured minus predicted, mm", header, [[name, *_errors(each)] for name, each in named]))
         captions = ("The differences, a panel per place.", "Measured over predicted points, in the lidar's frame.")
         blocks += [
@@ -122,7 +135,11 @@ def _design(found: Found) -> Section:
                 "Intervals of single rates are Wilson's. They say nothing of other objects."
             ),
             table("Policies", ("policy", "looks from"), [list(each) for each in POLICIES.items()]),
-            table("Update rules: how a scan turns into weights of poses", ("rule", "weight"), [list(e) for e in MEANT.items()]),
+            table(
+                "Update rules: how a scan turns into weights of poses",
+                ("rule", "weight"),
+                [list(e) for e in MEANT.items()],
+            ),
             table(
                 "Words",
                 ("word", "meaning"),
@@ -131,9 +148,15 @@ def _design(found: Found) -> Section:
                     ["AECD", "the same over the scans that were really taken: mean rise of the expected score"],
                     ["achieved value", "success rate with the look less success rate without it, over the same drops"],
                     ["delta", "achieved value of the looks that VOA chose"],
-                    ["delta*", "achieved value of the one place that was best in hindsight; being picked, it is flattered"],
+                    [
+                        "delta*",
+                        "achieved value of the one place that was best in hindsight; being picked, it is flattered",
+                    ],
                     ["over random", "delta less the mean achieved value of all places"],
-                    ["tau", "Kendall's rank correlation over the places of an object: 1 same order, 0 none, -1 reversed"],
+                    [
+                        "tau",
+                        "Kendall's rank correlation over the places of an object: 1 same order, 0 none, -1 reversed",
+                    ],
                 ],
             ),
         ),
@@ -154,7 +177,10 @@ def _findings(found: Found) -> Section:
         heading("Where VOA is better"),
         items([each.told for each in good]) if good else paragraph("Nowhere."),
     ]
-    for verdict, title in (("worse", "Negative: where VOA is worse"), ("no difference shown", "Negative: no difference")):
+    for verdict, title in (
+        ("worse", "Negative: where VOA is worse"),
+        ("no difference shown", "Negative: no difference"),
+    ):
         own = [each for each in all_found if each.verdict == verdict]
         told = [_with_reason(each) for each in own]
         blocks += [heading(title), items(told) if told else paragraph("Nowhere.")]
@@ -216,9 +242,7 @@ def _rates(own: Sequence[Outcome]) -> list[list[str]]:
 
 def _differences(own: Sequence[Outcome]) -> list[list[str]]:
     rules = dict.fromkeys(each.rule for each in own)
-    return [
-        [rule, *(interval_text(e.behind) for e in own if e.rule == rule and e.policy != "voa")] for rule in rules
-    ]
+    return [[rule, *(interval_text(e.behind) for e in own if e.rule == rule and e.policy != "voa")] for rule in rules]
 
 
 def interval_text(interval: Interval | None) -> str:
@@ -244,7 +268,13 @@ def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
             own = [each for each in found.worths if (each.object, each.kind) == (name, kind)]
             rows = [
                 [
-                    *(each.rule, each.sensor, f"{each.voa:+.3f}", interval_text(each.aecd), interval_text(each.achieved)),
+                    *(
+                        each.rule,
+                        each.sensor,
+                        f"{each.voa:+.3f}",
+                        interval_text(each.aecd),
+                        interval_text(each.achieved),
+                    ),
                     f"{each.with_look}/{each.achieved.count}",
                     f"{each.without}/{each.achieved.count}",
                     f"{each.not_accepted}/{each.achieved.count}",
