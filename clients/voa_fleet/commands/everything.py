@@ -130,8 +130,8 @@ def _write_page(folder: Path, title: str, sections: Sequence[Section], told: str
     lead = [
         paragraph(LEAD),
         paragraph(
-            "Every figure is counted from what the page names beside it; the CSV files in the same folder hold the rows. "
-            "The same command on the same machine and versions gives this page again, byte for byte:"
+            "Every figure is counted from what the page names beside it; the CSV files in the same folder hold the "
+            "rows. The same command on the same machine and versions gives this page again, byte for byte:"
         ),
         command(f"voa evaluate all {told} --out DIR"),
     ]

@@ -42,10 +42,8 @@ def findings(found: Found) -> list[Finding]:
 
 def _finding(rows: Rows, outcome: Outcome, ours: Outcome) -> Finding:
     difference = outcome.behind
-    if difference.excludes_zero:
-        verdict = "better" if difference.value > 0.0 else "worse"
-    else:
-        verdict = "no difference shown"
+    sign = "better" if difference.value > 0.0 else "worse"
+    verdict = sign if difference.excludes_zero else "no difference shown"
     told = (
         f"{outcome.rule}, {outcome.kind} belief: looking where VOA says lifted the object "
         f"{ours.rate.successes} of {ours.rate.drops} times, {_POLICY_WORDS[outcome.policy]} "

@@ -1,6 +1,6 @@
 """Pictures of what looks were worth: PNG, labelled with units, told apart by marker and by colour (Okabe and Ito's)."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -110,6 +110,8 @@ def calibration_plot(file: Path, bins: Sequence[Bin]) -> None:
                     ha="right" if above else "left",
                     fontsize=7,
                     color=colour,
+                    zorder=5,
+                    bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.4},
                 )
         axes.set_title(rule, fontsize=10)
     _legend_panel(panels, len(RULES))
@@ -187,13 +189,14 @@ def recorded_worth(file: Path, name: str, rules: dict[str, dict[str, dict[str, f
     figure = new_figure(6.4, 5.4)
     axes = figure.subplots()
     styles = zip(rules, (BLUE, ORANGE, GREEN, PINK, GREY), "os^Dv", strict=False)
-    _diagonal(axes, [float(found["voa"] or 0.0) for sensors in rules.values() for found in sensors.values()])
+    ends = [value for sensors in rules.values() for found in sensors.values() for value in _both(found)]
+    low, high = min(ends, default=0.0) - 0.01, max(ends, default=0.1) + 0.01
+    axes.plot([low, high], [low, high], color=GREY, linestyle="--", linewidth=1.0, label="as predicted")
     for rule, colour, marker in styles:
-        both = [(found["voa"], found["aecd"]) for found in rules[rule].values()]
-        pairs = [(voa, aecd) for voa, aecd in both if voa is not None and aecd is not None]
+        pairs = [pair for found in rules[rule].values() if (pair := _both(found))]
         axes.plot(
-            [voa for voa, _ in pairs],
-            [aecd for _, aecd in pairs],
+            [pair[0] for pair in pairs],
+            [pair[1] for pair in pairs],
             linestyle="none",
             marker=marker,
             color=colour,
@@ -205,6 +208,13 @@ def recorded_worth(file: Path, name: str, rules: dict[str, dict[str, dict[str, f
     axes.set_title(f"{name}: a point per rule and sensor configuration", fontsize=10)
     axes.legend(fontsize=9)
     save(figure, file)
+
+
+def _both(found: Mapping[str, float | None]) -> list[float]:
+    """VOA and AECD, where both are known."""
+    pair = [found["voa"], found["aecd"]]
+    known = [value for value in pair if value is not None]
+    return known if len(known) == len(pair) else []
 
 
 def _bars(
@@ -260,12 +270,13 @@ def _diagonal(axes: Axes, values: Iterable[float]) -> None:
     axes.axhline(0.0, color="#cccccc", linewidth=0.8)
 
 
-def _legend_panel(panels: "Sequence[Sequence[Axes]]", used: int) -> None:
+def _legend_panel(panels: Sequence[Sequence[Axes]], used: int) -> None:
     """The panel that is left over holds the legend."""
     flat = [axes for row in panels for axes in row]
     handles, labels = flat[0].get_legend_handles_labels()
     for axes in flat[used:]:
         axes.set_axis_off()
+        flat[flat.index(axes) - len(panels[0])].tick_params(labelbottom=True)  # nothing below has them
     flat[used if used < len(flat) else 0].legend(
         handles, labels, loc="center" if used < len(flat) else "best", fontsize=9
     )

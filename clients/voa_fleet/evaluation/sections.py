@@ -14,6 +14,7 @@ from voa_fleet.evaluation.policies import POLICIES
 from voa_fleet.evaluation.sensitivity import DISTURBANCES
 from voa_fleet.evaluation.setting import BELIEFS, MEANT
 from voa_fleet.evaluation.statistics import Interval, rank_correlation
+from voa_fleet.evaluation.worth import pooled_tau
 from voa_fleet.frames import Floats
 from voa_fleet.grasp_scores import GraspScores
 from voa_fleet.observation import Errors, ObservationErrors
@@ -21,8 +22,8 @@ from voa_fleet.observation import Errors, ObservationErrors
 LEAD = (
     "A robot arm must grasp an object whose pose it does not know: it is one of a few poses, each believed with some "
     "probability. A second robot can first drive a lidar to one of several places and look. The Value of Assistance "
-    "(VOA) of a look is how much it is expected to raise the probability that the best grasp succeeds. It is worked out "
-    "before anything is measured, from predicted scans. This page asks three questions: how good is each grasp at each "
+    "(VOA) of a look is how much it is expected to raise the probability that the best grasp succeeds. It is worked "
+    "out before anything is measured, from predicted scans. This page asks three questions: how good is each grasp at each "
     "pose, how well are scans predicted, and are looks worth what VOA says?"
 )
 
@@ -31,8 +32,8 @@ def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -
     """Grasp scores, a table and a picture per object."""
     blocks = [
         paragraph(
-            "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a pose. "
-            "Every cell below names its successes of its attempts. The object lies a little off its pose each time, so "
+            "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a "
+            "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each time, so "
             "a good grasp may fail. High scores in different columns for different poses are what make a look valuable."
         )
     ]
@@ -95,7 +96,7 @@ def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[s
 
 def _errors(errors: Errors) -> list[str]:
     figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-    told = ["–" if figure is None else f"{figure:.1f}" for figure in figures]
+    told = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
     return [str(errors.beams), *told, str(errors.only_measured), str(errors.only_predicted)]
 
 
@@ -124,13 +125,14 @@ def _design(found: Found) -> Section:
                 f"{drops} drops each. uniform: every pose is equally likely, as in the paper. hinted: every drop has a "
                 "belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look differs from drop "
                 "to drop. The true pose is drawn from the belief. The object lies "
-                f"{1e3 * flaws.object_xy_m:g} mm and {flaws.object_yaw_rad * 57.29577951:.1f} degrees (std) off its pose."
+                f"{1e3 * flaws.object_xy_m:g} mm and {flaws.object_yaw_rad * 57.29577951:.1f} degrees (std) off "
+                "its pose."
             ),
             paragraph(
                 "At every drop the simulated lidar took one scan from every place, the service turned belief and scan "
                 "into a new belief and named the best grasp, and the simulated arm attempted it "
-                f"({found.attempts} different pairs of drop and grasp were simulated). All policies meet the same drops, "
-                "scans and attempts; only the look differs. So their differences are paired, and intervals of "
+                f"({found.attempts} different pairs of drop and grasp were simulated). All policies meet the same "
+                "drops, scans and attempts; only the look differs. So their differences are paired, and intervals of "
                 "differences are bootstrapped over drops (2000 resamples within each object, 2.5 to 97.5 percentile). "
                 "Intervals of single rates are Wilson's. They say nothing of other objects."
             ),
@@ -168,8 +170,8 @@ def _findings(found: Found) -> Section:
     good = [each for each in all_found if each.verdict == "better"]
     blocks = [
         paragraph(
-            f"Of {len(all_found)} comparisons of VOA with another policy (rules x kinds of belief x policies, all objects "
-            f"together) {len(good)} favour VOA with a 95 % interval that excludes zero, "
+            f"Of {len(all_found)} comparisons of VOA with another policy (rules x kinds of belief x policies, all "
+            f"objects together) {len(good)} favour VOA with a 95 % interval that excludes zero, "
             f"{sum(each.verdict == 'worse' for each in all_found)} are against it, "
             f"{sum(each.verdict == 'no difference shown' for each in all_found)} show no difference. With so many "
             "comparisons one in twenty would exclude zero by chance alone; nothing is corrected for that."
@@ -248,7 +250,7 @@ def _differences(own: Sequence[Outcome]) -> list[list[str]]:
 def interval_text(interval: Interval | None) -> str:
     """A figure and its interval; a dash where there is none."""
     if interval is None:
-        return "–"
+        return "-"
     return f"{interval.value:+.3f} [{interval.low:+.3f}, {interval.high:+.3f}]"
 
 
@@ -283,7 +285,7 @@ def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
             ]
             header = ("rule", "from", "VOA", "AECD", "achieved", "lifted with", "lifted without", "fitted no pose")
             blocks.append(folded(f"{name}, {kind} belief: every place", table(f"{name}, {kind}", header, rows)))
-    header = ("object", "belief", "rule", "delta", "delta*", "best in hindsight", "over random", "tau", "tau to AECD")
+    columns = ("object", "belief", "rule", "delta", "delta*", "best in hindsight", "over random", "tau", "tau to AECD")
     rows = [
         [
             *(gain.object, gain.kind, gain.rule, interval_text(gain.delta), interval_text(gain.delta_star), gain.best),
@@ -292,8 +294,8 @@ def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
         for gain in found.gains
     ]
     caption = f"Choosing by VOA; {found.setting.drops} drops per line; a dash: all looks have the same value"
-    blocks += [heading("Choosing by VOA"), table(caption, header, rows)]
-    blocks.append(_tau_words(found))
+    blocks += [heading("Choosing by VOA"), table(caption, columns, rows)]
+    blocks += [_tau_words(found), _pooled(found)]
     blocks.append(picture(pictures["scatter"], "VOA against achieved value; on the dashed line prediction is right."))
     return Section("worth", "What looks were worth", tuple(blocks))
 
@@ -313,9 +315,19 @@ def _tau_words(found: Found) -> str:
         f"Of {len(found.gains)} lines the rank correlation with achieved value is positive with an interval above zero "
         f"in {len(positive)}, below zero in {len(negative)}, undecided in {len(told) - len(positive) - len(negative)} "
         f"and undefined in {undefined}, where every look was worth the same. Eight places whose values differ by less "
-        f"than their intervals cannot be ranked by {found.setting.drops} drops: such a line says that the choice of place "
-        "mattered little, not that VOA is wrong."
+        f"than their intervals cannot be ranked by {found.setting.drops} drops: such a line says that the choice of "
+        "place mattered little, not that VOA is wrong."
     )
+
+
+def _pooled(found: Found) -> str:
+    rows = []
+    for kind in BELIEFS:
+        for rule in found.rows.rules:
+            own = [each for each in found.worths if (each.kind, each.rule) == (kind, rule)]
+            tau = pooled_tau(own)
+            rows.append([kind, rule, "-" if tau is None else f"{tau:+.2f}", str(len(own))])
+    return table("Kendall's tau over the places of all objects", ("belief", "rule", "tau", "places"), rows)
 
 
 def _calibration(found: Found, pictures: Mapping[str, Path]) -> Section:
@@ -332,9 +344,9 @@ def _calibration(found: Found, pictures: Mapping[str, Path]) -> Section:
         "Calibration",
         (
             paragraph(
-                "All looks from all places, grouped by their VOA. On the dashed line a look achieves what VOA promised; "
-                "below it VOA promised too much, above it too little. Rules that trust a scan too little promise little "
-                "and achieve more."
+                "All looks from all places, grouped by their VOA. On the dashed line a look achieves what VOA "
+                "promised; below it VOA promised too much, above it too little. Rules that trust a scan too little "
+                "promise little and achieve more."
             ),
             picture(pictures["calibration"], "Mean achieved value of looks against their mean VOA, in groups."),
             folded("as a table", table("Calibration", header, rows)),
@@ -405,8 +417,8 @@ def _stating_words(found: Found) -> list[str]:
             other = sum(plain.rate.successes for plain, _ in pairs)
             total = sum(plain.rate.drops for plain, _ in pairs)
             told.append(
-                f"{rule}: over all levels of pose error, {ours} of {total} grasps succeeded with the uncertainty stated, "
-                f"{other} of {total} without."
+                f"{rule}: over all levels of pose error, {ours} of {total} grasps succeeded with the uncertainty "
+                f"stated, {other} of {total} without."
             )
     return told
 
@@ -417,7 +429,7 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
     rows = [
         [
             *(rule, sensor, f"{found['voa']:+.4f}", _number(found["aecd"])),
-            "–" if found["aecd"] is None else f"{found['aecd'] - found['voa']:+.4f}",
+            "-" if found["aecd"] is None else f"{found['aecd'] - found['voa']:+.4f}",
             f"{len(found['beliefs'])}/{len(report['poses'])}",
         ]
         for rule, sensors in rules.items()
@@ -431,9 +443,9 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
         (
             paragraph(
                 f"{len(report['poses'])} poses, all equally likely beforehand. The best grasp then is "
-                f"{before['best_grasp'] or 'none'}, with an expected score of {before['expected_score']:.3f}. VOA is the "
-                "rise of the expected score over predicted scans, AECD the rise over the scans that were really measured, "
-                "one per pose. Where a pose was not measured from a place, AECD is not defined and stands as a dash."
+                f"{before['best_grasp'] or 'none'}, with an expected score of {before['expected_score']:.3f}. VOA is "
+                "the rise of the expected score over predicted scans, AECD the rise over the scans that were really "
+                "measured, one per pose. Where a pose was not measured from a place, AECD is not defined and stands as a dash."
             ),
             picture(file, "VOA against AECD; on the dashed line the prediction was right."),
             table("Per rule and sensor configuration", header, rows),
@@ -443,7 +455,7 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
 
 
 def _number(value: float | None) -> str:
-    return "–" if value is None else f"{value:+.4f}"
+    return "-" if value is None else f"{value:+.4f}"
 
 
 def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]) -> str:
@@ -458,5 +470,5 @@ def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]
 
 
 def _column(pairs: Sequence[tuple[float, float]], index: int) -> Floats:
-    column: Floats = np.round(np.array([pair[index] for pair in pairs], dtype=np.float64), 12)
-    return column
+    # What differs by a rounding error is a tie.
+    return np.array([round(pair[index], 12) for pair in pairs], dtype=np.float64)

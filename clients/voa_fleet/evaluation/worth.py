@@ -1,6 +1,6 @@
 """What looks were worth, per object, kind of belief, rule and sensor configuration: VOA, AECD, achieved value."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from voa_fleet.evaluation.statistics import (
     Interval,
     bootstrap_mean,
     bootstrap_rank_correlation,
+    rank_correlation,
 )
 
 
@@ -70,6 +71,12 @@ def worths(rows: Rows, seed: int) -> list[Worth]:
 def gains(rows: Rows, seed: int) -> list[Gain]:
     """One per object, kind and rule, in order."""
     return [_gain_of(group, seed) for group in _groups(rows)]
+
+
+def pooled_tau(found: Sequence[Worth]) -> float | None:
+    """Kendall's tau-b over all that is given, of VOA against achieved value; None: undefined."""
+    voa = np.array([round(worth.voa, 12) for worth in found])
+    return rank_correlation(voa, np.array([round(worth.achieved.value, 12) for worth in found]))
 
 
 def _groups(rows: Rows) -> Iterator[Rows]:
