@@ -22,9 +22,9 @@ from voa_fleet.observation import Errors, ObservationErrors
 LEAD = (
     "A robot arm must grasp an object whose pose it does not know: it is one of a few poses, each believed with some "
     "probability. A second robot can first drive a lidar to one of several places and look. The Value of Assistance "
-    "(VOA) of a look is how much it is expected to raise the probability that the best grasp succeeds. It is worked "
-    "out before anything is measured, from predicted scans. This page asks three questions: how good is each grasp at each "
-    "pose, how well are scans predicted, and are looks worth what VOA says?"
+    "(VOA) of a look is how much it is expected to raise the probability that the best grasp succeeds. It is "
+    "worked out before anything is measured, from predicted scans. This page asks three questions: how "
+    "good is each grasp at each pose, how well are scans predicted, and are looks worth what VOA says?"
 )
 
 
@@ -33,8 +33,9 @@ def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -
     blocks = [
         paragraph(
             "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a "
-            "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each time, so "
-            "a good grasp may fail. High scores in different columns for different poses are what make a look valuable."
+            "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each "
+            "time, so a good grasp may fail. High scores in different columns for different poses are what make a look "
+            "valuable."
         )
     ]
     for each in scores:
@@ -445,7 +446,8 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
                 f"{len(report['poses'])} poses, all equally likely beforehand. The best grasp then is "
                 f"{before['best_grasp'] or 'none'}, with an expected score of {before['expected_score']:.3f}. VOA is "
                 "the rise of the expected score over predicted scans, AECD the rise over the scans that were really "
-                "measured, one per pose. Where a pose was not measured from a place, AECD is not defined and stands as a dash."
+                "measured, one per pose. Where a pose was not measured from a place, AECD is not defined "
+                "and stands as a dash."
             ),
             picture(file, "VOA against AECD; on the dashed line the prediction was right."),
             table("Per rule and sensor configuration", header, rows),
