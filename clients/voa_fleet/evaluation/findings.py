@@ -82,7 +82,28 @@ def _reason(rows: Rows, policy: str) -> str:
     parts.append(f"VOA promised {promised:+.2f} on average, {sum(gained) / total:+.2f} was achieved")
     truth = [look.truth - row.before.truth for row in rows.rows for look in [row.of_policy("voa")]]
     parts.append(f"belief in the true pose rose by {sum(truth) / total:+.2f} on average")
-    return "; ".join(parts) + "."
+    refused_share = sum(refused.values()) / max(1, len(looked))
+    return f"{'; '.join(parts)}. {_because(refused_share, sum(truth) / total, same / total, total)}"
+
+
+def _because(refused: float, rise: float, same: float, drops: int) -> str:
+    """What these shares say of the reason: the first that applies."""
+    if refused > 0.5:
+        return (
+            "Reason: most scans fit no pose under this rule, because a beam that just meets or misses the outline "
+            "refutes the true pose too; VOA is worked out over exact scans and does not know of that."
+        )
+    if rise < 0.05:
+        return (
+            "Reason: the rule gives nearly the same weight to all poses, so that a look from anywhere hardly moves the "
+            "belief and can do no more than break ties between grasps."
+        )
+    if same > 0.8:
+        return (
+            "Reason: both mostly lead to the same grasp; it is enough to tell apart poses that need different grasps, "
+            "and looks from several places do."
+        )
+    return f"Reason: the places differ by less than {drops} drops can show."
 
 
 _REASON_WORDS = {

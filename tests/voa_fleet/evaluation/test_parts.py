@@ -138,8 +138,8 @@ def test_worth_and_gain_from_rows() -> None:
     assert gain.tau is not None
     assert gain.tau.value == 1.0
     low, high = calibration(rows, 0)
-    assert (low.voa, low.achieved.value, low.achieved.count) == (pytest.approx(0.05), -0.25, 4)
-    assert (high.voa, high.achieved.value, high.drops) == (pytest.approx(0.25), 0.25, 4)
+    assert (low.voa, low.achieved.value, low.achieved.count) == pytest.approx((0.05, -0.25, 4))
+    assert (high.voa, high.achieved.value, high.drops) == pytest.approx((0.25, 0.25, 4))
 
 
 def test_the_page_escapes_and_stands_alone() -> None:
