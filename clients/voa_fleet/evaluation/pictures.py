@@ -158,8 +158,9 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
 
 def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
     """Success with the recommended look against each disturbance, a row per rule, with and without stating it."""
-    figure = new_figure(12.0, 12.5)
+    figure = new_figure(12.0, 12.5, None)
     panels = figure.subplots(len(RULES), len(DISTURBANCES), sharey=True)
+    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.045, top=0.945, wspace=0.08, hspace=0.2)
     for row, rule in zip(panels, RULES, strict=True):
         for axes, disturbance in zip(row, DISTURBANCES, strict=True):
             own = [level for level in levels if (level.rule, level.disturbance) == (rule, disturbance.name)]
@@ -178,9 +179,11 @@ def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
             if disturbance is DISTURBANCES[0]:
                 axes.set_ylabel(f"{rule}\nsuccess rate", fontsize=9)
     handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=3, fontsize=9)
+    figure.legend(handles, labels, loc="upper right", ncols=3, fontsize=9)
     drops = levels[0].rate.drops if levels else 0
-    figure.suptitle(f"What disturbs a look ({drops} drops per point, 95 % intervals)", fontsize=11, x=0.01, ha="left")
+    figure.suptitle(
+        f"What disturbs a look ({drops} drops per point, 95 % intervals)", fontsize=11, x=0.01, y=0.985, ha="left"
+    )
     save(figure, file)
 
 
