@@ -19,7 +19,7 @@ def before_and_after(
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, 2, sharey=True)
-    titles = ("Before: uniform belief", f"After one look from {look}, the mug at {truth}")
+    titles = ("Before: uniform belief", f"After one look from {look}, the object at {truth}")
     tables = [weighted_scores(scenario, belief) for belief in (before, after)]
     most = max(max(max(row) for row in table) for table in tables)
     grasps = [grasp.name for grasp in scenario.grasps]

@@ -17,6 +17,10 @@ EVALUATIONS = {
     "drops": Evaluation("voa_fleet.commands.drops", "how an object comes to rest, and the prior that follows"),
     "grasp-score": Evaluation("voa_fleet.commands.grasp_score", "how often each grasp succeeds at each pose"),
     "observation": Evaluation("voa_fleet.commands.observation", "how far measured scans are from predicted ones"),
+    "voa": Evaluation(
+        "voa_fleet.commands.looks", "whether looks are worth what VOA says, and what choosing by it brings"
+    ),
+    "all": Evaluation("voa_fleet.commands.everything", "all of it (but drops), as one HTML page and CSV files"),
 }
 
 

@@ -17,42 +17,50 @@ from rich.console import Console
 from rich.table import Table
 
 from voa_fleet.attempts import Result
-from voa_fleet.commands.common import amount, count, progress_bar
+from voa_fleet.commands.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
 from voa_fleet.errors import FleetError
 from voa_fleet.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
 from voa_fleet.imperfections import Imperfections
-from voa_fleet.objects import FleetObject, named_object
+from voa_fleet.objects import FleetObject
 from voa_fleet.pictures import grasp_score_table
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Attempt, write, print; returns 0, or 1 if something is wrong."""
     options = _parser().parse_args(arguments)
+    console = Console()
+    documents = []
     try:
-        thing = named_object(options.object)
-        if options.opening_mm is not None:
-            thing = thing.with_opening(options.opening_mm / 1e3)
-        flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
-        total = len(thing.poses) * len(thing.grasps) * options.attempts
-        with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
-            scores = score_grasps(
-                thing, options.attempts, flaws, options.seed, processes=options.processes, progress=advance
-            )
-        files = write_scores(options.out, thing, scores)
+        for thing in objects_of(options):
+            scores = _score(thing, options)
+            files = write_scores(options.out, thing, scores)
+            documents.append(scores.report())
+            if not options.json:
+                _show(console, scores, files)
     except (FleetError, OSError) as error:
         print(f"voa evaluate grasp-score: {error}", file=sys.stderr)
         return 1
     if options.json:
-        json.dump(scores.report(), sys.stdout, indent=1)
+        json.dump(one_or_all(documents), sys.stdout, indent=1)
         print()
-        return 0
-    console = Console()
+    return 0
+
+
+def _score(thing: FleetObject, options: argparse.Namespace) -> GraspScores:
+    if options.opening_mm is not None:
+        thing = thing.with_opening(options.opening_mm / 1e3)
+    flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
+    total = len(thing.poses) * len(thing.grasps) * options.attempts
+    with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
+        return score_grasps(thing, options.attempts, flaws, options.seed, processes=options.processes, progress=advance)
+
+
+def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None:
     console.print(f"Grasp score of the {scores.object}: successes of {scores.attempts} attempts", highlight=False)
     console.print(score_table(scores))
     console.print(failure_legend(scores), highlight=False)
     for what, file in files.items():
         console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
-    return 0
 
 
 def write_scores(folder: Path, thing: FleetObject, scores: GraspScores) -> dict[str, Path]:
@@ -121,7 +129,7 @@ def _most_frequent_failure(cell: Cell) -> Result | None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate grasp-score", description=__doc__)
-    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, block, or a folder")
+    add_objects(parser)
     parser.add_argument("--attempts", type=count, default=15, help="per pose and grasp (default 15)")
     parser.add_argument("--noise-xy-mm", type=amount, default=5.0, help="std of the object's place (default 5)")
     parser.add_argument("--noise-yaw-deg", type=amount, default=3.0, help="std of its heading (default 3)")

@@ -8,8 +8,9 @@ import argparse
 import csv
 import json
 import math
+import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 
@@ -17,11 +18,11 @@ from rich.console import Console
 from rich.table import Table
 
 from voa_client import VoaClientError
-from voa_client.recorded import read_experiment
-from voa_fleet.commands.common import amount, count, progress_bar
+from voa_client.recorded import RecordedExperiment, read_experiment
+from voa_fleet.commands.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
 from voa_fleet.errors import FleetError
 from voa_fleet.imperfections import Imperfections
-from voa_fleet.objects import named_object
+from voa_fleet.objects import FleetObject
 from voa_fleet.observation import (
     Errors,
     ObservationErrors,
@@ -36,17 +37,32 @@ from voa_fleet.pictures import errors_by_beam, scan_overlays
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compare, write, print; returns 0, or 1 if something is wrong."""
     options = _parser().parse_args(arguments)
+    console = Console()
+    documents = []
     try:
-        found = _recorded(options) if options.recorded is not None else _simulated(options)
-        files = write_errors(options.out, found)
+        for found in _found(options):
+            files = write_errors(options.out, found)
+            documents.append(found.report())
+            if not options.json:
+                _show(console, found, files)
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa evaluate observation: {error}", file=sys.stderr)
         return 1
     if options.json:
-        json.dump(found.report(), sys.stdout, indent=1)
+        json.dump(one_or_all(documents), sys.stdout, indent=1)
         print()
-        return 0
-    console = Console()
+    return 0
+
+
+def _found(options: argparse.Namespace) -> Iterator[ObservationErrors]:
+    if options.recorded is not None:
+        yield errors_of_record(read_experiment(options.recorded), options.predict)
+        return
+    for thing in objects_of(options):
+        yield _simulated(thing, options)
+
+
+def _show(console: Console, found: ObservationErrors, files: dict[str, Path]) -> None:
     console.print(error_table(found))
     overall = found.overall
     if overall.beams:
@@ -57,17 +73,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     for what, file in files.items():
         console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
-    return 0
 
 
-def _recorded(options: argparse.Namespace) -> ObservationErrors:
-    experiment = read_experiment(options.recorded)
-    source: Source = options.predict or ("recorded" if has_predictions(experiment) else "mesh")
-    return recorded_errors(experiment, source)
+def errors_of_record(experiment: RecordedExperiment, source: Source | None = None) -> ObservationErrors:
+    """Compare a recorded experiment with its own predictions, or if it has none (or `source` says so) with its mesh.
+
+    Raises:
+        InvalidExperiment: predictions from the mesh are needed, and something that they need is missing.
+    """
+    return recorded_errors(experiment, source or ("recorded" if has_predictions(experiment) else "mesh"))
 
 
-def _simulated(options: argparse.Namespace) -> ObservationErrors:
-    thing = named_object(options.object)
+def _simulated(thing: FleetObject, options: argparse.Namespace) -> ObservationErrors:
     flaws = replace(
         Imperfections.of_lds_01(),
         robot_xy_m=options.robot_xy_mm / 1e3,
@@ -84,7 +101,7 @@ def _simulated(options: argparse.Namespace) -> ObservationErrors:
 def write_errors(folder: Path, found: ObservationErrors) -> dict[str, Path]:
     """Write tables and pictures; returns the files by what they are."""
     folder.mkdir(parents=True, exist_ok=True)
-    stem = f"observation-{found.name}"
+    stem = f"observation-{file_name(found.name)}"
     files = {
         "per beam": folder / f"{stem}-beams.csv",
         "per sensor configuration": folder / f"{stem}-sensors.csv",
@@ -99,6 +116,11 @@ def write_errors(folder: Path, found: ObservationErrors) -> dict[str, Path]:
     errors_by_beam(differences, found)
     scan_overlays(scans, found)
     return files
+
+
+def file_name(name: str) -> str:
+    """A name without what file systems do not take: experiments are named by people."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip("-.") or "experiment"
 
 
 def _write_csv(file: Path, keys: tuple[str, ...], rows: Sequence[tuple[tuple[str, ...], Errors]]) -> None:
@@ -139,7 +161,7 @@ def error_table(found: ObservationErrors) -> Table:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate observation", description=__doc__)
-    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, block, or a folder")
+    add_objects(parser)
     parser.add_argument("--recorded", type=Path, metavar="DIR", help="a recorded experiment instead of the simulation")
     parser.add_argument(
         "--predict",

@@ -1,0 +1,476 @@
+"""The sections of the page: tables and pictures, and what each means for whoever has not read the paper."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from voa_fleet.evaluation.findings import Finding, findings
+from voa_fleet.evaluation.found import Found
+from voa_fleet.evaluation.outcomes import Outcome, endings
+from voa_fleet.evaluation.page import Section, folded, heading, items, paragraph, picture, table
+from voa_fleet.evaluation.policies import POLICIES
+from voa_fleet.evaluation.sensitivity import DISTURBANCES
+from voa_fleet.evaluation.setting import BELIEFS, MEANT
+from voa_fleet.evaluation.statistics import Interval, rank_correlation
+from voa_fleet.evaluation.worth import pooled_tau
+from voa_fleet.frames import Floats
+from voa_fleet.grasp_scores import GraspScores
+from voa_fleet.observation import Errors, ObservationErrors
+
+LEAD = (
+    "A robot arm must grasp an object whose pose it does not know: it is one of a few poses, each believed with some "
+    "probability. A second robot can first drive a lidar to one of several places and look. The Value of Assistance "
+    "(VOA) of a look is how much it is expected to raise the probability that the best grasp succeeds. It is "
+    "worked out before anything is measured, from predicted scans. This page asks three questions: how "
+    "good is each grasp at each pose, how well are scans predicted, and are looks worth what VOA says?"
+)
+
+
+def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -> Section:
+    """Grasp scores, a table and a picture per object."""
+    blocks = [
+        paragraph(
+            "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a "
+            "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each "
+            "time, so a good grasp may fail. High scores in different columns for different poses are what make a look "
+            "valuable."
+        )
+    ]
+    for each in scores:
+        total = sum(cell.successes for row in each.cells for cell in row)
+        made = sum(cell.attempts for row in each.cells for cell in row)
+        blocks.append(heading(f"{each.object}: {total} of {made} attempts succeeded"))
+        blocks.append(
+            picture(pictures[each.object], f"Grasp scores of the {each.object}: poses in rows, grasps in columns.")
+        )
+        rows = [[row[0].pose, *(f"{cell.successes}/{cell.attempts}" for cell in row)] for row in each.cells]
+        blocks.append(
+            folded("as a table", table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows))
+        )
+    return Section("grasp-score", "Grasp scores", tuple(blocks))
+
+
+def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[str, Sequence[Path]]) -> Section:
+    """Prediction errors, per object or experiment."""
+    blocks = [
+        paragraph(
+            "VOA stands on predicted scans. Here is how far measured ranges are from predicted ones, beam by beam: "
+            "measured minus predicted, in millimetres, over the beams that return in both. Beams that return in one "
+            "alone are counted beside: at the outline of an object a millimetre decides whether a beam meets it."
+        )
+    ]
+    for found in errors:
+        overall = found.overall
+        title = f"{found.name}: {overall.beams} beams of {found.scans} scans return in both"
+        blocks.append(heading(title))
+        if overall.median_abs is not None and overall.p95_abs is not None:
+            source = "the record" if found.source == "recorded" else "the mesh"
+            blocks.append(
+                paragraph(
+                    f"Predictions are from {source}. Half of the {overall.beams} beams differ by less than "
+                    f"{overall.median_abs:.1f} mm, 95 % by less than {overall.p95_abs:.1f} mm."
+                )
+            )
+        named = [*found.by_sensor().items(), ("all", overall)]
+        header = (
+            "from",
+            "beams",
+            "mean",
+            "median",
+            "std",
+            "min",
+            "max",
+            "median size",
+            "measured only",
+            "predicted only",
+        )
+        blocks.append(table("Measured minus predicted, mm", header, [[name, *_errors(each)] for name, each in named]))
+        captions = ("The differences, a panel per place.", "Measured over predicted points, in the lidar's frame.")
+        blocks += [
+            picture(file, f"{found.name}: {caption}")
+            for file, caption in zip(pictures[found.name], captions, strict=True)
+        ]
+    return Section("observation", "Observation prediction", tuple(blocks))
+
+
+def _errors(errors: Errors) -> list[str]:
+    figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
+    told = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
+    return [str(errors.beams), *told, str(errors.only_measured), str(errors.only_predicted)]
+
+
+def looks_sections(found: Found, pictures: Mapping[str, Path]) -> list[Section]:
+    """VOA against what was achieved."""
+    return [
+        _design(found),
+        _findings(found),
+        _policies(found, pictures),
+        _worth(found, pictures),
+        _calibration(found, pictures),
+        _sensitivity(found, pictures),
+    ]
+
+
+def _design(found: Found) -> Section:
+    setting = found.setting
+    drops = setting.drops * len(found.rows.objects)
+    flaws = setting.flaws
+    return Section(
+        "design",
+        "Looks: how they were evaluated",
+        (
+            paragraph(
+                f"Each of {len(found.rows.objects)} objects was put down {setting.drops} times per kind of belief, "
+                f"{drops} drops each. uniform: every pose is equally likely, as in the paper. hinted: every drop has a "
+                "belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look differs from drop "
+                "to drop. The true pose is drawn from the belief. The object lies "
+                f"{1e3 * flaws.object_xy_m:g} mm and {flaws.object_yaw_rad * 57.29577951:.1f} degrees (std) off "
+                "its pose."
+            ),
+            paragraph(
+                "At every drop the simulated lidar took one scan from every place, the service turned belief and scan "
+                "into a new belief and named the best grasp, and the simulated arm attempted it "
+                f"({found.attempts} different pairs of drop and grasp were simulated). All policies meet the same "
+                "drops, scans and attempts; only the look differs. So their differences are paired, and intervals of "
+                "differences are bootstrapped over drops (2000 resamples within each object, 2.5 to 97.5 percentile). "
+                "Intervals of single rates are Wilson's. They say nothing of other objects."
+            ),
+            table("Policies", ("policy", "looks from"), [list(each) for each in POLICIES.items()]),
+            table(
+                "Update rules: how a scan turns into weights of poses",
+                ("rule", "weight"),
+                [list(e) for e in MEANT.items()],
+            ),
+            table(
+                "Words",
+                ("word", "meaning"),
+                [
+                    ["VOA", "expected rise of the best grasp's score, over predicted scans, before the look"],
+                    ["AECD", "the same over the scans that were really taken: mean rise of the expected score"],
+                    ["achieved value", "success rate with the look less success rate without it, over the same drops"],
+                    ["delta", "achieved value of the looks that VOA chose"],
+                    [
+                        "delta*",
+                        "achieved value of the one place that was best in hindsight; being picked, it is flattered",
+                    ],
+                    ["over random", "delta less the mean achieved value of all places"],
+                    [
+                        "tau",
+                        "Kendall's rank correlation over the places of an object: 1 same order, 0 none, -1 reversed",
+                    ],
+                ],
+            ),
+        ),
+    )
+
+
+def _findings(found: Found) -> Section:
+    all_found = findings(found)
+    good = [each for each in all_found if each.verdict == "better"]
+    blocks = [
+        paragraph(
+            f"Of {len(all_found)} comparisons of VOA with another policy (rules x kinds of belief x policies, all "
+            f"objects together) {len(good)} favour VOA with a 95 % interval that excludes zero, "
+            f"{sum(each.verdict == 'worse' for each in all_found)} are against it, "
+            f"{sum(each.verdict == 'no difference shown' for each in all_found)} show no difference. With so many "
+            "comparisons one in twenty would exclude zero by chance alone; nothing is corrected for that."
+        ),
+        heading("Where VOA is better"),
+        items([each.told for each in good]) if good else paragraph("Nowhere."),
+    ]
+    for verdict, title in (
+        ("worse", "Negative: where VOA is worse"),
+        ("no difference shown", "Negative: no difference"),
+    ):
+        own = [each for each in all_found if each.verdict == verdict]
+        told = [_with_reason(each) for each in own]
+        blocks += [heading(title), items(told) if told else paragraph("Nowhere.")]
+    return Section("findings", "What came out", tuple(blocks))
+
+
+def _with_reason(each: Finding) -> str:
+    return f"{each.told} {each.reason}"
+
+
+def _policies(found: Found, pictures: Mapping[str, Path]) -> Section:
+    blocks = [
+        paragraph(
+            "How often the arm lifted the object, by policy. Cells: successes/drops (share). The last column block is "
+            "VOA's rate less the policy's, with its paired interval: above zero, VOA was better."
+        ),
+        picture(pictures["policies"], "Success rate per policy and rule, over all objects, with 95 % intervals."),
+    ]
+    for name in (None, *found.rows.objects):
+        for kind in BELIEFS:
+            own = [each for each in found.outcomes if (each.object, each.kind) == (name, kind)]
+            title = f"{name or 'all objects'}, {kind} belief"
+            shown = table(title, ("rule", *POLICIES), _rates(own)) + table(
+                f"{title}: VOA less the policy", ("rule", *(p for p in POLICIES if p != "voa")), _differences(own)
+            )
+            blocks.append(shown if name is None else folded(title, shown))
+    counted = [
+        [kind, rule, *[_ending(found, kind, rule, ending) for ending in _ENDINGS]]
+        for kind in BELIEFS
+        for rule in found.rows.rules
+    ]
+    blocks.append(
+        folded(
+            "how the grasps after VOA's looks ended",
+            table("Grasps after VOA's looks, all objects, by how they ended", ("belief", "rule", *_ENDINGS), counted),
+        )
+    )
+    return Section("policies", "Success per policy", tuple(blocks))
+
+
+_ENDINGS = (
+    *("lifted", "in the way", "stopped on approach", "nothing between the fingers", "not held", "slipped"),
+    *("out of reach", "none"),
+)
+
+
+def _ending(found: Found, kind: str, rule: str, ending: str) -> str:
+    own = found.rows.of(kind="uniform" if kind == "uniform" else "hinted", rule=rule)
+    return str(endings(own, "voa").get(ending, 0))
+
+
+def _rates(own: Sequence[Outcome]) -> list[list[str]]:
+    rules = dict.fromkeys(each.rule for each in own)
+    return [
+        [rule, *(f"{e.rate.successes}/{e.rate.drops} ({100 * e.rate.share:.0f} %)" for e in own if e.rule == rule)]
+        for rule in rules
+    ]
+
+
+def _differences(own: Sequence[Outcome]) -> list[list[str]]:
+    rules = dict.fromkeys(each.rule for each in own)
+    return [[rule, *(interval_text(e.behind) for e in own if e.rule == rule and e.policy != "voa")] for rule in rules]
+
+
+def interval_text(interval: Interval | None) -> str:
+    """A figure and its interval; a dash where there is none."""
+    if interval is None:
+        return "-"
+    return f"{interval.value:+.3f} [{interval.low:+.3f}, {interval.high:+.3f}]"
+
+
+def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
+    blocks = [
+        paragraph(
+            "What a look from each place was expected to be worth (VOA), what it was worth by the scans really taken "
+            "(AECD), and by how much it changed the success of grasps really attempted (achieved value). If VOA is "
+            "right, the three agree, and more so their order."
+        )
+    ]
+    for name in found.rows.objects:
+        blocks.append(heading(name))
+        blocks.append(picture(pictures[f"example-{name}"], _EXAMPLE.format(name=name)))
+        blocks.append(picture(pictures[f"worth-{name}"], f"{name}, uniform belief: value of each place, per rule."))
+        for kind in BELIEFS:
+            own = [each for each in found.worths if (each.object, each.kind) == (name, kind)]
+            rows = [
+                [
+                    *(
+                        each.rule,
+                        each.sensor,
+                        f"{each.voa:+.3f}",
+                        interval_text(each.aecd),
+                        interval_text(each.achieved),
+                    ),
+                    f"{each.with_look}/{each.achieved.count}",
+                    f"{each.without}/{each.achieved.count}",
+                    f"{each.not_accepted}/{each.achieved.count}",
+                ]
+                for each in own
+            ]
+            header = ("rule", "from", "VOA", "AECD", "achieved", "lifted with", "lifted without", "fitted no pose")
+            blocks.append(folded(f"{name}, {kind} belief: every place", table(f"{name}, {kind}", header, rows)))
+    columns = ("object", "belief", "rule", "delta", "delta*", "best in hindsight", "over random", "tau", "tau to AECD")
+    rows = [
+        [
+            *(gain.object, gain.kind, gain.rule, interval_text(gain.delta), interval_text(gain.delta_star), gain.best),
+            *(interval_text(gain.over_random), interval_text(gain.tau), interval_text(gain.tau_aecd)),
+        ]
+        for gain in found.gains
+    ]
+    caption = f"Choosing by VOA; {found.setting.drops} drops per line; a dash: all looks have the same value"
+    blocks += [heading("Choosing by VOA"), table(caption, columns, rows)]
+    blocks += [_tau_words(found), _pooled(found)]
+    blocks.append(picture(pictures["scatter"], "VOA against achieved value; on the dashed line prediction is right."))
+    return Section("worth", "What looks were worth", tuple(blocks))
+
+
+_EXAMPLE = (
+    "{name}: one look. Each cell is belief in the pose times grasp score; a column's sum is the expected score of the "
+    "grasp. Left before, right after the look (rule inverse_rmsd)."
+)
+
+
+def _tau_words(found: Found) -> str:
+    told = [gain for gain in found.gains if gain.tau is not None]
+    positive = [gain for gain in told if gain.tau is not None and gain.tau.low > 0.0]
+    negative = [gain for gain in told if gain.tau is not None and gain.tau.high < 0.0]
+    undefined = len(found.gains) - len(told)
+    return paragraph(
+        f"Of {len(found.gains)} lines the rank correlation with achieved value is positive with an interval above zero "
+        f"in {len(positive)}, below zero in {len(negative)}, undecided in {len(told) - len(positive) - len(negative)} "
+        f"and undefined in {undefined}, where every look was worth the same. Eight places whose values differ by less "
+        f"than their intervals cannot be ranked by {found.setting.drops} drops: such a line says that the choice of "
+        "place mattered little, not that VOA is wrong."
+    )
+
+
+def _pooled(found: Found) -> str:
+    rows = []
+    for kind in BELIEFS:
+        for rule in found.rows.rules:
+            own = [each for each in found.worths if (each.kind, each.rule) == (kind, rule)]
+            tau = pooled_tau(own)
+            rows.append([kind, rule, "-" if tau is None else f"{tau:+.2f}", str(len(own))])
+    return table("Kendall's tau over the places of all objects", ("belief", "rule", "tau", "places"), rows)
+
+
+def _calibration(found: Found, pictures: Mapping[str, Path]) -> Section:
+    rows = [
+        [
+            *(each.kind, each.rule, f"{each.low:g} to {each.high:g}", f"{each.voa:+.3f}", interval_text(each.achieved)),
+            *(str(each.achieved.count), str(each.drops)),
+        ]
+        for each in found.bins
+    ]
+    header = ("belief", "rule", "VOA between", "mean VOA", "mean achieved value", "looks", "drops")
+    return Section(
+        "calibration",
+        "Calibration",
+        (
+            paragraph(
+                "All looks from all places, grouped by their VOA. On the dashed line a look achieves what VOA "
+                "promised; below it VOA promised too much, above it too little. Rules that trust a scan too little "
+                "promise little and achieve more."
+            ),
+            picture(pictures["calibration"], "Mean achieved value of looks against their mean VOA, in groups."),
+            folded("as a table", table("Calibration", header, rows)),
+        ),
+    )
+
+
+def _sensitivity(found: Found, pictures: Mapping[str, Path]) -> Section:
+    units = {each.name: each.unit for each in DISTURBANCES}
+    rows = [
+        [
+            *(level.disturbance, f"{level.level:g} {units[level.disturbance]}", "yes" if level.stated else "no"),
+            *(level.rule, f"{level.rate.successes}/{level.rate.drops}", f"{level.blind.successes}/{level.blind.drops}"),
+            *(interval_text(level.gain), f"{level.not_accepted}/{level.rate.drops}"),
+        ]
+        for level in found.levels
+    ]
+    header = ("disturbance", "level", "stated", "rule", "lifted with look", "without", "gain", "fitted no pose")
+    return Section(
+        "sensitivity",
+        "What disturbs a look",
+        (
+            paragraph(
+                f"The look that VOA recommends under a uniform belief, at the first {found.setting.sensitivity_drops} "
+                f"drops of each object ({found.setting.sensitivity_drops * len(found.rows.objects)} in all), while one "
+                "thing gets worse. Where the robot's pose is uncertain, the robot may state how much, and the service "
+                "then averages over where it may stand. Below the dashed line looking does harm."
+            ),
+            picture(pictures["sensitivity"], "Success rate against four disturbances, a row per update rule."),
+            items(_sensitivity_words(found)),
+            folded("as a table", table("Sensitivity", header, rows)),
+        ),
+    )
+
+
+def _sensitivity_words(found: Found) -> list[str]:
+    told = []
+    for disturbance in DISTURBANCES:
+        for rule in found.rows.rules:
+            own = [each for each in found.levels if (each.disturbance, each.rule) == (disturbance.name, rule)]
+            harms = [each for each in own if each.gain.high < 0.0]
+            for stated in (False, True):
+                bad = [f"{each.level:g}" for each in harms if each.stated is stated]
+                if bad:
+                    how = ", although stated," if stated else ""
+                    told.append(
+                        f"Negative: under {rule}, looking{how} does harm at {disturbance.title} of "
+                        f"{', '.join(bad)} {disturbance.unit}."
+                    )
+    told += _stating_words(found)
+    return told or ["No disturbance made a look harmful with an interval that excludes zero."]
+
+
+def _stating_words(found: Found) -> list[str]:
+    told = []
+    for rule in found.rows.rules:
+        pairs = [
+            (plain, stated)
+            for plain in found.levels
+            for stated in found.levels
+            if not plain.stated
+            and stated.stated
+            and (plain.disturbance, plain.level, plain.rule) == (stated.disturbance, stated.level, rule)
+            and stated.rule == rule
+        ]
+        if pairs:
+            ours = sum(stated.rate.successes for _, stated in pairs)
+            other = sum(plain.rate.successes for plain, _ in pairs)
+            total = sum(plain.rate.drops for plain, _ in pairs)
+            told.append(
+                f"{rule}: over all levels of pose error, {ours} of {total} grasps succeeded with the uncertainty "
+                f"stated, {other} of {total} without."
+            )
+    return told
+
+
+def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
+    """A recorded experiment: VOA against AECD per rule."""
+    rules: dict[str, dict[str, Any]] = report["rules"]
+    rows = [
+        [
+            *(rule, sensor, f"{found['voa']:+.4f}", _number(found["aecd"])),
+            "-" if found["aecd"] is None else f"{found['aecd'] - found['voa']:+.4f}",
+            f"{len(found['beliefs'])}/{len(report['poses'])}",
+        ]
+        for rule, sensors in rules.items()
+        for sensor, found in sensors.items()
+    ]
+    header = ("rule", "from", "VOA", "AECD", "AECD less VOA", "poses measured")
+    before = report["before"]
+    return Section(
+        "recorded",
+        "VOA against what the measured scans were worth",
+        (
+            paragraph(
+                f"{len(report['poses'])} poses, all equally likely beforehand. The best grasp then is "
+                f"{before['best_grasp'] or 'none'}, with an expected score of {before['expected_score']:.3f}. VOA is "
+                "the rise of the expected score over predicted scans, AECD the rise over the scans that were really "
+                "measured, one per pose. Where a pose was not measured from a place, AECD is not defined "
+                "and stands as a dash."
+            ),
+            picture(file, "VOA against AECD; on the dashed line the prediction was right."),
+            table("Per rule and sensor configuration", header, rows),
+            items([_recorded_words(rule, sensors) for rule, sensors in rules.items()]),
+        ),
+    )
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.4f}"
+
+
+def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]) -> str:
+    both = [(found["voa"], found["aecd"]) for found in sensors.values()]
+    pairs = [(voa, aecd) for voa, aecd in both if voa is not None and aecd is not None]
+    if not pairs:
+        return f"{rule}: no place was measured at every pose."
+    apart = max(abs(voa - aecd) for voa, aecd in pairs)
+    tau = rank_correlation(_column(pairs, 0), _column(pairs, 1))
+    ranked = "the order of places is undefined" if tau is None else f"Kendall's tau {tau:+.2f}"
+    return f"{rule}: over {len(pairs)} of {len(sensors)} places VOA and AECD differ by {apart:.4f} at most; {ranked}."
+
+
+def _column(pairs: Sequence[tuple[float, float]], index: int) -> Floats:
+    # What differs by a rounding error is a tie.
+    return np.array([round(pair[index], 12) for pair in pairs], dtype=np.float64)
