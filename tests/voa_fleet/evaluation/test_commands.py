@@ -20,7 +20,7 @@ from voa_fleet.evaluation.running import scores_of
 from voa_fleet.evaluation.setting import BELIEFS, RULES, Setting
 from voa_fleet.objects import FleetObject
 
-TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--seed", "5")
+TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--quick", "--seed", "5")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[4] / "shared" / "lab-holder"))
 needs_lab = pytest.mark.skipif(
     not LAB.is_dir(), reason=f"the lab's data are not at {LAB}; VOA_LAB_HOLDER names another place"
@@ -97,7 +97,10 @@ def test_the_page_needs_nothing_beside_it(reported: Path) -> None:
     assert page.count('src="data:image/png;base64,') == page.count("<img ") == len(pictures)
     assert "://" not in page
     assert "<script" not in page
-    assert "voa evaluate all --object block --seed 5 --drops 1 --attempts 1 --sensitivity-drops 1 --out DIR" in page
+    assert (
+        "voa evaluate all --object block --seed 5 --drops 1 --attempts 1 --sensitivity-drops 1 --quick --out DIR"
+        in page
+    )
     assert "Negative" in page
 
 
@@ -118,7 +121,7 @@ def test_voa_is_what_the_services_answers_to_predicted_scans_give(process: str, 
 
 
 def test_the_command_shows_tables(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = ["voa", "block", "--quick", *TINY, "--url", process, "--out", str(tmp_path)]
+    told = ["voa", "block", *TINY, "--url", process, "--out", str(tmp_path)]
     assert evaluate.main(told) == 0
     said = capsys.readouterr().out
     assert "Successes per policy, all objects, hinted belief" in said
