@@ -6,7 +6,6 @@ once, the others after a while, unless the session has it by then.
 
 import secrets
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -17,160 +16,33 @@ import structlog
 import zenoh
 from zenoh.handlers import Callback
 
-from voa_msgs.keys import Attachment
-from voa_msgs.sessions import ScanRequest
-from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.looks import LookTaker, Taken, Waiting, Where, robot_of
-from voa_ros.places import NoPose, localisation, middle_s
-from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace, load
-from voa_ros.topics import LASER_SCAN, ODOMETRY, MessageType, expressions
-from voa_service.failures import INTERNAL, INVALID, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure, not_found
+from voa_ros.looks import Taken
+from voa_ros.robots import RobotMapping, load
+from voa_ros.topics import MessageType, expressions
+from voa_service.failures import INTERNAL, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure
 from voa_service.ports import IdempotencyKey
-from voa_service.rpc import attachment_of
 from voa_service.services import Services
 from voa_service.writes import idempotency_key, scope_of, write_of
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
+from voa_service.zenoh.mapped_robot import LOOK_SECONDS, Heard, MappedRobot, last_look
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 2
-_LOOK_SECONDS = 1.0
-"""How late a change of the mapping, or a new session on a mapped scenario, is noticed."""
 _END_SECONDS = 0.4
 _SAME_STOP_SECONDS = 600
-_NEWEST = 50
-"""Versions of a session among which the newest look of a robot is searched."""
-
-
-@dataclass(frozen=True)
-class _Heard:
-    """A message on one of a robot's topics."""
-
-    type: MessageType
-    key: str
-    payload: bytes
-    attachment: bytes | None
 
 
 @dataclass(frozen=True)
 class _Look:
     """A look to be applied."""
 
-    robot: "_Robot"
+    robot: MappedRobot
     session: str
     key: str
     taken: Taken
     second: bool = False
     """Another replica should have applied it by now."""
-
-
-class _Robot:
-    """One mapped robot: what was heard of it, and the looks that follow."""
-
-    def __init__(self, mapping: RobotMapping, services: Services) -> None:
-        self.mapping = mapping
-        self.name = mapping.name
-        self._services = services
-        self._localisation = localisation(mapping)
-        self._taker = LookTaker(mapping.name, mapping.look)
-        self._session: str | None = None
-        self._order = -1
-        self._looked_for_session = -_LOOK_SECONDS
-        self._lock = threading.Lock()
-
-    @property
-    def waiting_for(self) -> str | None:
-        """See `LookTaker`."""
-        return self._taker.waiting_for
-
-    @property
-    def session(self) -> str | None:
-        """The session that its scans are for, as far as that is known."""
-        return self._session or self.mapping.session
-
-    def has_look(self, request: ScanRequest) -> None:
-        """The session has this look of the robot, whoever applied it."""
-        with self._lock:
-            self._taker.resume(request)
-
-    def request(self) -> None:
-        """See `LookTaker`."""
-        with self._lock:
-            self._taker.request()
-
-    def heard(self, heard: _Heard) -> tuple[str, Taken] | None:
-        """Take a message in; a look for a session, where there is one now.
-
-        Raises:
-            Failure: it cannot be used.
-        """
-        with self._lock:
-            try:
-                return self._heard(heard)
-            except InvalidCdr as error:
-                raise Failure(INVALID, f"not a {heard.type.name}: {error}") from error
-
-    def _heard(self, heard: _Heard) -> tuple[str, Taken] | None:
-        if heard.type == ODOMETRY and self._localisation is not None:
-            self._localisation.hear_odometry(decode_odometry(heard.payload))
-            return None
-        if heard.type != LASER_SCAN and self._localisation is not None:
-            self._localisation.hear_amcl(decode_pose(heard.payload))
-            return None
-        self._services.robots.heard(self.name, "ros2", heard.key, self._session)
-        scan = decode_laser_scan(heard.payload, self._services.limits.beams)
-        session = self._current_session()
-        where = self._where(middle_s(scan, self.mapping.stamp), heard.attachment)
-        found = self._taker.heard(scan, where)
-        if isinstance(found, Waiting):
-            if isinstance(where, NoPose):
-                raise Failure(INVALID, f"it is not known where the lidar was: {where.reason}")
-            return None
-        return session, found
-
-    def _where(self, at_s: float, attachment: bytes | None) -> Where | NoPose:
-        match self.mapping.place:
-            case SensorPlace(sensor=sensor):
-                return sensor
-            case AttachmentPlace():
-                beside: Attachment = attachment_of(attachment)
-                return beside.sensor or beside.sensor_pose or NoPose("the attachment of the scan does not say")
-            case _:
-                return NoPose("nothing tells") if self._localisation is None else self._localisation.at(at_s)
-
-    def _current_session(self) -> str:
-        """The session that the scans are for; where it is another one now, the looks begin anew.
-
-        Raises:
-            Failure: there is none.
-        """
-        now = time.monotonic()
-        if self._session is not None and now - self._looked_for_session < _LOOK_SECONDS:
-            return self._session
-        session = self._mapped_session()
-        self._looked_for_session = now
-        if session != self._session:
-            newest = last_look(self._services, session, self.name)
-            requested = self._taker.requested
-            self._taker = LookTaker(self.name, self.mapping.look)
-            if newest is not None:
-                self._taker.resume(newest)
-            if requested:
-                self._taker.request()
-            self._session = session
-        return session
-
-    def _mapped_session(self) -> str:
-        sessions = self._services.sessions
-        if self.mapping.session is not None:
-            return self.mapping.session
-        scenario = self.mapping.scenario or ""
-        newest = sessions.newest(scenario)
-        # When the newest one is deleted, an older one, which may be finished, is not to be changed any more.
-        if newest is None or newest.order < self._order:
-            raise not_found("session yet on scenario", scenario)
-        self._order = newest.order
-        return newest.id
 
 
 class Ros2:
@@ -183,9 +55,9 @@ class Ros2:
         self._file = mapping
         self._replicas = replicas
         self._outbox = outbox
-        self._robots: dict[str, tuple[_Robot, ExitStack]] = {}
+        self._robots: dict[str, tuple[MappedRobot, ExitStack]] = {}
         self._read: str | None = None
-        self._boxes: Mailboxes[tuple[_Robot, _Heard | _Look]] = Mailboxes(
+        self._boxes: Mailboxes[tuple[MappedRobot, Heard | _Look]] = Mailboxes(
             self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
         self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
@@ -213,7 +85,7 @@ class Ros2:
                 self._services.metrics.zenoh("ROS message dropped at the end")
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
-        while not ended.wait(_LOOK_SECONDS):
+        while not ended.wait(LOOK_SECONDS):
             self._follow_file(session)
 
     def _follow_file(self, session: zenoh.Session) -> None:
@@ -240,7 +112,7 @@ class Ros2:
         structlog.get_logger().info("mapping read", robots=sorted(wanted))
 
     def _add(self, session: zenoh.Session, mapping: RobotMapping) -> None:
-        robot = _Robot(mapping, self._services)
+        robot = MappedRobot(mapping, self._services)
         stack = ExitStack()
         for subscription in mapping.subscriptions:
             for expression in expressions(subscription.topic, subscription.type):
@@ -254,7 +126,7 @@ class Ros2:
         stack.close()
         self._services.robots.unmapped(name)
 
-    def _heard(self, robot: _Robot, type_: MessageType, sample: zenoh.Sample) -> None:
+    def _heard(self, robot: MappedRobot, type_: MessageType, sample: zenoh.Sample) -> None:
         """In a Zenoh thread: hand over, or refuse."""
         if sample.kind != zenoh.SampleKind.PUT:
             return
@@ -265,7 +137,7 @@ class Ros2:
             self._refuse(robot, key, Failure(TOO_LARGE, f"expected a message of at most {most} bytes, got {size}"))
             return
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
-        heard = _Heard(type_, key, sample.payload.to_bytes(), attachment)
+        heard = Heard(type_, key, sample.payload.to_bytes(), attachment)
         if not self._boxes.put(robot.name, (robot, heard), size):
             self._refuse(robot, key, Failure(OVERLOADED, "more messages are waiting than this service can work on"))
 
@@ -273,7 +145,7 @@ class Ros2:
         if not self._boxes.put(look.robot.name, (look.robot, look), 0):
             self._refuse(look.robot, look.key, Failure(OVERLOADED, "more messages are waiting than can be worked on"))
 
-    def _work(self, item: tuple[_Robot, _Heard | _Look]) -> None:
+    def _work(self, item: tuple[MappedRobot, Heard | _Look]) -> None:
         """In a worker thread."""
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
@@ -327,26 +199,12 @@ class Ros2:
         look.robot.has_look(newest)
         return True
 
-    def _refuse(self, robot: _Robot, key: str, failure: Failure) -> None:
+    def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
         self._services.metrics.zenoh(f"ROS message refused: {failure.kind}")
         if self._services.robots.refused(robot.name, "ros2", key, why):
             structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
         self._outbox.refused(robot.session or "none", robot.name, failure)
-
-
-def last_look(services: Services, session: str, robot: str) -> ScanRequest | None:
-    """The newest look of a robot in a session's history.
-
-    Raises:
-        Failure: there is no such session.
-    """
-    for entry in services.sessions.newest_entries(session, _NEWEST):
-        if entry.kind == "scan":
-            request = ScanRequest.model_validate_json(entry.request)
-            if robot_of(request) == robot:
-                return request
-    return None
 
 
 def _seconds(stamp: object, which: str) -> float:
