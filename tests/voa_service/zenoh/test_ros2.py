@@ -227,7 +227,7 @@ def test_a_look_that_was_asked_for_is_not_forgotten(own: Lab) -> None:
     first = own.service.open(scenario)
     own.bus.call("robot.look", {"robot": "tb3_1"})  # before it was ever heard
     own.revolutions(3)
-    assert own.version(first) == 1
+    wait_for(lambda: own.version(first) == 1, "the look")
 
 
 def test_a_session_that_is_deleted_does_not_send_the_robot_to_an_older_one(own: Lab) -> None:
