@@ -50,7 +50,8 @@ def running(module: str, options: Sequence[str], log: Path, ready: str = "/ready
     with socket.create_server(("127.0.0.1", 0)) as listening, log.open("wb") as stderr:
         url = f"http://127.0.0.1:{listening.getsockname()[1]}"
         command = [sys.executable, "-m", module, "--fd", str(listening.fileno()), *options]
-        process = subprocess.Popen(command, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - ours
+        # Not our stdout: whoever reads that would wait for a service that outlives us.
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - ours
     try:
         try:
             httpx2.get(url + ready, timeout=_START_SECONDS).raise_for_status()

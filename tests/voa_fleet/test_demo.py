@@ -108,14 +108,6 @@ def test_demo_seconds_end_it_by_itself(
     assert (tmp_path / "demo.html").is_file()
 
 
-def test_nothing_rings_when_the_demo_is_over_in_time() -> None:
-    before = signal.getsignal(signal.SIGALRM)
-    with command.ended_after(60.0):
-        assert signal.getitimer(signal.ITIMER_REAL)[0] > 0.0
-    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
-    assert signal.getsignal(signal.SIGALRM) == before
-
-
 @pytest.mark.parametrize("told", ["soon", "-1", "nan"])
 def test_demo_seconds_that_are_none_are_refused(
     told: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -7,15 +7,12 @@ without looks. It leaves a page with the pictures.
 
 import argparse
 import os
-import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import FrameType
 
 from rich.console import Console
 from rich.table import Table
@@ -29,6 +26,7 @@ from voa_fleet.commands.common import count, progress_bar
 from voa_fleet.commands.fleet import natural
 from voa_fleet.contrast import Contrast, Tally
 from voa_fleet.demo_page import Chapter, Picture, write_page
+from voa_fleet.ending import Ending, TimeIsUp, ended_after
 from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
 from voa_fleet.imperfections import Imperfections
 from voa_fleet.objects import FleetObject, named_object
@@ -61,10 +59,6 @@ FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.0
 _READ_S = 1.2
 """For a reader at a terminal, after what changes the table."""
 _LABELS = {"none": "without a look", "voa": "with looks by VOA"}
-
-
-class _Over(Exception):
-    """The time that DEMO_SECONDS gives is up."""
 
 
 @dataclass
@@ -125,16 +119,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
     """All of it, or as much as time and Ctrl-C allow."""
     try:
-        with ended_after(_seconds()), ExitStack() as stack:
+        with ended_after(_seconds()) as ending, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
             client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
             scenario = load_scenario(client, demo.thing.folder / "scenario.json")
             stage = make_stage(demo.thing, FLAWS, demo.seed, VirtualClock(), PAIR)
             tell_story(demo, client, scenario, stage, console, options.looks)
-            tell_contrast(demo, client, scenario, stage, console, options)
+            tell_contrast(demo, client, scenario, stage, console, options, ending)
             demo.paper = options.out / PICTURE
             paper_picture(client, demo.paper)
-    except _Over:
+    except TimeIsUp:
         console.print("\nDEMO_SECONDS are over: the demo ends here.")
     except KeyboardInterrupt:
         console.print("\nStopped: the demo ends here.")
@@ -183,7 +177,13 @@ def truth_told(demo: Demo, story: Story) -> str:
 
 
 def tell_contrast(
-    demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, options: argparse.Namespace
+    demo: Demo,
+    client: Client,
+    scenario: Scenario,
+    stage: Stage,
+    console: Console,
+    options: argparse.Namespace,
+    ending: Ending,
 ) -> None:
     """More drops, each played with looks and without."""
     console.rule("[bold]The same drops without a look, and with[/bold]", align="left")
@@ -191,8 +191,13 @@ def tell_contrast(
     drops = range(1, options.drops + 1)
     with ExitStack() as stack:
         progress = stack.enter_context(progress_bar("more drops", len(drops) * policies))
+
+        def advance(count: int) -> None:
+            ending.check()
+            progress(count)
+
         try:
-            demo.contrast.play(client, scenario, stage, drops, options.looks, progress)
+            demo.contrast.play(client, scenario, stage, drops, options.looks, advance)
         finally:
             if demo.tallies:
                 console.print(contrast_table(demo.tallies))
@@ -330,25 +335,6 @@ def _pace(console: Console) -> Callable[[Happening], None]:
             time.sleep(_READ_S)
 
     return pace
-
-
-@contextmanager
-def ended_after(seconds: float | None) -> Iterator[None]:
-    """Raise `_Over` in the body after so many seconds; None, or outside of the main thread: never."""
-    if seconds is None or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def ring(_number: int, _frame: FrameType | None) -> None:
-        raise _Over
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def _seconds() -> float | None:
