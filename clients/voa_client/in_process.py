@@ -72,7 +72,7 @@ class AsyncInProcessTransport:
             raise TimedOutError(f"{call.rpc}: no answer within {seconds:.3g} s") from error
 
     @asynccontextmanager
-    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002
+    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002 - the port's
         """As the port says: asking is cheap here, so nothing is told."""
         yield
 

@@ -108,7 +108,7 @@ class AsyncZenohTransport:
         return _reply(asked, replies)
 
     @asynccontextmanager
-    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002
+    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002 - the port's
         """As the port says."""
         try:
             session = await self._joined(_JOIN_S)

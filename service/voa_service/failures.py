@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import structlog
+from pydantic import ValidationError
 
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
 from voa_msgs import WIRE_VERSION
@@ -82,6 +83,11 @@ def of_validation(errors: Sequence[Any]) -> Failure:
     first = f"{fields[0]['field']}: {fields[0]['problem']}"
     more = f" (and {len(fields) - 1} more)" if len(fields) > 1 else ""
     return Failure(INVALID, first + more, errors=fields[:_MOST_ERRORS])
+
+
+def of_message(error: ValidationError, where: str) -> Failure:
+    """The same for a message that is read here; `where` it stands is put before the fields."""
+    return of_validation([dict(each) | {"loc": (where, *each["loc"])} for each in error.errors(include_url=False)])
 
 
 def document(failure: Failure) -> bytes:

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from voa_service.failures import INVALID, MALFORMED, TOO_LARGE, Failure, of_validation
+from voa_service.failures import INVALID, MALFORMED, TOO_LARGE, Failure, of_message
 from voa_service.limits import check
 from voa_service.settings import Limits
 
@@ -50,7 +50,6 @@ def message(kind: type[M], fields: dict[str, Any], limits: Limits) -> M:
     try:
         read = kind.model_validate(fields)
     except ValidationError as error:
-        found = [dict(each) | {"loc": ("body", *each["loc"])} for each in error.errors(include_url=False)]
-        raise of_validation(found) from error
+        raise of_message(error, "body") from error
     check(read, limits)
     return read

@@ -25,7 +25,7 @@ from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
 from voa_service.compute import WorkQueue
-from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_validation, wire_failure
+from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_message, wire_failure
 from voa_service.logs import is_wanted
 from voa_service.ports import Answered, HistoryKind
 from voa_service.reading import json_object, message
@@ -173,11 +173,10 @@ def attachment_of(attachment: bytes | None) -> Attachment:
     try:
         return Attachment.model_validate_json(attachment)
     except ValidationError as error:
-        found = [dict(each) | {"loc": ("attachment", *each["loc"])} for each in error.errors(include_url=False)]
-        for each in found:
+        for each in error.errors(include_url=False):
             if each["type"] == "json_invalid":
                 raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
-        raise of_validation(found) from error
+        raise of_message(error, "attachment") from error
 
 
 def _methods(services: Services) -> Mapping[str, _Method]:

@@ -51,7 +51,7 @@ def replay(
     before: dict[str, Any] = {}
     task = progress.add_task("replaying", total=len(rules) * len(experiment.sensors))
     for rule in rules:
-        scenario = client.create_scenario(_scenario(experiment, _update(rule, experiment), predictions))
+        scenario = client.create_scenario(_scenario(experiment, update_of(rule, experiment.no_return_m), predictions))
         belief = [1.0 / len(experiment.poses)] * len(experiment.poses)
         ranking = client.rank_once(RankingRequest(scenario=scenario.id, belief=belief))
         before = {"best_grasp": ranking.best_grasp_before, "expected_score": ranking.expected_score_before}
@@ -172,19 +172,19 @@ def _sensors(experiment: RecordedExperiment) -> list[SensorConfiguration]:
     ]
 
 
-def _update(rule: str, experiment: RecordedExperiment) -> UpdateRule:
-    no_return = experiment.no_return_m
+def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
+    """A rule with its defaults; `margin` shares the belief among the nearest poses, as the paper's lab did."""
     match rule:
         case "margin":
-            return MarginUpdate(rule="margin", no_return_m=no_return, on_no_match="nearest")
+            return MarginUpdate(rule="margin", no_return_m=no_return_m, on_no_match="nearest")
         case "exponential":
-            return ExponentialUpdate(rule="exponential", no_return_m=no_return)
+            return ExponentialUpdate(rule="exponential", no_return_m=no_return_m)
         case "gaussian":
-            return GaussianUpdate(rule="gaussian", no_return_m=no_return)
+            return GaussianUpdate(rule="gaussian", no_return_m=no_return_m)
         case "inverse_rmsd":
-            return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=no_return)
+            return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=no_return_m)
         case _:
-            return BeamUpdate(rule="beam", no_return_m=no_return)
+            return BeamUpdate(rule="beam", no_return_m=no_return_m)
 
 
 def show(console: Console, report: dict[str, Any]) -> None:

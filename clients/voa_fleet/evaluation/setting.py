@@ -6,13 +6,9 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
+from voa_cli.replay.experiments import update_of as usual_update
 from voa_fleet.imperfections import Imperfections
 from voa_msgs.updates import (
-    BeamUpdate,
-    ExponentialUpdate,
-    GaussianUpdate,
-    InverseRmsdUpdate,
-    MarginUpdate,
     UpdateRule,
 )
 
@@ -65,17 +61,4 @@ def update_of(rule: str, own: UpdateRule) -> UpdateRule:
 
     `margin` shares the belief among the nearest poses where none is within the margin, as the paper's lab did.
     """
-    if rule == own.rule:
-        return own
-    far = own.no_return_m
-    match rule:
-        case "margin":
-            return MarginUpdate(rule="margin", no_return_m=far, on_no_match="nearest")
-        case "exponential":
-            return ExponentialUpdate(rule="exponential", no_return_m=far)
-        case "gaussian":
-            return GaussianUpdate(rule="gaussian", no_return_m=far)
-        case "inverse_rmsd":
-            return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=far)
-        case _:
-            return BeamUpdate(rule="beam", no_return_m=far)
+    return own if rule == own.rule else usual_update(rule, own.no_return_m)

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import structlog
-from sqlalchemy import Connection, Engine, create_engine, event, make_url
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedError, ProgrammingError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.sql.compiler import SQLCompiler
@@ -17,13 +17,6 @@ _CONNECTIONS = 16
 _BUSY_MS = 10_000
 _WAIT_SECONDS = 30
 _CONNECT_SECONDS = 5
-_PATIENCE = {
-    # A row that somebody holds, who may be frozen, must not hold up every worker for good.
-    "options": f"-c lock_timeout={_BUSY_MS} -c idle_in_transaction_session_timeout={_BUSY_MS}",
-    "keepalives_idle": 10,
-    "keepalives_interval": 5,
-    "keepalives_count": 3,
-}
 _TRY_AGAIN = {"Retry-After": "1"}
 _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 """What a statement of ours did; every other error of a database is that of the database."""
@@ -118,9 +111,23 @@ def connect(url: str) -> Engines:
         max_overflow=0,
         pool_timeout=_WAIT_SECONDS,
         pool_pre_ping=True,  # a database that went and came back costs one query, not an error
-        connect_args={"connect_timeout": make_url(url).query.get("connect_timeout", _CONNECT_SECONDS)} | _PATIENCE,
+        connect_args=_patience(make_url(url)),
     )
     return Engines(engine, engine, engine.execution_options(isolation_level="AUTOCOMMIT"))
+
+
+def _patience(url: URL) -> dict[str, Any]:
+    """How long PostgreSQL is waited for; what the URL says itself holds."""
+    usual: dict[str, Any] = {
+        "connect_timeout": _CONNECT_SECONDS,
+        "keepalives_idle": 10,
+        "keepalives_interval": 5,
+        "keepalives_count": 3,
+    }
+    # A row that somebody holds, who may be frozen, must not hold up every worker for good.
+    options = f"-c lock_timeout={_BUSY_MS} -c idle_in_transaction_session_timeout={_BUSY_MS}"
+    own = url.query.get("options", "")
+    return usual | dict(url.query) | {"options": f"{options} {own if isinstance(own, str) else ' '.join(own)}".strip()}
 
 
 def _sqlite(url: str, begin: str | None, connections: int) -> Engine:
@@ -132,10 +139,7 @@ def _sqlite(url: str, begin: str | None, connections: int) -> Engine:
         for pragma in ("journal_mode=WAL", "synchronous=FULL", f"busy_timeout={_BUSY_MS}", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
 
-    def start(connection: Connection) -> None:
-        connection.exec_driver_sql(str(begin))
-
     event.listen(engine, "connect", prepare)
     if begin is not None:
-        event.listen(engine, "begin", start)
+        event.listen(engine, "begin", lambda connection: connection.exec_driver_sql(begin))
     return engine

@@ -32,6 +32,7 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
+from voa_service.store.engines import connect
 from voa_service.store.sql import SqlStore
 
 T = TypeVar("T")
@@ -676,3 +677,15 @@ def test_a_full_database_file_is_a_failure_and_room_again_is_enough(tmp_path: Pa
         connection.exec_driver_sql("PRAGMA max_page_count = 1000000")
     assert store.change_session("S", write(), next_version) == Answered(f"v{found.version + 1}", found.version + 1)
     store.close()
+
+
+def test_a_row_that_is_held_is_not_waited_for_without_end_and_own_options_hold(postgres: Server) -> None:
+    own = postgres.new_database() + "?options=-c%20application_name%3Dlab&connect_timeout=7"
+    engines = connect(own)
+    with engines.writer.connect() as connection:
+        shown = [
+            connection.execute(text(f"SHOW {name}")).scalar_one()
+            for name in ("lock_timeout", "idle_in_transaction_session_timeout", "application_name")
+        ]
+    engines.dispose()
+    assert shown == ["10s", "10s", "lab"]
