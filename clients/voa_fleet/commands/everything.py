@@ -24,16 +24,12 @@ from voa_fleet.commands.grasp_score import write_scores
 from voa_fleet.commands.looks import add_setting, setting_of, write_pictures
 from voa_fleet.commands.observation import errors_of_record, write_errors
 from voa_fleet.errors import FleetError
+from voa_fleet.evaluation.fleet_sections import grasp_section, observation_section
 from voa_fleet.evaluation.found import find
 from voa_fleet.evaluation.page import Section, command, page, paragraph
 from voa_fleet.evaluation.pictures import recorded_worth
-from voa_fleet.evaluation.sections import (
-    LEAD,
-    grasp_section,
-    looks_sections,
-    observation_section,
-    recorded_section,
-)
+from voa_fleet.evaluation.recorded_sections import recorded_section
+from voa_fleet.evaluation.sections import LEAD, looks_sections
 from voa_fleet.evaluation.setting import Setting, usual_flaws
 from voa_fleet.evaluation.tables import write_csv, write_tables
 from voa_fleet.objects import FleetObject

@@ -2,9 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from voa_fleet.evaluation.findings import Finding, findings
 from voa_fleet.evaluation.found import Found
@@ -13,11 +10,8 @@ from voa_fleet.evaluation.page import Section, folded, heading, items, paragraph
 from voa_fleet.evaluation.policies import POLICIES
 from voa_fleet.evaluation.sensitivity import DISTURBANCES
 from voa_fleet.evaluation.setting import BELIEFS, MEANT
-from voa_fleet.evaluation.statistics import Interval, rank_correlation
+from voa_fleet.evaluation.statistics import Interval
 from voa_fleet.evaluation.worth import pooled_tau
-from voa_fleet.frames import Floats
-from voa_fleet.grasp_scores import GraspScores
-from voa_fleet.observation import Errors, ObservationErrors
 
 LEAD = (
     "A robot arm must grasp an object whose pose it does not know: it is one of a few poses, each believed with some "
@@ -26,79 +20,6 @@ LEAD = (
     "worked out before anything is measured, from predicted scans. This page asks three questions: how "
     "good is each grasp at each pose, how well are scans predicted, and are looks worth what VOA says?"
 )
-
-
-def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -> Section:
-    """Grasp scores, a table and a picture per object."""
-    blocks = [
-        paragraph(
-            "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a "
-            "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each "
-            "time, so a good grasp may fail. High scores in different columns for different poses are what make a look "
-            "valuable."
-        )
-    ]
-    for each in scores:
-        total = sum(cell.successes for row in each.cells for cell in row)
-        made = sum(cell.attempts for row in each.cells for cell in row)
-        blocks.append(heading(f"{each.object}: {total} of {made} attempts succeeded"))
-        blocks.append(
-            picture(pictures[each.object], f"Grasp scores of the {each.object}: poses in rows, grasps in columns.")
-        )
-        rows = [[row[0].pose, *(f"{cell.successes}/{cell.attempts}" for cell in row)] for row in each.cells]
-        blocks.append(
-            folded("as a table", table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows))
-        )
-    return Section("grasp-score", "Grasp scores", tuple(blocks))
-
-
-def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[str, Sequence[Path]]) -> Section:
-    """Prediction errors, per object or experiment."""
-    blocks = [
-        paragraph(
-            "VOA stands on predicted scans. Here is how far measured ranges are from predicted ones, beam by beam: "
-            "measured minus predicted, in millimetres, over the beams that return in both. Beams that return in one "
-            "alone are counted beside: at the outline of an object a millimetre decides whether a beam meets it."
-        )
-    ]
-    for found in errors:
-        overall = found.overall
-        title = f"{found.name}: {overall.beams} beams of {found.scans} scans return in both"
-        blocks.append(heading(title))
-        if overall.median_abs is not None and overall.p95_abs is not None:
-            source = "the record" if found.source == "recorded" else "the mesh"
-            blocks.append(
-                paragraph(
-                    f"Predictions are from {source}. Half of the {overall.beams} beams differ by less than "
-                    f"{overall.median_abs:.1f} mm, 95 % by less than {overall.p95_abs:.1f} mm."
-                )
-            )
-        named = [*found.by_sensor().items(), ("all", overall)]
-        header = (
-            "from",
-            "beams",
-            "mean",
-            "median",
-            "std",
-            "min",
-            "max",
-            "median size",
-            "measured only",
-            "predicted only",
-        )
-        blocks.append(table("Measured minus predicted, mm", header, [[name, *_errors(each)] for name, each in named]))
-        captions = ("The differences, a panel per place.", "Measured over predicted points, in the lidar's frame.")
-        blocks += [
-            picture(file, f"{found.name}: {caption}")
-            for file, caption in zip(pictures[found.name], captions, strict=True)
-        ]
-    return Section("observation", "Observation prediction", tuple(blocks))
-
-
-def _errors(errors: Errors) -> list[str]:
-    figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-    told = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
-    return [str(errors.beams), *told, str(errors.only_measured), str(errors.only_predicted)]
 
 
 def looks_sections(found: Found, pictures: Mapping[str, Path]) -> list[Section]:
@@ -422,55 +343,3 @@ def _stating_words(found: Found) -> list[str]:
                 f"stated, {other} of {total} without."
             )
     return told
-
-
-def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
-    """A recorded experiment: VOA against AECD per rule."""
-    rules: dict[str, dict[str, Any]] = report["rules"]
-    rows = [
-        [
-            *(rule, sensor, f"{found['voa']:+.4f}", _number(found["aecd"])),
-            "-" if found["aecd"] is None else f"{found['aecd'] - found['voa']:+.4f}",
-            f"{len(found['beliefs'])}/{len(report['poses'])}",
-        ]
-        for rule, sensors in rules.items()
-        for sensor, found in sensors.items()
-    ]
-    header = ("rule", "from", "VOA", "AECD", "AECD less VOA", "poses measured")
-    before = report["before"]
-    return Section(
-        "recorded",
-        "VOA against what the measured scans were worth",
-        (
-            paragraph(
-                f"{len(report['poses'])} poses, all equally likely beforehand. The best grasp then is "
-                f"{before['best_grasp'] or 'none'}, with an expected score of {before['expected_score']:.3f}. VOA is "
-                "the rise of the expected score over predicted scans, AECD the rise over the scans that were really "
-                "measured, one per pose. Where a pose was not measured from a place, AECD is not defined "
-                "and stands as a dash."
-            ),
-            picture(file, "VOA against AECD; on the dashed line the prediction was right."),
-            table("Per rule and sensor configuration", header, rows),
-            items([_recorded_words(rule, sensors) for rule, sensors in rules.items()]),
-        ),
-    )
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:+.4f}"
-
-
-def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]) -> str:
-    both = [(found["voa"], found["aecd"]) for found in sensors.values()]
-    pairs = [(voa, aecd) for voa, aecd in both if voa is not None and aecd is not None]
-    if not pairs:
-        return f"{rule}: no place was measured at every pose."
-    apart = max(abs(voa - aecd) for voa, aecd in pairs)
-    tau = rank_correlation(_column(pairs, 0), _column(pairs, 1))
-    ranked = "the order of places is undefined" if tau is None else f"Kendall's tau {tau:+.2f}"
-    return f"{rule}: over {len(pairs)} of {len(sensors)} places VOA and AECD differ by {apart:.4f} at most; {ranked}."
-
-
-def _column(pairs: Sequence[tuple[float, float]], index: int) -> Floats:
-    # What differs by a rounding error is a tie.
-    return np.array([round(pair[index], 12) for pair in pairs], dtype=np.float64)
