@@ -9,6 +9,7 @@ from pydantic import EncodedBytes, EncoderProtocol, Field
 from pydantic_core import PydanticCustomError
 
 from voa_msgs.base import Message, Name, Page, Point3, Positive, Quaternion
+from voa_msgs.warnings import ProbableMistake
 
 
 class _Base64(EncoderProtocol):
@@ -53,6 +54,7 @@ class Object(Message):
     """Size of the bounding box in the mesh's own frame, metres."""
     faces: int
     watertight: bool
+    warnings: list[ProbableMistake] = []
     created_at: datetime
 
 

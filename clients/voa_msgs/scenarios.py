@@ -13,6 +13,7 @@ from voa_msgs.geometry import Candidate, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
 from voa_msgs.updates import BeamUpdate, UpdateRule
+from voa_msgs.warnings import ProbableMistake
 
 MOST_ATTEMPTS = 1_000_000_000
 
@@ -92,6 +93,7 @@ class Scenario(ScenarioRequest):
 
     id: str
     """Digest of the content, name included."""
+    warnings: list[ProbableMistake] = []
     created_at: datetime
 
 

@@ -11,6 +11,7 @@ from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotN
 from voa_msgs.examples import exemplified
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
+from voa_msgs.warnings import ProbableMistake
 
 
 class SessionRequest(Message):
@@ -38,6 +39,8 @@ class Estimate(Message):
     entropy_nats: float
     last_fit_rmsd_mm: float | None
     """Fit of the newest accepted scan."""
+    warnings: list[ProbableMistake] = []
+    """Those of the scenario; in the answer to a scan, those of the scan."""
 
 
 class Session(Estimate):
