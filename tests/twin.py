@@ -106,21 +106,37 @@ def rmsd(measured: Sequence[float], predicted: Sequence[float], no_return_m: flo
     return distance(measured, predicted, no_return_m) / math.sqrt(len(compared(measured)))
 
 
-def fit_rmsd_mm(measured: Sequence[float], predictions: Sequence[Sequence[float]], no_return_m: float) -> float | None:
-    if not compared(measured):
+def best_fit(log_weights: Sequence[float], distances: Sequence[float]) -> int:
+    """The pose with the largest weight, the first of equals; where every weight is 0, the one with the smallest d."""
+    if max(log_weights) == -math.inf:
+        return distances.index(min(distances))
+    return log_weights.index(max(log_weights))
+
+
+def fit_rmsd_mm(measured: Sequence[float], predicted: Sequence[float], no_return_m: float) -> float | None:
+    return 1000.0 * rmsd(measured, predicted, no_return_m) if compared(measured) else None
+
+
+def fit_hit_rmsd_mm(measured: Sequence[float], predicted: Sequence[float], no_return_m: float) -> float | None:
+    both = [i for i in compared(measured) if measured[i] != NOTHING and predicted[i] != NOTHING]
+    if not both:
         return None
-    return 1000.0 * min(rmsd(measured, predicted, no_return_m) for predicted in predictions)
+    return 1000.0 * rmsd([measured[i] for i in both], [predicted[i] for i in both], no_return_m)
 
 
-def fit_hit_rmsd_mm(
-    measured: Sequence[float], predictions: Sequence[Sequence[float]], no_return_m: float
-) -> float | None:
-    found = []
-    for predicted in predictions:
-        both = [i for i in compared(measured) if measured[i] != NOTHING and predicted[i] != NOTHING]
-        if both:
-            found.append(rmsd([measured[i] for i in both], [predicted[i] for i in both], no_return_m))
-    return 1000.0 * min(found) if found else None
+def misses_object(
+    measured: Sequence[float], copies: Sequence[Sequence[Sequence[float]]], belief: Sequence[float], has_workspace: bool
+) -> bool:
+    """DESIGN.md, "A scan without the object"; `copies[p]` are the predicted scans of the displaced copies of pose p."""
+    beams = compared(measured)
+    possible = [copy for of_pose, b in zip(copies, belief, strict=True) if b > 0.0 for copy in of_pose]
+    m = min(sum(copy[i] != NOTHING for i in beams) for copy in possible)
+    seen = 0
+    for i in beams:
+        returns = [copy[i] for copy in possible if copy[i] != NOTHING]
+        if returns and measured[i] != NOTHING:
+            seen += has_workspace or measured[i] <= max(returns) + 0.1
+    return m >= 3 and seen < m / 3
 
 
 # ------------------------------------------------------------------------------------------------ update rules
@@ -215,11 +231,14 @@ def update(
     *,
     on_no_match: str = "reject",
     reject_above_rmsd_mm: float | None = None,
+    nothing_seen: bool = False,
 ) -> Updated:
     before = list(belief)
     if beams_compared == 0:
         return Updated(before, False, "no_beams", None)
-    best_fit_mm = 1000.0 * min(distances) / math.sqrt(beams_compared)
+    if nothing_seen:
+        return Updated(before, False, "nothing_seen", None)
+    best_fit_mm = 1000.0 * distances[best_fit(log_weights, distances)] / math.sqrt(beams_compared)
     if reject_above_rmsd_mm is not None and best_fit_mm > reject_above_rmsd_mm:
         return Updated(before, False, "bad_fit", None)
     posterior = bayes(belief, log_weights)

@@ -1,8 +1,10 @@
-"""What one scan says of every pose: a weight each, and how well the best of them fits."""
+"""What one scan says of every pose: a weight each, how well each fits, and whether the object is in it at all."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
@@ -11,6 +13,42 @@ from voa_core.rules import UpdateRule, coded, squared_distance
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
 from voa_core.workspace import Workspace
 
+BEHIND_M = 0.1
+"""Without a workspace, a return this far behind the farthest prediction of its beam still sees the object."""
+_FEWEST_RETURNS = 3
+_SLACK_M = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Which beams of one scan could see the object, and which do (DESIGN.md, "A scan without the object").
+
+    Attributes:
+        measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.
+        farthest: (n, u) the farthest range that any displaced copy of each pose predicts; -inf for no return.
+        fewest: (n,) the fewest of the compared beams on which a displaced copy of each pose returns.
+        behind_m: how far behind the farthest prediction a return still sees the object; inf with a workspace,
+            whose edge has decided that already.
+    """
+
+    measured: Floats
+    farthest: Floats
+    fewest: NDArray[np.intp]
+    behind_m: float
+
+    def misses_object(self, possible: NDArray[np.bool_]) -> bool:
+        """Whether fewer beams see the object than a third of those that must, for the possible poses (n,).
+
+        With m the fewest returns that a copy of a possible pose predicts, the scan misses the object if m >= 3 and
+        fewer than m / 3 of the beams on which such a copy returns see it. At most 2 returns show nothing either way.
+        """
+        fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
+        if fewest < _FEWEST_RETURNS:
+            return False
+        farthest = self.farthest.max(axis=0, where=possible[:, None], initial=-np.inf)
+        seen = (self.measured <= farthest + self.behind_m + _SLACK_M) & np.isfinite(self.measured)
+        return 3 * int(np.count_nonzero(seen & np.isfinite(farthest))) < fewest
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -18,33 +56,39 @@ class Evidence:
 
     Attributes:
         log_weights: (n,) ln w of each pose.
-        distances: (n,) d of each pose, metres.
-        hit_rmsds: (n,) RMSD over the beams on which both return, metres; NaN where there is none.
+        distances: (n,) d of each pose, metres; with an uncertain sensor pose, the smallest over its sigma points.
+        hit_rmsds: (n,) RMSD over the beams on which both return, metres, at that sigma point; NaN where there is none.
         beams_compared: number of beams that are not missing.
+        sight: which beams could see the object, and which do.
     """
 
     log_weights: Floats
     distances: Floats
     hit_rmsds: Floats
     beams_compared: int
+    sight: Sight
 
     @property
     def best_fit(self) -> int:
-        """Index of the pose with the smallest RMSD, the first listed of equals."""
-        return int(np.argmin(self.distances))
+        """Index of the pose with the largest weight, the first listed of equals.
+
+        Where every weight is 0, as under `margin`, it is the pose with the smallest RMSD.
+        """
+        best = int(np.argmax(self.log_weights))
+        return best if self.log_weights[best] > -np.inf else int(np.argmin(self.distances))
 
     @property
     def fit_rmsd_mm(self) -> float | None:
-        """The smallest RMSD over all poses, millimetres; None where no beam is compared."""
+        """RMSD of the pose that fits best, millimetres; None where no beam is compared."""
         if self.beams_compared == 0:
             return None
-        return 1e3 * float(self.distances.min()) / float(np.sqrt(self.beams_compared))
+        return 1e3 * float(self.distances[self.best_fit]) / float(np.sqrt(self.beams_compared))
 
     @property
     def fit_hit_rmsd_mm(self) -> float | None:
-        """The same over the beams on which both return; None where no pose has one."""
-        known = self.hit_rmsds[~np.isnan(self.hit_rmsds)]
-        return 1e3 * float(known.min()) if known.size else None
+        """RMSD of the pose that fits best over the beams on which both return, millimetres; None where there is none."""
+        rmsd = float(self.hit_rmsds[self.best_fit])
+        return None if np.isnan(rmsd) else 1e3 * rmsd
 
 
 def evidence_of_scan(
@@ -79,22 +123,18 @@ def evidence_of_scan(
     crossing = workspace.crossing(sensor, grid.angles) if workspace else None
     beams = classify(scan, lidar, crossing)
     stands = uncertainty.sigma_points(sensor) if uncertainty else [sensor]
-    each = [
-        _compare(
-            beams,
-            restricted(predictor.predict(stand, grid, listed=listed), stand, scan, lidar, workspace),
-            rule,
-        )
-        for stand in stands
+    predictions = [
+        restricted(predictor.predict(stand, grid, listed=listed), stand, scan, lidar, workspace) for stand in stands
     ]
-    if len(each) == 1:
-        return each[0]
-    hits = np.stack([evidence.hit_rmsds for evidence in each])
+    compared = [_compare(beams, prediction, rule) for prediction in predictions]
+    log_weights, distances, hit_rmsds = (np.stack(values) for values in zip(*compared, strict=True))
+    best = distances.argmin(axis=0), np.arange(distances.shape[1])
     return Evidence(
-        np.logaddexp.reduce([evidence.log_weights for evidence in each]) - np.log(len(each)),
-        np.min([evidence.distances for evidence in each], axis=0),
-        np.where(np.isnan(hits).all(axis=0), np.nan, np.min(np.where(np.isnan(hits), np.inf, hits), axis=0)),
-        each[0].beams_compared,
+        log_weights[0] if len(stands) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(stands)),
+        distances[best],
+        hit_rmsds[best],
+        int(np.count_nonzero(~np.isnan(beams))),
+        _sight(beams, predictions, BEHIND_M if workspace is None else np.inf),
     )
 
 
@@ -112,13 +152,17 @@ def restricted(
     return Prediction(prediction.grid, prediction.columns, restrict_prediction(prediction.ranges, range_max, crossing))
 
 
-def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> Evidence:
-    """One scan, classified (r,), against the scans predicted for every pose at one sensor pose."""
+def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
+    """One scan, classified (r,), against the scans predicted for every pose at one sensor pose.
+
+    Returns:
+        ln w, d and RMSD over the beams on which both return (NaN where there is none), each (n,).
+    """
     known = ~np.isnan(beams)
     compared = int(known.sum())
     if compared == 0:
         nothing = np.zeros(len(prediction.ranges))
-        return Evidence(nothing, nothing, np.full(len(nothing), np.nan), 0)
+        return nothing, nothing, np.full(len(nothing), np.nan)
     kept = known[prediction.columns]
     observed = np.ascontiguousarray(beams[prediction.columns][kept])[None, :]
     predicted = np.ascontiguousarray(prediction.ranges[:, kept])
@@ -131,19 +175,32 @@ def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> Evidenc
         squared_distance(observed, predicted, rule.no_return_m)[0]
         + squared_distance(rest, nothing, rule.no_return_m)[0, 0]
     )
-    return Evidence(
-        rule.log_weights(statistic, compared),
-        np.sqrt(square),
-        _hit_rmsds(
-            coded(observed, rule.no_return_m),
-            coded(predicted, rule.no_return_m),
-            np.isfinite(observed) & np.isfinite(predicted),
-        ),
-        compared,
+    hit_rmsds = _hit_rmsds(
+        coded(observed, rule.no_return_m),
+        coded(predicted, rule.no_return_m),
+        np.isfinite(observed) & np.isfinite(predicted),
     )
+    return rule.log_weights(statistic, compared), np.sqrt(square), hit_rmsds
 
 
 def _hit_rmsds(observed: Floats, predicted: Floats, both: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> Floats:
     count = both.sum(axis=1)
     square = np.where(both, (observed - predicted) ** 2, 0.0).sum(axis=1)
     return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
+
+
+def _sight(beams: Floats, predictions: Sequence[Prediction], behind_m: float) -> Sight:
+    """Which of the classified beams (r,) could see a pose in any of its displaced copies, one prediction each."""
+    known = ~np.isnan(beams)
+    columns = np.unique(np.concatenate([prediction.columns[known[prediction.columns]] for prediction in predictions]))
+    poses = len(predictions[0].ranges)
+    farthest = np.full((poses, len(columns)), -np.inf)
+    fewest = np.full(poses, len(beams), dtype=np.intp)
+    for prediction in predictions:
+        kept = known[prediction.columns]
+        predicted = prediction.ranges[:, kept]
+        returns = predicted < NO_RETURN
+        where = np.searchsorted(columns, prediction.columns[kept])
+        farthest[:, where] = np.maximum(farthest[:, where], np.where(returns, predicted, -np.inf))
+        fewest = np.minimum(fewest, np.count_nonzero(returns, axis=1))
+    return Sight(beams[columns], farthest, fewest, behind_m)

@@ -17,7 +17,9 @@ A = TypeVar("A")
 B = TypeVar("B")
 
 SAME_VALUE_DIGITS = 12
-WORTH_A_LOOK = 1e-9
+MIN_GAIN = 0.005
+"""Success probability that a look must promise, net of its cost, to be recommended, unless a scenario says otherwise."""
+_TIE = 1e-6
 
 
 class Spread(Protocol):
@@ -48,10 +50,13 @@ class Ranking:
     before: Choice
     looks: tuple[RankedLook, ...]
 
-    @property
-    def worth_looking(self) -> bool:
-        """Whether the first look's net value exceeds 1e-9; else it is time to grasp."""
-        return self.looks[0].net_value > WORTH_A_LOOK
+    def worth_looking(self, min_gain: float = MIN_GAIN) -> bool:
+        """Whether the first look's net value exceeds `min_gain`; else it is time to grasp."""
+        return self.looks[0].net_value > min_gain
+
+    def ties_with_first(self, look: RankedLook) -> bool:
+        """Whether `look` is worth as much as the first, within 1e-6; the first ties with itself."""
+        return self.looks[0].net_value - look.net_value <= _TIE
 
 
 def rank(

@@ -12,6 +12,7 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
+from voa_core.ranking import MIN_GAIN
 from voa_core.rules import UpdateRule
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
@@ -21,7 +22,10 @@ from voa_core.workspace import Workspace
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """Poses, grasps, lidar, sensor configurations, predictions, update rule and prior; immutable."""
+    """Poses, grasps, lidar, sensor configurations, predictions, update rule and prior; immutable.
+
+    `min_gain` is the net value, in success probability, that a look must exceed to be recommended.
+    """
 
     poses: PoseSet
     table: GraspTable
@@ -31,6 +35,7 @@ class Scenario:
     policy: UpdatePolicy
     prior: Belief
     workspace: Workspace | None = None
+    min_gain: float = MIN_GAIN
 
     @property
     def lidar(self) -> LidarModel:

@@ -11,7 +11,8 @@ from voa_core.evidence import Evidence
 from voa_core.filtering import Belief, condition, share_equally
 
 OnNoMatch = Literal["reject", "nearest"]
-Reason = Literal["no_match", "no_beams", "bad_fit", "nearest"]
+OnNothingSeen = Literal["reject", "evidence"]
+Reason = Literal["no_beams", "nothing_seen", "bad_fit", "no_match", "nearest"]
 
 NEAREST_SHARE = 0.015
 
@@ -22,6 +23,7 @@ class UpdatePolicy:
 
     Attributes:
         on_no_match: what a scan does to which every possible pose gives weight 0.
+        on_nothing_seen: what a scan does in which too few beams see the object, see `evidence.Sight`.
         reject_above_rmsd_mm: a scan whose best fit is worse than this is not accepted; None: any is.
         score_floor: for grasp outcomes, see `grasps.log_outcome_weights`.
     """
@@ -29,10 +31,12 @@ class UpdatePolicy:
     on_no_match: OnNoMatch = "reject"
     reject_above_rmsd_mm: float | None = None
     score_floor: float = 0.0
+    on_nothing_seen: OnNothingSeen = "reject"
 
     def __post_init__(self) -> None:
-        if self.on_no_match not in get_args(OnNoMatch):
-            raise InvalidInput("on_no_match", " or ".join(map(repr, get_args(OnNoMatch))), repr(self.on_no_match))
+        for field, known in (("on_no_match", get_args(OnNoMatch)), ("on_nothing_seen", get_args(OnNothingSeen))):
+            if getattr(self, field) not in known:
+                raise InvalidInput(field, " or ".join(map(repr, known)), repr(getattr(self, field)))
         if self.reject_above_rmsd_mm is not None:
             number("reject_above_rmsd_mm", self.reject_above_rmsd_mm, above=0.0)
         if not 0.0 <= self.score_floor <= 0.5:
@@ -57,9 +61,15 @@ class Update:
 
 
 def update(belief: Belief, evidence: Evidence, policy: UpdatePolicy) -> Update:
-    """tau(b, o): no beams, then a bad fit, then Bayes' rule, then the policy for a scan that nothing explains."""
+    """The belief after a scan, tau(b, o).
+
+    Not accepted, in this order: a scan without a beam to compare, one in which the object is not, and one whose best
+    fit is too bad. Then Bayes' rule holds, or the policy for a scan that no possible pose explains.
+    """
     if evidence.beams_compared == 0:
         return Update(belief, False, "no_beams", None)
+    if policy.on_nothing_seen == "reject" and evidence.sight.misses_object(belief.log_p > -np.inf):
+        return Update(belief, False, "nothing_seen", None)
     fit, limit = evidence.fit_rmsd_mm, policy.reject_above_rmsd_mm
     if limit is not None and fit is not None and fit > limit:
         return Update(belief, False, "bad_fit", None)

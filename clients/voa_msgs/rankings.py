@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from annotated_types import Len
+from annotated_types import Ge, Le, Len
 from pydantic import Field
 
 from voa_msgs import examples
@@ -25,6 +25,8 @@ class VoaRequest(Message):
     """The grasps that are reachable now; null: all."""
     sensor_belief: Distribution | None = None
     """Belief of the agent that carries the lidar, where it differs; null: the session's."""
+    min_gain: Annotated[float, Ge(0.0), Le(1.0)] | None = None
+    """A look is recommended where its net value exceeds this; null: the scenario's `min_gain`."""
     outcomes: bool = False
     """Whether to list what each look could find."""
 
@@ -58,12 +60,14 @@ class RankedSensor(Message):
     net_value: float
     """`voa` - `cost`."""
     expected_score_after: float
+    ties_with_first: bool
+    """Whether it is worth as much as the first of the ranking, within 1e-6; true for the first itself."""
     outcomes: list[Outcome] | None = None
     """Where asked for."""
 
 
 class Look(Message):
-    """Look from there: it is worth more than it costs."""
+    """Look from there: it is worth more than it costs, by more than `min_gain`."""
 
     action: Literal["look"]
     sensor: str
@@ -71,7 +75,7 @@ class Look(Message):
 
 
 class GraspNow(Message):
-    """No look is worth its cost: grasp."""
+    """No look is worth its cost and `min_gain`: grasp."""
 
     action: Literal["grasp"]
     grasp: str | None

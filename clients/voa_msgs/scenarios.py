@@ -80,6 +80,8 @@ class ScenarioRequest(Message):
     lidar: Lidar
     update: UpdateRule = BeamUpdate()
     workspace: Workspace | None = None
+    min_gain: Annotated[float, Ge(0.0), Le(1.0)] = 0.005
+    """A look is recommended where its net value, in success probability, exceeds this."""
     predictions: dict[Name, dict[Name, Ranges]] | None = None
     """Per sensor and pose the ranges of all beams; null: no-return. They win over the mesh."""
     prior: Prior | None = None

@@ -112,7 +112,7 @@ class UpdateRequest(ScanRequest):
     belief: Distribution
 
 
-Reason = Literal["no_match", "no_beams", "bad_fit", "nearest"]
+Reason = Literal["no_beams", "nothing_seen", "bad_fit", "no_match", "nearest"]
 
 
 class UpdateReport(Message):
@@ -124,10 +124,11 @@ class UpdateReport(Message):
     log_evidence: float | None
     """ln sum_p b[p] w[p] with the weights as used."""
     fit_rmsd_mm: float | None
-    """The smallest RMSD over all poses."""
+    """RMSD of `best_fit_pose` over all compared beams."""
     fit_hit_rmsd_mm: float | None
-    """The same over the beams on which both return."""
+    """RMSD of `best_fit_pose` over the beams on which scan and prediction both return; null where there are none."""
     best_fit_pose: str | None
+    """The pose with the largest weight under the update rule, the first listed of equals."""
     beams_compared: int
 
 

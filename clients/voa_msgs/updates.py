@@ -13,6 +13,8 @@ class _Update(Message):
     """What a beam without a return counts as, and the most that a return counts as, metres; null: `range_max`."""
     on_no_match: Literal["reject", "nearest"] = "reject"
     """A scan that no pose explains: not accepted, or the belief is shared among the nearest poses."""
+    on_nothing_seen: Literal["reject", "evidence"] = "reject"
+    """A scan in which too few beams see any object: not accepted, or taken as evidence like any other."""
     reject_above_rmsd_mm: Positive | None = None
     """A scan whose best fit is worse is not accepted (wrong object, empty table); null: any is."""
     score_floor: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0
@@ -62,5 +64,5 @@ class BeamUpdate(_Update):
 UpdateRule = Annotated[
     MarginUpdate | ExponentialUpdate | GaussianUpdate | InverseRmsdUpdate | BeamUpdate, Field(discriminator="rule")
 ]
-POLICY_FIELDS = frozenset({"rule", "on_no_match", "reject_above_rmsd_mm", "score_floor"})
+POLICY_FIELDS = frozenset({"rule", "on_no_match", "on_nothing_seen", "reject_above_rmsd_mm", "score_floor"})
 """Fields of an update that are no parameters of its rule."""

@@ -116,10 +116,14 @@ def scenario_of(
         predictor=predictor,
         rule=rule_of(request.update.rule, lidar, **parameters),
         policy=UpdatePolicy(
-            request.update.on_no_match, request.update.reject_above_rmsd_mm, request.update.score_floor
+            request.update.on_no_match,
+            request.update.reject_above_rmsd_mm,
+            request.update.score_floor,
+            request.update.on_nothing_seen,
         ),
         prior=prior_of(request.prior, poses),
         workspace=workspace,
+        min_gain=request.min_gain,
     )
 
 

@@ -94,7 +94,7 @@ def test_the_first_look_makes_oi90_best_if_the_mug_is_at_u_90(scenario: Scenario
     first = ranking.looks[0]
     belief = after(scenario, first.sensor.name, "U_90")
     choice = best_grasp(scenario.table, belief.p)
-    assert ranking.worth_looking
+    assert ranking.worth_looking()
     assert choice.index == GRASPS.index("OI90")
     assert first.assistance.best_grasps[POSES.index("U_90")] == choice.index
     assert first.assistance.scores[POSES.index("U_90")] == pytest.approx(choice.expected_score, abs=1e-12)

@@ -47,7 +47,7 @@ def test_distances_weights_and_fits_by_hand() -> None:
     assert evidence.fit_rmsd_mm == pytest.approx(1e3 * 0.1 / 2.0)
     # Both return on beams 0 and 1 for P0, on beam 0 alone, where nothing is off, for P1.
     np.testing.assert_allclose(evidence.hit_rmsds, [0.1 / math.sqrt(2.0), 0.0])
-    assert evidence.fit_hit_rmsd_mm == 0.0
+    assert evidence.fit_hit_rmsd_mm == pytest.approx(1e3 * 0.1 / math.sqrt(2.0))
 
 
 def test_missing_beams_take_part_in_nothing() -> None:
@@ -75,14 +75,36 @@ def test_without_a_beam_on_which_both_return_there_is_no_fit_of_hits() -> None:
     assert evidence.fit_rmsd_mm == pytest.approx(1e3 * math.hypot(0.5, 0.1) / 2.0)
 
 
-def test_a_fit_of_hits_leaves_out_the_poses_that_have_none() -> None:
+def test_the_fit_of_hits_is_that_of_the_pose_that_fits_best() -> None:
     evidence = evidence_of([NAN, 0.65, NAN, NAN])
     assert math.isnan(evidence.hit_rmsds[1])
     assert evidence.fit_hit_rmsd_mm == pytest.approx(50.0)
+    assert evidence_of([NAN, 0.9, NAN, NAN]).best_fit == 1
+    assert evidence_of([NAN, 0.9, NAN, NAN]).fit_hit_rmsd_mm is None
 
 
 def test_equal_fits_go_to_the_pose_listed_first() -> None:
     assert evidence_of([0.5, NAN, INF, NAN]).best_fit == 0
+
+
+def test_the_best_fit_is_the_pose_of_the_largest_weight_and_not_of_the_smallest_distance() -> None:
+    # Beam by beam P1 explains the scan but for one no-return; P0 is 30 standard deviations off on three beams.
+    lidar = lidar_of(4, range_max=4.0)
+    data = data_predictor(np.array([[0.8, 0.8, 0.8, 3.5], [0.5, 0.5, 0.5, 3.5]]), lidar)
+    scan = Scan(np.array([0.5, 0.5, 0.5, INF]), lidar.grid)
+    measured_at = {"exponential": 1, "beam": 1}
+    for name, best in measured_at.items():
+        evidence = evidence_of_scan(scan, HERE, data, rule_of(name, lidar), listed=True)
+        assert evidence.best_fit == best
+        assert evidence.fit_hit_rmsd_mm == 0.0
+
+
+def test_where_no_pose_has_any_weight_the_best_fit_is_the_nearest() -> None:
+    margin = rule_of("margin", LIDAR, margin_m=0.01)
+    scan = Scan(np.array([0.5, INF, INF, 0.8]), LIDAR.grid)
+    evidence = evidence_of_scan(scan, HERE, DATA, margin, listed=True)
+    assert (evidence.log_weights == -INF).all()
+    assert evidence.best_fit == 1
 
 
 def test_the_scans_own_range_max_holds_for_predictions_too() -> None:
@@ -143,11 +165,10 @@ def test_an_uncertain_sensor_pose_weighs_by_the_mean_over_its_sigma_points(name:
     for pose in range(3):
         weights = [twin.log_weight(name, parameters, beams, stand[pose]) for stand in stands]
         assert told.log_weights[pose] == pytest.approx(twin.log_mean_weight(weights), abs=1e-11)
-        nearest = min(twin.distance(beams, stand[pose], rule.no_return_m) for stand in stands)
-        assert told.distances[pose] == pytest.approx(nearest, abs=1e-12)
-        hit_fits = [twin.fit_hit_rmsd_mm(beams, [stand[pose]], rule.no_return_m) for stand in stands]
-        known = [fit for fit in hit_fits if fit is not None]
-        expected = 1e-3 * min(known) if known else NAN
+        nearest = min(stands, key=lambda stand: twin.distance(beams, stand[pose], rule.no_return_m))[pose]
+        assert told.distances[pose] == pytest.approx(twin.distance(beams, nearest, rule.no_return_m), abs=1e-12)
+        hit_fit = twin.fit_hit_rmsd_mm(beams, nearest, rule.no_return_m)
+        expected = NAN if hit_fit is None else 1e-3 * hit_fit
         assert told.hit_rmsds[pose] == pytest.approx(expected, abs=1e-12, nan_ok=True)
     assert told.beams_compared == 23
 

@@ -40,7 +40,7 @@ def test_looks_come_best_first_with_what_they_are_worth() -> None:
     assert names(ranking) == ["seeing", "blind"]
     assert [look.assistance.voa for look in ranking.looks] == pytest.approx([0.25, 0.0])
     assert ranking.before == Choice(0, 0.75)
-    assert ranking.worth_looking
+    assert ranking.worth_looking()
 
 
 def test_costs_are_taken_off() -> None:
@@ -54,9 +54,19 @@ def test_ties_stay_as_listed_and_a_rounding_does_not_break_them() -> None:
     assert names(ranked(("b", 1.0, 0.1), ("a", 1.0, 0.1), ("c", 1.0, 0.1 - 2e-12))) == ["c", "b", "a"]
 
 
-@pytest.mark.parametrize(("cost", "worth"), [(0.25 - 1e-8, True), (0.25 - 1e-10, False), (0.25, False), (0.5, False)])
-def test_a_look_is_worth_it_if_it_gains_more_than_a_billionth(cost: float, worth: bool) -> None:
-    assert ranked(("a", 1.0, cost)).worth_looking is worth
+@pytest.mark.parametrize(("cost", "worth"), [(0.2449, True), (0.2451, False), (0.25, False), (0.5, False)])
+def test_a_look_is_worth_it_if_it_gains_more_than_half_a_percent(cost: float, worth: bool) -> None:
+    assert ranked(("a", 1.0, cost)).worth_looking() is worth
+
+
+@pytest.mark.parametrize(("min_gain", "worth"), [(0.0, True), (0.0499, True), (0.0501, False)])
+def test_how_much_a_look_must_gain_can_be_said(min_gain: float, worth: bool) -> None:
+    assert ranked(("a", 1.0, 0.2)).worth_looking(min_gain) is worth
+
+
+def test_looks_tie_with_the_first_within_a_millionth() -> None:
+    ranking = ranked(("a", 1.0, 0.1), ("b", 1.0, 0.1 + 9e-7), ("c", 1.0, 0.1 + 1.1e-6), ("d", -1.0, 0.0))
+    assert [ranking.ties_with_first(look) for look in ranking.looks] == [True, True, False, False]
 
 
 def test_threads_give_the_same_ranking() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput
-from voa_core.evidence import Evidence
+from voa_core.evidence import Evidence, Sight
 from voa_core.filtering import Belief
 from voa_core.updating import UpdatePolicy, nearest, update, update_by_outcome
 
@@ -14,9 +14,46 @@ BELIEF = Belief.of([0.25, 0.25, 0.5])
 IMPOSSIBLE = np.full(3, -np.inf)
 
 
-def evidence_of(log_weights: Any, distances: Any = (0.1, 0.2, 0.3), beams: int = 4) -> Evidence:
+def evidence_of(
+    log_weights: Any, distances: Any = (0.1, 0.2, 0.3), beams: int = 4, sight: Sight | None = None
+) -> Evidence:
     array: Floats = np.array(log_weights, dtype=np.float64)
-    return Evidence(array, np.array(distances, dtype=np.float64), np.full(3, np.nan), beams)
+    blind = Sight(np.zeros(0), np.zeros((3, 0)), np.zeros(3, dtype=np.intp), np.inf)
+    return Evidence(array, np.array(distances, dtype=np.float64), np.full(3, np.nan), beams, sight or blind)
+
+
+def sight_of(seen: int, fewest: Any = (6, 9, 3)) -> Sight:
+    """Nine beams on which every pose returns at 0.5 m, `seen` of which return there."""
+    measured = np.where(np.arange(9) < seen, 0.5, np.inf)
+    return Sight(measured, np.full((3, 9), 0.5), np.array(fewest), 0.1)
+
+
+@pytest.mark.parametrize(
+    ("belief", "seen", "missed"),
+    [
+        ([0.5, 0.5, 0.0], 1, True),  # 6 are predicted at least: 2 must be seen
+        ([0.5, 0.5, 0.0], 2, False),
+        ([0.0, 1.0, 0.0], 2, True),  # 9 are predicted: 3 must be seen
+        ([0.0, 1.0, 0.0], 3, False),
+        ([0.4, 0.3, 0.3], 0, True),  # 3 are predicted at least: 1 must be seen
+        ([0.4, 0.3, 0.3], 1, False),
+    ],
+)
+def test_a_scan_without_the_object_is_not_accepted(belief: list[float], seen: int, missed: bool) -> None:
+    before = Belief.of(belief)
+    evidence = evidence_of(np.log([1.0, 0.5, 0.25]), sight=sight_of(seen))
+    told = update(before, evidence, UpdatePolicy("nearest", 1e-3 if missed else None))
+    assert told.reason == ("nothing_seen" if missed else None)
+    assert told.accepted is not missed
+    if missed:
+        assert told.belief is before
+        assert told.log_evidence is None
+    assert update(before, evidence, UpdatePolicy(on_nothing_seen="evidence")).accepted
+
+
+def test_two_predicted_returns_show_nothing_either_way() -> None:
+    evidence = evidence_of(np.zeros(3), sight=sight_of(0, (2, 9, 9)))
+    assert update(BELIEF, evidence, UpdatePolicy()).accepted
 
 
 def test_an_accepted_scan_conditions_the_belief() -> None:

@@ -114,7 +114,7 @@ def _message(
     first, before = ranking.looks[0], ranking.before
     best = None if before.index is None else table.names[before.index]
     recommendation: Look | GraspNow
-    if ranking.worth_looking:
+    if ranking.worth_looking(scenario.min_gain if request.min_gain is None else request.min_gain):
         recommendation = Look(action="look", sensor=first.sensor.name, net_value=first.net_value)
     else:
         recommendation = GraspNow(action="grasp", grasp=best, expected_score=before.expected_score)
@@ -126,14 +126,18 @@ def _message(
         expected_score_before=before.expected_score,
         best_grasp_before=best,
         ranking=[
-            _ranked(look, _outcomes(look, table, scenario, outer) if request.outcomes else None)
+            _ranked(
+                look,
+                ranking.ties_with_first(look),
+                _outcomes(look, table, scenario, outer) if request.outcomes else None,
+            )
             for look in ranking.looks
         ],
         recommendation=recommendation,
     )
 
 
-def _ranked(look: RankedLook, outcomes: list[Outcome] | None) -> RankedSensor:
+def _ranked(look: RankedLook, ties_with_first: bool, outcomes: list[Outcome] | None) -> RankedSensor:
     asked = {} if outcomes is None else {"outcomes": outcomes}
     return RankedSensor(
         sensor=look.sensor.name,
@@ -142,6 +146,7 @@ def _ranked(look: RankedLook, outcomes: list[Outcome] | None) -> RankedSensor:
         cost=look.sensor.cost,
         net_value=look.net_value,
         expected_score_after=look.assistance.expected_score_after,
+        ties_with_first=ties_with_first,
         **asked,
     )
 

@@ -2,11 +2,13 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from voa_core.errors import VoaError
 from voa_core.scans import NO_RETURN
+from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
@@ -15,6 +17,9 @@ from voa_service.models import Model, Models
 from voa_service.ports import Clock, Store, StoredScenario
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
+
+_LATER_FIELDS = ("min_gain",)
+_LATER_UPDATE_FIELDS = ("on_nothing_seen",)
 
 
 @dataclass(frozen=True)
@@ -35,8 +40,7 @@ class Scenarios:
         """Store a scenario under the digest of its content, defaults filled in; and whether it is new."""
         try:
             filled = filled_in(request, dict(self.presets))
-            body = json.dumps(filled.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-            id_ = hashlib.sha256(body.encode()).hexdigest()
+            body, id_ = _json(filled.model_dump(mode="json")), _digest(filled)
             self.models.build(id_, filled)
         except VoaError as error:
             raise of_core(error) from error
@@ -81,6 +85,24 @@ class Scenarios:
             dense = scenario.predictor.predict(sensor, listed=scenario.lists(sensor)).dense()
             ranges.append([[None if r == NO_RETURN else r for r in beams] for beams in dense.tolist()])
         return Predictions(sensors=[sensor.name for sensor in sensors], poses=list(scenario.poses.names), ranges=ranges)
+
+
+def _json(content: dict[str, Any]) -> str:
+    return json.dumps(content, sort_keys=True, separators=(",", ":"))
+
+
+def _digest(filled: ScenarioRequest) -> str:
+    """Name a scenario by its content, defaults filled in.
+
+    A field that came after the first release is left out while it has its default, so that older ids stay.
+    """
+    content = filled.model_dump(mode="json", exclude=_still_default(filled, _LATER_FIELDS))
+    update = filled.update.model_dump(mode="json", exclude=_still_default(filled.update, _LATER_UPDATE_FIELDS))
+    return hashlib.sha256(_json(content | {"update": update}).encode()).hexdigest()
+
+
+def _still_default(message: Message, fields: Sequence[str]) -> set[str]:
+    return {name for name in fields if getattr(message, name) == type(message).model_fields[name].default}
 
 
 def _message(stored: StoredScenario) -> Scenario:
