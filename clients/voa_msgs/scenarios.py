@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import ConfigDict, Discriminator, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from voa_msgs import examples
 from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
@@ -95,7 +95,7 @@ class Scenario(ScenarioRequest):
 
     id: str
     """Digest of the content, name included."""
-    warnings: list[ProbableMistake] = []
+    warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
 
 

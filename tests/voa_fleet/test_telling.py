@@ -21,7 +21,15 @@ RANKING = Ranking(
     expected_score_before=0.5,
     best_grasp_before="G1",
     ranking=[
-        RankedSensor(sensor=name, voa=voa, standard_error=None, cost=0.0, net_value=voa, expected_score_after=0.5 + voa)
+        RankedSensor(
+            sensor=name,
+            voa=voa,
+            standard_error=None,
+            cost=0.0,
+            net_value=voa,
+            expected_score_after=0.5 + voa,
+            ties_with_first=False,
+        )
         for name, voa in (("Q1", 0.25), ("Q2", -0.01))
     ],
     recommendation=Look(action="look", sensor="Q1", net_value=0.25),
