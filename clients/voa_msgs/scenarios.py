@@ -98,6 +98,11 @@ class Scenario(ScenarioRequest):
     warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
 
+    def request(self) -> ScenarioRequest:
+        """Return the request that makes this very scenario, without what the service added to it."""
+        added = set(Scenario.model_fields) - set(ScenarioRequest.model_fields)
+        return ScenarioRequest.model_validate(self.model_dump(exclude=added))
+
 
 class ScenarioSummary(Message):
     """A scenario in a list."""
