@@ -34,6 +34,11 @@ class Sight:
     reach: Floats
     fewest: NDArray[np.intp]
 
+    def hits(self, pose: int) -> Floats:
+        """Measured ranges, metres, on the beams on which the scan and a copy of the pose return."""
+        hit: Floats = self.measured[np.isfinite(self.measured) & (self.reach[pose] > -np.inf)]
+        return hit
+
     def misses_object(self, possible: NDArray[np.bool_]) -> bool:
         """Whether fewer beams see the object than a third of those that must, for the possible poses (n,).
 
@@ -124,15 +129,29 @@ def evidence_of_scan(
     predictions = [
         restricted(predictor.predict(stand, grid, listed=listed), stand, scan, lidar, workspace) for stand in stands
     ]
+    return evidence_of_beams(beams, predictions, rule, has_workspace=workspace is not None)
+
+
+def evidence_of_beams(
+    beams: Floats, predictions: Sequence[Prediction], rule: UpdateRule, *, has_workspace: bool
+) -> Evidence:
+    """Compare the classified beams (r,) of a scan with predictions on the same beams.
+
+    Args:
+        beams: of `scans.classify`.
+        predictions: one for each sigma point of the sensor pose, as they are compared (`restricted`).
+        rule: how differences become weights.
+        has_workspace: whether a workspace decided which beams return.
+    """
     compared = [_compare(beams, prediction, rule) for prediction in predictions]
     log_weights, distances, hit_rmsds = (np.stack(values) for values in zip(*compared, strict=True))
     best = distances.argmin(axis=0), np.arange(distances.shape[1])
     return Evidence(
-        log_weights[0] if len(stands) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(stands)),
+        log_weights[0] if len(compared) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(compared)),
         distances[best],
         hit_rmsds[best],
         int(np.count_nonzero(~np.isnan(beams))),
-        _sight(beams, predictions, BEHIND_M if workspace is None else np.inf),
+        _sight(beams, predictions, np.inf if has_workspace else BEHIND_M),
     )
 
 

@@ -1,6 +1,6 @@
 """Between messages and mathematics: the only place that knows both."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
+from voa_core.mistakes.found import Mistake
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Remember
@@ -25,9 +26,11 @@ from voa_msgs.base import Range
 from voa_msgs.geometry import CandidateSensor, UncertainSensorPose
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
 from voa_msgs.updates import POLICY_FIELDS
+from voa_msgs.warnings import ProbableMistake
 from voa_service.ports import StoredObject
 
 _LIDAR_FIELDS = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "zero")
+_MOST_NAMES = 100
 _MOST_TURN = 2.0 * np.pi
 _USUAL_NOISE = {"noise_m": 0.01, "noise_ratio": 0.02, "dropout": 0.05}
 
@@ -270,6 +273,19 @@ def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
     if low > high:
         raise InvalidInput("range_min", f"at most range_max ({high}, the scan's or the lidar's)", repr(low))
     return found
+
+
+def warning_messages(mistakes: Iterable[Mistake]) -> list[ProbableMistake]:
+    """Probable mistakes as messages; of a long list of names the first hundred."""
+    return [
+        ProbableMistake(
+            kind=mistake.kind,
+            detail=mistake.detail,
+            poses=list(mistake.poses[:_MOST_NAMES]) or None,
+            sensors=list(mistake.sensors[:_MOST_NAMES]) or None,
+        )
+        for mistake in mistakes
+    ]
 
 
 def prior_of(prior: list[float] | priors.PoseModelPrior | None, poses: PoseSet) -> Belief:

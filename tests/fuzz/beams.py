@@ -77,14 +77,14 @@ def _outline(rng: np.random.Generator) -> Floats:
     radii = rng.uniform(1.0, 2.0) * (np.ones(sides) if rng.random() < 0.5 else rng.uniform(0.6, 1.0, sides))
     corners = radii[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
     middle = rng.choice([0.0, 1.0, -3.0], 2) if rng.random() < 0.5 else rng.uniform(-2.0, 2.0, 2)
-    if rng.random() < 0.5:
-        return _on_a_lattice(corners) + np.round(middle)
-    return corners + middle
+    placed: Floats = _on_a_lattice(corners) + np.round(middle) if rng.random() < 0.5 else corners + middle
+    return placed
 
 
 def _on_a_lattice(corners: Floats) -> Floats:
-    """The same polygon in whole numbers, large enough that no two corners meet."""
-    return np.round(corners * 2.0 * len(corners)) / 8.0 if len(corners) > 4 else np.round(corners * 4.0)
+    """The polygon enlarged until no two corners meet, its corners on a lattice of eighths or of whole numbers."""
+    lattice: Floats = np.round(corners * 4.0) if len(corners) <= 4 else np.round(corners * 2.0 * len(corners)) / 8.0
+    return lattice
 
 
 def _prism(outline: Floats) -> Object:
@@ -153,7 +153,8 @@ def _cast(outline: Floats, sensor: SensorConfiguration, grid: BeamGrid) -> tuple
     beam_passes = np.abs(left) <= _BRINK_RAD * np.hypot(x, y)
     sides = np.sign(np.where(beam_passes, 0.0, left))
     through = np.roll(sides, 1, axis=1) * np.roll(sides, -1, axis=1) < 0.0
-    return ranges, (beam_passes & (ahead > 0.0) & ~through).any(axis=1)
+    brink: NDArray[np.bool_] = np.logical_or.reduce(beam_passes & (ahead > 0.0) & ~through, axis=1)
+    return ranges, brink
 
 
 def main() -> int:
