@@ -1,5 +1,6 @@
 """Mistakes that show in a scan that no pose explains well: a clockwise driver, a wrong yaw, millimetres."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,8 +44,8 @@ def mistakes_of_scan(
     found = []
     if fit.rmsd_mm is not None:
         detail = (
-            f"even pose {scenario.poses.names[fit.pose]!r}, which fits best, is {fit.rmsd_mm:.3g} mm off over the "
-            f"{fit.hits} beams that hit it; {fit.expected_mm:.3g} mm are expected. Is it the object, and does it lie "
+            f"even pose {scenario.poses.names[fit.pose]!r}, which fits best, is {fit.rmsd_mm:.1f} mm off over the "
+            f"{fit.hits} beams that hit it; {fit.expected_mm:.1f} mm are expected. Is it the object, and does it lie "
             "at one of the poses? Is the sensor where it is said to be?"
         )
         found.append(Mistake("poor-fit", detail, (scenario.poses.names[fit.pose],)))
@@ -85,6 +86,11 @@ class _Fit:
         return cls(pose, len(ranges), predicted, rmsd, whole, 1e3 * expected)
 
     @property
+    def is_seen(self) -> bool:
+        """Whether the fit is good, and rests on at least half of the beams that should hit."""
+        return self.rmsd_mm is not None and self.is_good and self.hits >= max(_FEWEST_BEAMS, self.predicted / 2)
+
+    @property
     def is_good(self) -> bool:
         """Within 5 sigma over the hits; a pose that can hardly be seen fits whatever is not seen."""
         if self.rmsd_mm is None:
@@ -106,46 +112,48 @@ def _millimetres(scenario: Scenario, scan: Scan) -> list[Mistake]:
     return [Mistake("length-in-millimetres", detail)]
 
 
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """Another way to read the directions of a scan's beams, and the mistake that would explain it."""
+
+    kind: Kind
+    why: str
+    scan: Scan
+    sensor: SensorConfiguration
+
+
+def _readings(scan: Scan, sensor: SensorConfiguration) -> Iterator[_Reading]:
+    grid = scan.grid
+    mirrored = replace(scan, grid=BeamGrid(grid.beams, -grid.angle_min, -grid.angle_increment))
+    why = "its beams run the other way round: does the driver turn clockwise, or does the lidar hang upside down?"
+    yield _Reading("scan-mirrored", why, mirrored, sensor)
+    for degrees in (90, 180, 270):
+        turned = replace(sensor, yaw_rad=sensor.yaw_rad + np.radians(degrees))
+        why = f"the lidar's yaw is {degrees} degrees more than is said: check yaw_rad, and where its beam 0 points"
+        yield _Reading("scan-turned", why, scan, turned)
+
+
 def _another_reading(
     scenario: Scenario, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None, fit: _Fit
 ) -> list[Mistake]:
-    """The one other reading of the beams' directions under which the scan fits best, if it fits much better."""
+    """The one other reading under which the scan fits best, if it fits much better than as it is."""
     height = scenario.lidar.height_m if sensor.height_m is None else sensor.height_m
     if scenario.predictor.contours_at is None or height is None:
         return []
     cuts = scenario.predictor.contours_at(height)
     index = evenly(len(scenario.poses), _MOST_POSES)
     cuts = replace(cuts, cut_of_pose=cuts.cut_of_pose[index], placement=cuts.placement[index])
-    grid = scan.grid
-    mirrored = replace(scan, grid=BeamGrid(grid.beams, -grid.angle_min, -grid.angle_increment))
-    readings: list[tuple[Kind, str, Scan, SensorConfiguration]] = [
-        (
-            "scan-mirrored",
-            "its beams run the other way round: does the driver turn clockwise, or does the lidar hang upside down?",
-            mirrored,
-            sensor,
-        )
+    fits = [
+        (_Fit.of(_evidence(scenario, cuts, reading.scan, reading.sensor), scenario, uncertainty), reading)
+        for reading in _readings(scan, sensor)
     ]
-    for degrees in (90, 180, 270):
-        turned = replace(sensor, yaw_rad=sensor.yaw_rad + np.radians(degrees))
-        why = (
-            f"the lidar is turned by {degrees} degrees: check the yaw_rad of its pose, and which way its beam 0 points"
-        )
-        readings.append(("scan-turned", why, scan, turned))
-    best: tuple[_Fit, Kind, str] | None = None
-    for kind, why, other_scan, other_sensor in readings:
-        evidence = _evidence(scenario, cuts, other_scan, other_sensor)
-        other = _Fit.of(evidence, scenario, uncertainty)
-        fits = other.rmsd_mm is not None and other.is_good and other.hits >= max(_FEWEST_BEAMS, other.predicted / 2)
-        limit = fit.whole_rmsd_mm * _MUCH_BETTER if best is None else best[0].whole_rmsd_mm
-        if fits and other.whole_rmsd_mm < limit:
-            best = other, kind, why
-    if best is None:
+    fits = [each for each in fits if each[0].is_seen and each[0].whole_rmsd_mm < _MUCH_BETTER * fit.whole_rmsd_mm]
+    if not fits:
         return []
-    found, kind, why = best
-    pose = scenario.poses.names[index[found.pose]]
-    detail = f"the scan fits pose {pose!r} within {found.rmsd_mm:.3g} mm if {why}"
-    return [Mistake(kind, detail, (pose,))]
+    best, reading = min(fits, key=lambda each: each[0].whole_rmsd_mm)
+    pose = scenario.poses.names[index[best.pose]]
+    detail = f"the scan fits pose {pose!r} within {best.rmsd_mm:.1f} mm if {reading.why}"
+    return [Mistake(reading.kind, detail, (pose,))]
 
 
 def _evidence(scenario: Scenario, cuts: Contours, scan: Scan, sensor: SensorConfiguration) -> Evidence:
