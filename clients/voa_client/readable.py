@@ -21,6 +21,11 @@ def signed(value: float, digits: int = 3) -> str:
     return f"{value:+.{digits}f}"
 
 
+def unsigned(value: float, digits: int = 3) -> str:
+    """Write an amount of at least 0: "0" only where there is none, "< 0.001" where rounding would hide it."""
+    return signed(value, digits).removeprefix("+")
+
+
 def signed_apart(value: float, limit: float) -> str:
     """Write a difference with at least three digits, and as many as show on which side of `limit` it lies."""
     for digits in range(3, _MOST_DIGITS):
@@ -39,6 +44,16 @@ def share(value: float, digits: int = 2) -> str:
     if value > 1.0 - least / 2.0:
         return f"> {1.0 - least:.{digits}f}"
     return f"{value:.{digits}f}"
+
+
+def bar(value: float, most: float, width: int) -> str:
+    """Draw a value on a scale from 0 to `most`; nothing of one that is negative or too small to see."""
+    return "█" * round(width * value / most) if most > _NOTHING and value > 0.0 else ""
+
+
+def scale(name: str, most: float) -> str:
+    """Head a column of bars: what they show, and what a full bar is worth; "" where none is drawn."""
+    return f"{name}, 0 to {most:.3g}" if most > _NOTHING else ""
 
 
 def ranks(ranking: Ranking) -> list[str]:

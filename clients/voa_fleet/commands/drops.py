@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from voa_fleet.commands.common import count, progress_bar
@@ -56,11 +57,11 @@ def _print(console: Console, report: dict[str, Any]) -> None:
     console.print(f"{report['drops']} drops of the {report['object']}", highlight=False)
     rests = Table("came to rest", "times")
     for rest in report["rests"]:
-        rests.add_row(rest["name"], str(rest["count"]))
+        rests.add_row(escape(rest["name"]), str(rest["count"]))
     poses = Table("pose", "prior", "tilt when let go, degrees", "stable")
     for pose in report["poses"]:
         stable = "yes" if pose["stable"] else "[bold]NO[/bold]"
-        poses.add_row(pose["name"], f"{pose['prior']:.3f}", f"{pose['tilt_deg']:.2f}", stable)
+        poses.add_row(escape(pose["name"]), f"{pose['prior']:.3f}", f"{pose['tilt_deg']:.2f}", stable)
     console.print(rests)
     console.print(poses)
 
