@@ -238,13 +238,23 @@ class Teller:
         with self._lock:
             self._rows[event.pair] = self._rows[event.pair].after(event)
             if self.lines:
-                whose = f"[dim]{event.pair}[/dim] " if len(self.pairs) > 1 else ""
-                self.console.print(
-                    f"[dim]{event.at_s:6.1f} s[/dim]  {whose}{_marked(event.what)}", highlight=False, soft_wrap=True
-                )
+                self._print(event)
             if self._live is not None:
                 self._live.update(self._table(), refresh=True)
         self.pace(event.what)
+
+    def _print(self, event: Event) -> None:
+        """Print a line: whole in a pipe, on a terminal broken between words and indented."""
+        time = f"[dim]{event.at_s:6.1f} s[/dim]"
+        whose = f"[dim]{event.pair}[/dim] " if len(self.pairs) > 1 else ""
+        line = f"{whose}{_marked(event.what)}"
+        if not self.console.is_terminal:
+            self.console.print(f"{time}  {line}", highlight=False, soft_wrap=True)
+            return
+        grid = Table.grid(padding=(0, 2))
+        grid.add_column(no_wrap=True)
+        grid.add_row(time, line)
+        self.console.print(grid)
 
     def _table(self) -> RenderableType:
         rows = list(self._rows.values())

@@ -1,6 +1,7 @@
 """Telling: lines, and the table that follows."""
 
 import io
+import re
 from datetime import UTC, datetime
 
 import pytest
@@ -148,6 +149,20 @@ def test_the_live_table_is_never_higher_than_the_screen() -> None:
     last = out.getvalue().split("one, 0 s")[-1]
     assert "15 others" in last
     assert len(last.splitlines()) <= 16
+
+
+def test_on_a_narrow_terminal_lines_are_broken_between_words_and_indented() -> None:
+    out = io.StringIO()
+    with Teller(Console(file=out, force_terminal=True, width=40, color_system=None), ("one",)) as teller:
+        teller(Event("one", 4.0, looked(REPORT)))
+    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())
+    lines = [line.rstrip() for line in plain.splitlines()]
+    start = next(index for index, line in enumerate(lines) if "looked from Q1" in line)
+    assert lines[start : start + 3] == [
+        "   4.0 s  looked from Q1: best fit 4.0",
+        "          mm; P1 0.90, P2 0.10; best",
+        "          grasp G1, 0.50",
+    ]
 
 
 def test_names_are_printed_as_they_are() -> None:

@@ -153,7 +153,7 @@ def error_table(found: ObservationErrors) -> Table:
         table.add_column(heading, justify="left" if heading == "sensor" else "right")
     for sensor, errors in {**found.by_sensor(), "all": found.overall}.items():
         figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-        cells = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
+        cells = ["-" if figure is None else f"{figure:z.1f}" for figure in figures]
         counts = (str(errors.only_measured), str(errors.only_predicted))
         last = sensor == found.sensors[-1]
         table.add_row(escape(sensor), str(errors.beams), *cells, *counts, end_section=last)
