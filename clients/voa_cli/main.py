@@ -58,7 +58,9 @@ def _run(name: str, rest: list[str]) -> int:
     try:
         code: int = importlib.import_module(command.module).main(rest)
     except ModuleNotFoundError as error:
-        print(f"voa {name}: no {error.name}; install it with: pip install 'voa[{command.extra}]'", file=sys.stderr)
+        from voa_client.installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
+
+        print(f"voa {name}: no {error.name}; install it with: {install_hint(command.extra)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -15,9 +15,11 @@ from rich.console import Console
 
 from voa_cli.local_service import service_at
 from voa_cli.scenario_file import load_scenario
-from voa_cli.tables import ranking_table, recommendation
+from voa_cli.tables import ranking_table
 from voa_client import Client, VoaClientError
+from voa_client.readable import recommendation, share
 from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
+from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import SessionRequest
 
 
@@ -37,33 +39,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("a session has its own belief: --belief goes with a scenario file")
     try:
         with service_at(options.url) as client:
-            ranking = _rank(client, options)
+            scenario, ranking = _rank(client, options)
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
     if options.json:
         print(ranking.model_dump_json(indent=1, exclude_unset=True))
         return 0
-    console = Console()
+    console = Console(markup=False, highlight=False)  # names are printed as they are
     best = ranking.best_grasp_before or "none"
-    console.print(
-        f"best grasp without a look: [bold]{best}[/bold], expected score {ranking.expected_score_before:.3f}\n"
-    )
+    before = share(ranking.expected_score_before, 3)
+    console.print(f"best grasp without a look: {best}, expected score {before}\n")
+    console.print(f"Where to look: Value of Assistance, VOA ({ranking.definition})")
     console.print(ranking_table(ranking, costs=any(look.cost for look in ranking.ranking)))
-    console.print(recommendation(ranking))
+    console.print(recommendation(ranking, scenario.min_gain), style="bold")
     return 0
 
 
-def _rank(client: Client, options: argparse.Namespace) -> Ranking:
+def _rank(client: Client, options: argparse.Namespace) -> tuple[Scenario, Ranking]:
+    """Ask for the ranking; returns it with the scenario that it is of."""
     asked = VoaRequest(definition=options.definition, grasps=options.grasps)
     if options.session is not None:
-        return client.rank_looks(options.session, asked)
+        scenario = client.get_scenario(client.get_session(options.session).scenario)
+        return scenario, client.rank_looks(options.session, asked)
     scenario = load_scenario(client, options.scenario)
     if options.belief is None:
         session = client.create_session(SessionRequest(scenario=scenario.id))
-        return client.rank_looks(session.id, asked)
+        return scenario, client.rank_looks(session.id, asked)
     belief = _belief(options.belief)
-    return client.rank_once(RankingRequest(scenario=scenario.id, belief=belief, **asked.model_dump(exclude_unset=True)))
+    request = RankingRequest(scenario=scenario.id, belief=belief, **asked.model_dump(exclude_unset=True))
+    return scenario, client.rank_once(request)
 
 
 def _belief(text: str) -> list[float]:

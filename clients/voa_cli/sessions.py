@@ -16,9 +16,11 @@ from rich.table import Column, Table
 
 from voa_cli.local_service import BRIEFLY
 from voa_client import Client, VoaClientError
+from voa_client.readable import bar, share
 from voa_client.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
+_BAR = 30
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,8 +44,8 @@ def _list(client: Client, options: argparse.Namespace) -> None:
     for session in found:
         updated = f"{session.updated_at:%m-%d %H:%M:%S}"
         best = session.best_grasp or "none"
-        table.add_row(session.id, str(session.version), best, f"{session.expected_score:.3f}", updated)
-    Console().print(table if found else f"no sessions at {options.url}")
+        table.add_row(session.id, str(session.version), best, share(session.expected_score, 3), updated)
+    _console().print(table if found else f"no sessions at {options.url}")
 
 
 def _show(client: Client, options: argparse.Namespace) -> None:
@@ -51,12 +53,12 @@ def _show(client: Client, options: argparse.Namespace) -> None:
     if options.json:
         print(session.model_dump_json(indent=1))
         return
-    console = Console()
+    console = _console()
     console.print(f"session {session.id}, version {session.version}, scenario {session.scenario}", soft_wrap=True)
-    console.print(f"best grasp [bold]{session.best_grasp or 'none'}[/bold], score {session.expected_score:.3f}")
-    table = _table("pose", "belief", "")
-    for share, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
-        table.add_row(pose, f"{share:.4f}", "█" * round(30 * share))
+    console.print(f"best grasp {session.best_grasp or 'none'}, score {share(session.expected_score, 3)}")
+    table = _table("pose", "belief", "bar: 0 to 1")
+    for held, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
+        table.add_row(pose, share(held, 4), bar(held, 1.0, _BAR))
     console.print(table)
 
 
@@ -75,11 +77,16 @@ def _history(client: Client, options: argparse.Namespace) -> None:
             figures = ["" if evidence is None else f"{evidence:.3f}", "" if fit is None else f"{fit:.1f}"]
             figures.append(report.best_fit_pose or "")
         table.add_row(str(entry.version), entry.kind, f"{entry.at:%H:%M:%S}", result, *figures)
-    Console().print(table)
+    _console().print(table)
 
 
 def _export(client: Client, options: argparse.Namespace) -> None:
     print(export_session(client, options.id).model_dump_json(indent=1))
+
+
+def _console() -> Console:
+    """Open a terminal that prints names as they are: brackets in them are no markup."""
+    return Console(markup=False, highlight=False)
 
 
 def _table(*headings: str) -> Table:

@@ -2,38 +2,27 @@
 
 from rich.table import Table
 
+from voa_client.readable import bar, ranks, scale, share, signed, unsigned
 from voa_msgs.rankings import Ranking
 from voa_msgs.scenarios import GivenScores, Scenario
 
-_BAR = 24
+_BAR, _SHORT_BAR = 24, 12
+"""Characters of a full bar: without costs, and with them, so that a line has at most 80."""
 
 
 def ranking_table(ranking: Ranking, costs: bool) -> Table:
-    """Looks, best first: VOA as a bar, and with `costs` what is left after them."""
-    table = Table(title=f"Where to look: Value of Assistance ({ranking.definition})", title_justify="left")
-    table.add_column("sensor")
-    table.add_column("VOA", justify="right")
-    if costs:
-        table.add_column("cost", justify="right")
-        table.add_column("net value", justify="right")
-    table.add_column("expected score after", justify="right")
-    table.add_column("")
-    most = max((abs(look.voa) for look in ranking.ranking), default=0.0) or 1.0
-    for look in ranking.ranking:
-        money = (f"{look.cost:.3f}", f"{look.net_value:+.3f}") if costs else ()
-        bar = "█" * round(_BAR * max(look.voa, 0.0) / most)
-        table.add_row(look.sensor, f"{look.voa:+.3f}", *money, f"{look.expected_score_after:.3f}", bar)
+    """Show the looks of a ranking, best first, with their VOA as a bar; with `costs` their net value too."""
+    most = max((look.voa for look in ranking.ranking), default=0.0)
+    width = _SHORT_BAR if costs else _BAR
+    table = Table()
+    for heading in ("rank", "sensor", "VOA", *(("cost", "net value") if costs else ()), "score after"):
+        table.add_column(heading, justify="left" if heading == "sensor" else "right")
+    table.add_column(scale("VOA", most), no_wrap=True, min_width=width)
+    for rank, look in zip(ranks(ranking), ranking.ranking, strict=True):
+        money = (unsigned(look.cost), signed(look.net_value)) if costs else ()
+        after = share(look.expected_score_after, 3)
+        table.add_row(rank, look.sensor, signed(look.voa), *money, after, bar(look.voa, most, width))
     return table
-
-
-def recommendation(ranking: Ranking) -> str:
-    """What to do now, in a sentence."""
-    advice = ranking.recommendation
-    if advice.action == "look":
-        return f"look from [bold]{advice.sensor}[/bold] first (net value {advice.net_value:+.3f})"
-    if advice.grasp is None:
-        return "no look is worth its cost, and no grasp can succeed"
-    return f"grasp now with [bold]{advice.grasp}[/bold] (expected score {advice.expected_score:.3f})"
 
 
 def scores_of(scenario: Scenario) -> list[list[float]]:

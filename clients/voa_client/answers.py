@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from voa_client.calls import Call, M
 from voa_client.errors import UnexpectedAnswerError, WireVersionError, refusal
+from voa_client.installing import install_hint
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Problem
 
@@ -75,5 +76,5 @@ def made_up(status: int, where: str, text: str) -> bytes:
 
 
 def _skew(theirs: int) -> str:
-    side = "this program: pip install --upgrade voa" if theirs > WIRE_VERSION else "the service"
+    side = f"this program: {install_hint()}, of a newer clone" if theirs > WIRE_VERSION else "the service"
     return f"the service speaks version {theirs} of the messages, this program version {WIRE_VERSION}: update {side}"

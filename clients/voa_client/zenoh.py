@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from voa_client.answers import Reply
 from voa_client.calls import Call
 from voa_client.errors import TimedOutError, UnreachableError, UsageError, VoaClientError
+from voa_client.installing import install_hint
 from voa_client.transport import Deleted, Lost, State, Tell
 from voa_client.zenoh_address import ZenohAddress
 from voa_msgs import WIRE_VERSION
@@ -229,7 +230,7 @@ def _library() -> Any:
     try:
         import zenoh  # noqa: PLC0415 - optional: only who speaks Zenoh needs it
     except ModuleNotFoundError as error:
-        raise MissingLibraryError("Zenoh is not installed; install it with: pip install 'voa[zenoh]'") from error
+        raise MissingLibraryError(f"Zenoh is not installed; install it with: {install_hint('zenoh')}") from error
     return zenoh
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from voa_client.installing import install_hint
 from voa_fleet.errors import NoGraphics
 from voa_fleet.groups import DRAWN
 from voa_fleet.world import World
@@ -23,7 +24,7 @@ from voa_fleet.world import World
 Frame = NDArray[np.uint8]
 """(height, width, 3), the top row first."""
 
-HOW_TO = "install an OpenGL library: pip install 'voa[fleet]', and on Debian apt-get install libegl1 libgl1-mesa-dri"
+HOW_TO = f"install an OpenGL library: {install_hint('fleet')}, and on Debian apt-get install libegl1 libgl1-mesa-dri"
 _MOST_GEOMS = 1000
 
 

@@ -57,11 +57,13 @@ class Chosen:
     Attributes:
         sensor: from where; None: grasp.
         ranking: what the service said of the looks, where it was asked.
+        min_gain: what a look's net value has to exceed for the service to recommend it.
         used_up: whether one more look would be wanted, and there are none left.
     """
 
     sensor: str | None
     ranking: Ranking | None
+    min_gain: float
     used_up: bool = False
 
 
@@ -85,7 +87,7 @@ class Grasping:
     """The arm is about to try.
 
     Attributes:
-        grasp: which; None: none that it can reach is expected to succeed.
+        grasp: None: none that it can reach is expected to succeed.
     """
 
     grasp: str | None
@@ -212,16 +214,15 @@ def play(pair: Pair, scenario: Scenario, policy: Policy, most_looks: int = MOST_
     looks = _look_around(pair, scenario, before, policy, most_looks, reachable, say) if reachable else ()
     arm = ArmClient(pair.client, before.id)
     best = arm.best_grasp(reachable) if reachable else None
-    expected = 0.0 if best is None else best.expected_score
-    say(Grasping(None if best is None else best.name, expected))
+    grasp, expected = (None, 0.0) if best is None else (best.name, best.expected_score)
+    say(Grasping(grasp, expected))
     outcome = None
     if best is not None:
         outcome = pair.arm.attempt(best.name)
         say(Grasped(outcome))
         moved = not outcome.success and outcome.moved_m is not None and outcome.moved_m > MOVED_M
         say(Reported(None if moved else arm.report(best.name, outcome.success)))
-    grasp, seconds = None if best is None else best.name, pair.clock.now_s() - began
-    return Story(pair.name, policy.name, before, looks, grasp, expected, outcome, seconds)
+    return Story(pair.name, policy.name, before, looks, grasp, expected, outcome, pair.clock.now_s() - began)
 
 
 def _look_around(
@@ -245,9 +246,9 @@ def _look_around(
         )
         choice = policy.choose(situation)
         if choice.sensor is None or len(looks) == most_looks:
-            say(Chosen(None, choice.ranking, used_up=choice.sensor is not None))
+            say(Chosen(None, choice.ranking, scenario.min_gain, used_up=choice.sensor is not None))
             return tuple(looks)
-        say(Chosen(choice.sensor, choice.ranking))
+        say(Chosen(choice.sensor, choice.ranking, scenario.min_gain))
         sensor = sensors[choice.sensor]
         pair.robot.drive_to(sensor)
         say(Arrived(sensor.name, pair.robot.pose()))

@@ -1,13 +1,14 @@
 """Pictures of one story, and of the contrast: PNG, readable by the colour-blind."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle
 
+from voa_client.readable import share, signed
 from voa_fleet.attempts import object_pose
 from voa_fleet.contrast import Tally
 from voa_fleet.frames import matrix_of
@@ -24,54 +25,86 @@ _BLUE, _ORANGE, _GREEN, _PINK = "#0072b2", "#d55e00", "#009e73", "#cc79a7"  # Ok
 _GREY = "#8a8a8a"
 _LOOKS = ((_BLUE, "o"), (_GREEN, "s"), (_PINK, "^"), (_ORANGE, "D"))
 _DPI = 120
+_MOST_ROWS = 32
+_ROW_IN, _PANEL_IN = 0.17, 1.1
+"""Height of a row, so that its label has room, and of what a panel has beside its rows; inches."""
 
 
 def belief_by_look(file: Path, story: Story, rankings: Sequence[Ranking], truth: str) -> None:
-    """Per column: what was believed, and what each look was then worth; first before any look, then after each."""
+    """Draw, per column, what was believed and what each look was then worth; first before any look, then after each.
+
+    The picture is as high as its rows need. Of more poses or places than `_MOST_ROWS` those are shown that were ever
+    believed most, or ever worth most, and the axis says so.
+    """
     sessions = [story.before, *(look.after for look in story.looks)]
-    figure = new_figure(1.6 + 2.5 * len(sessions), 5.6)
-    panels = figure.subplots(2, len(sessions), squeeze=False, sharey="row")
-    most = max((look.voa for ranking in rankings for look in ranking.ranking), default=0.0)
+    poses = _peaks((pose, held) for one in sessions for pose, held in zip(one.poses, one.belief, strict=True))
+    places = _peaks((look.sensor, look.voa) for ranking in rankings for look in ranking.ranking)
+    shown, ranked = _shown(poses, {truth}), sorted(_shown(places, {look.sensor for look in story.looks}))
+    heights = [_PANEL_IN + _ROW_IN * len(shown), _PANEL_IN + _ROW_IN * len(ranked)]
+    figure = new_figure(1.6 + 2.5 * len(sessions), sum(heights))
+    panels = figure.subplots(2, len(sessions), squeeze=False, sharey="row", height_ratios=heights)
+    most = max(0.0, *places.values()) if places else 0.0
     for column, session in enumerate(sessions):
-        _belief(panels[0][column], session, truth)
+        _belief(panels[0][column], session, shown, truth)
         after = "before any look" if column == 0 else f"after look {column}, from {story.looks[column - 1].sensor}"
         panels[0][column].set_title(
-            f"{after}\nbest: {session.best_grasp or 'none'}, {session.expected_score:.2f}", fontsize=9
+            f"{after}\nbest: {session.best_grasp or 'none'}, {share(session.expected_score)}", fontsize=9
         )
         if column < len(rankings):
             taken = story.looks[column].sensor if column < len(story.looks) else None
-            _worth(panels[1][column], rankings[column], taken, most)
-    panels[0][0].set_ylabel("pose (in truth: ▶)")
-    panels[1][0].set_ylabel("look from")
+            _worth(panels[1][column], rankings[column], ranked, taken, most)
+        else:
+            panels[1][column].set_visible(False)
+    panels[0][0].set_ylabel(f"pose (in truth: ▶){_left_out(poses, shown)}")
+    panels[1][0].set_ylabel(f"look from{_left_out(places, ranked)}")
     figure.savefig(file, dpi=_DPI)
 
 
-def _belief(axes: Axes, session: Session, truth: str) -> None:
-    colours = [_ORANGE if pose == truth else _BLUE for pose in session.poses]
-    rows = range(len(session.poses))
-    axes.barh(rows, session.belief, color=colours)
-    axes.set_yticks(rows, [f"▶ {pose}" if pose == truth else pose for pose in session.poses], fontsize=8)
-    axes.set_ylim(len(session.poses) - 0.5, -0.5)
-    axes.set_xlim(0.0, 1.12)
+def _peaks(found: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """The largest value of every name, in the order in which they came."""
+    peaks: dict[str, float] = {}
+    for name, value in found:
+        peaks[name] = max(value, peaks.get(name, value))
+    return peaks
+
+
+def _shown(peaks: Mapping[str, float], always: set[str]) -> list[str]:
+    """The names that get a row, in their order: all, or the largest and those that must not be left out."""
+    largest = sorted(peaks, key=lambda name: (name not in always, -peaks[name]))[:_MOST_ROWS]
+    return [name for name in peaks if name in set(largest)]
+
+
+def _left_out(peaks: Mapping[str, float], shown: Sequence[str]) -> str:
+    return "" if len(shown) == len(peaks) else f"\n{len(shown)} of {len(peaks)}, the others stayed lower"
+
+
+def _belief(axes: Axes, session: Session, shown: Sequence[str], truth: str) -> None:
+    held = dict(zip(session.poses, session.belief, strict=True))
+    rows = range(len(shown))
+    axes.barh(rows, [held[pose] for pose in shown], color=[_ORANGE if pose == truth else _BLUE for pose in shown])
+    axes.set_yticks(rows, [f"▶ {pose}" if pose == truth else pose for pose in shown], fontsize=8)
+    axes.set_ylim(len(shown) - 0.5, -0.5)
+    axes.set_xlim(0.0, 1.2)
+    axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "0.25", "0.5", "0.75", "1"])
     axes.set_xlabel("belief", fontsize=8)
     axes.tick_params(labelsize=8)
-    for row, share in enumerate(session.belief):
-        axes.text(share + 0.02, row, f"{share:.2f}", va="center", fontsize=7)
+    for row, pose in enumerate(shown):
+        axes.text(held[pose] + 0.02, row, share(held[pose]), va="center", fontsize=7)
 
 
-def _worth(axes: Axes, ranking: Ranking, taken: str | None, most: float) -> None:
-    """Every look's VOA, in one order in all columns: by name; the one that was taken stands out."""
-    looks = sorted(ranking.ranking, key=lambda look: look.sensor)
-    rows = range(len(looks))
-    axes.barh(rows, [look.voa for look in looks], color=[_ORANGE if look.sensor == taken else _GREY for look in looks])
-    axes.set_yticks(rows, [look.sensor for look in looks], fontsize=8)
-    axes.set_ylim(len(looks) - 0.5, -0.5)
-    axes.set_xlim(min(0.0, *(look.voa for look in looks)), 1.25 * most or 1.0)
+def _worth(axes: Axes, ranking: Ranking, shown: Sequence[str], taken: str | None, most: float) -> None:
+    """Draw every look's VOA, in one order in all columns: by name; the one that was taken stands out."""
+    worth = {look.sensor: look.voa for look in ranking.ranking}
+    rows = range(len(shown))
+    axes.barh(rows, [worth[name] for name in shown], color=[_ORANGE if name == taken else _GREY for name in shown])
+    axes.set_yticks(rows, list(shown), fontsize=8)
+    axes.set_ylim(len(shown) - 0.5, -0.5)
+    axes.set_xlim(min(0.0, *worth.values()), 1.3 * most or 1.0)
     axes.set_xlabel("VOA: rise of the success probability", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.set_title("orange: taken" if taken is not None else "none was taken", fontsize=8)
-    for row, look in enumerate(looks):
-        axes.text(max(look.voa, 0.0) + 0.02 * most, row, f"{look.voa:+.2f}", va="center", fontsize=7)
+    for row, name in enumerate(shown):
+        axes.text(max(worth[name], 0.0) + 0.02 * most, row, signed(worth[name], 2), va="center", fontsize=7)
 
 
 def seen_from_above(file: Path, thing: FleetObject, truth: str, story: Story) -> None:

@@ -1,19 +1,26 @@
 """How a story is told in a terminal: lines as it happens, and on a terminal a live table beside them."""
 
+import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Console, RenderableType
 from rich.live import Live
+from rich.markup import escape
 from rich.table import Table
 
+from voa_client.readable import bar, no_look, ranks, scale, share, signed, signed_apart
 from voa_fleet.story import Arrived, Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported, TakenLook
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session
 
-_BAR = 16
+_BAR = 12
 _FEW = 3
+_LINES = 16
+"""Of the table of one pair, where nothing says how high the screen is."""
+_FRAME = 6
+"""Lines of a screen that the table's title and frame take, and the cursor below it."""
 
 
 def line_of(what: Happening) -> str:
@@ -30,7 +37,7 @@ def line_of(what: Happening) -> str:
         case Grasping(grasp=None):
             line = "no grasp within reach is expected to succeed: the arm stays where it is"
         case Grasping(grasp=grasp, expected_score=score):
-            line = f"the arm tries {grasp}, expected to succeed with {score:.2f}"
+            line = f"the arm tries {grasp}, expected to succeed with {share(score)}"
         case Grasped(outcome=outcome):
             how = f": {outcome.detail}" if outcome.detail else ""
             line = f"{outcome.grasp} {'succeeded' if outcome.success else 'FAILED'}{how}"
@@ -43,15 +50,19 @@ def line_of(what: Happening) -> str:
 
 
 def _choice(chosen: Chosen) -> str:
-    worth = ""
-    if chosen.ranking is not None and chosen.ranking.ranking:
-        first = chosen.ranking.ranking[0]
-        worth = f" ({first.sensor} is worth {first.voa:+.3f})"
-    if chosen.sensor is not None:
-        others = [] if chosen.ranking is None else chosen.ranking.ranking[1:_FEW]
-        rest = "".join(f", {look.sensor} {look.voa:+.3f}" for look in others)
-        return f"look from {chosen.sensor} next{worth[:-1] + rest + ')' if worth else ''}"
-    return f"the looks are used up{worth}: grasp" if chosen.used_up else f"no more looks{worth}: grasp"
+    ranking = chosen.ranking
+    if ranking is None or not ranking.ranking:
+        if chosen.sensor is not None:
+            return f"look from {chosen.sensor} next"
+        return "the looks are used up: grasp" if chosen.used_up else "no more looks: grasp"
+    if chosen.sensor is None and not chosen.used_up:
+        return f"{no_look(ranking, chosen.min_gain)}: grasp"
+    first, *others = ranking.ranking[:_FEW]
+    worth = f"{first.sensor} is worth {signed_apart(first.net_value, chosen.min_gain)}"
+    if chosen.sensor is None:
+        return f"the looks are used up ({worth}): grasp"
+    rest = "".join(f", {o.sensor} {'as much' if o.ties_with_first else signed(o.net_value)}" for o in others)
+    return f"look from {chosen.sensor} next ({worth}{rest})"
 
 
 def _update(look: TakenLook) -> str:
@@ -66,12 +77,12 @@ def _update(look: TakenLook) -> str:
 def _belief(session: Session) -> str:
     likely = sorted(zip(session.belief, session.poses, strict=True), key=lambda pair: -pair[0])
     if likely[0][0] - likely[-1][0] < 1e-9:
-        return f"{len(likely)} poses, all {likely[0][0]:.2f}"
-    return ", ".join(f"{pose} {share:.2f}" for share, pose in likely[:_FEW])
+        return f"{len(likely)} poses, all {share(likely[0][0])}"
+    return ", ".join(f"{pose} {share(held)}" for held, pose in likely[:_FEW])
 
 
 def _best(session: Session) -> str:
-    return f"best grasp {session.best_grasp or 'none'}, {session.expected_score:.2f}"
+    return f"best grasp {session.best_grasp or 'none'}, {share(session.expected_score)}"
 
 
 @dataclass(frozen=True)
@@ -109,25 +120,53 @@ class Row:
                 return row
 
 
-def belief_table(row: Row) -> Table:
-    """What one pair believes, and what looks are worth to it."""
+def belief_table(row: Row, most_lines: int = _LINES) -> Table:
+    """Show what one pair believes, and what looks are worth to it, in few enough lines for a screen.
+
+    Args:
+        row: the pair.
+        most_lines: below the heading, at least 2. Of more poses the likeliest come first, of more looks those that
+            are worth most, and a last line sums up the others.
+    """
+    looks = () if row.ranking is None else row.ranking.ranking
+    most = max((look.voa for look in looks), default=0.0)
     table = Table(title=f"{row.pair}, {row.at_s:.0f} s", title_justify="left", expand=False)
-    for heading in ("pose", "belief", "", "look from", "worth", " "):
-        table.add_column(heading, justify="right" if heading in ("belief", "worth") else "left")
-    beliefs = [] if row.session is None else list(zip(row.session.poses, row.session.belief, strict=True))
-    looks = [] if row.ranking is None else [(look.sensor, look.voa) for look in row.ranking.ranking]
-    most = max((abs(voa) for _, voa in looks), default=0.0) or 1.0
-    for index in range(max(len(beliefs), len(looks))):
-        left = ("", "", "")
-        right = ("", "", "")
-        if index < len(beliefs):
-            pose, share = beliefs[index]
-            left = (pose, f"{share:.2f}", f"[blue]{'█' * round(_BAR * share)}[/blue]")
-        if index < len(looks):
-            sensor, voa = looks[index]
-            right = (sensor, f"{voa:+.3f}", f"[yellow]{'█' * round(_BAR * max(voa, 0.0) / most)}[/yellow]")
-        table.add_row(*left, *right)
+    for heading in ("pose", "belief", "0 to 1", "rank", "look from", "VOA", scale("VOA", most)):
+        table.add_column(heading, justify="right" if heading in ("belief", "rank", "VOA") else "left", no_wrap=True)
+    left, right = _pose_cells(row.session, most_lines), _look_cells(row.ranking, most, most_lines)
+    for index in range(max(len(left), len(right))):
+        table.add_row(
+            *(left[index] if index < len(left) else ("",) * 3), *(right[index] if index < len(right) else ("",) * 4)
+        )
     return table
+
+
+def _pose_cells(session: Session | None, most_lines: int) -> Sequence[tuple[str, ...]]:
+    """Name, share and bar of every pose as listed; of the likeliest where there are more than `most_lines`."""
+    if session is None:
+        return []
+    held = list(zip(session.poses, session.belief, strict=True))
+    shown = held if len(held) <= most_lines else sorted(held, key=lambda pair: -pair[1])[: most_lines - 1]
+    cells = [(escape(pose), share(value), f"[blue]{bar(value, 1.0, _BAR)}[/blue]") for pose, value in shown]
+    if len(shown) < len(held):
+        rest = max(0.0, 1.0 - math.fsum(value for _, value in shown))
+        cells.append((f"{len(held) - len(shown)} others", share(rest), f"[dim]{bar(rest, 1.0, _BAR)}[/dim]"))
+    return cells
+
+
+def _look_cells(ranking: Ranking | None, most: float, most_lines: int) -> Sequence[tuple[str, ...]]:
+    """Rank, name, VOA and bar of every look, best first."""
+    if ranking is None:
+        return []
+    looks = list(zip(ranks(ranking), ranking.ranking, strict=True))
+    shown = looks if len(looks) <= most_lines else looks[: most_lines - 1]
+    cells = [
+        (rank, escape(look.sensor), signed(look.voa), f"[yellow]{bar(look.voa, most, _BAR)}[/yellow]")
+        for rank, look in shown
+    ]
+    if len(shown) < len(looks):
+        cells.append(("", f"{len(looks) - len(shown)} others", "", ""))
+    return cells
 
 
 def fleet_table(rows: list[Row]) -> Table:
@@ -140,9 +179,9 @@ def fleet_table(rows: list[Row]) -> Table:
         table.add_row(
             row.pair,
             f"{row.at_s:.0f} s",
-            " ".join(row.looks) or "-",
-            "" if session is None else _belief(session),
-            "" if session is None else f"{session.best_grasp or 'none'} {session.expected_score:.2f}",
+            escape(" ".join(row.looks) or "-"),
+            "" if session is None else escape(_belief(session)),
+            "" if session is None else escape(f"{session.best_grasp or 'none'} {share(session.expected_score)}"),
             "" if row.success is None else "lifted" if row.success else "[bold]failed[/bold]",
         )
     return table
@@ -199,22 +238,34 @@ class Teller:
         with self._lock:
             self._rows[event.pair] = self._rows[event.pair].after(event)
             if self.lines:
-                whose = f"[dim]{event.pair}[/dim] " if len(self.pairs) > 1 else ""
-                self.console.print(
-                    f"[dim]{event.at_s:6.1f} s[/dim]  {whose}{_marked(event.what)}", highlight=False, soft_wrap=True
-                )
+                self._print(event)
             if self._live is not None:
                 self._live.update(self._table(), refresh=True)
         self.pace(event.what)
 
+    def _print(self, event: Event) -> None:
+        """Print a line: whole in a pipe, on a terminal broken between words and indented."""
+        time = f"[dim]{event.at_s:6.1f} s[/dim]"
+        whose = f"[dim]{event.pair}[/dim] " if len(self.pairs) > 1 else ""
+        line = f"{whose}{_marked(event.what)}"
+        if not self.console.is_terminal:
+            self.console.print(f"{time}  {line}", highlight=False, soft_wrap=True)
+            return
+        grid = Table.grid(padding=(0, 2))
+        grid.add_column(no_wrap=True)
+        grid.add_row(time, line)
+        self.console.print(grid)
+
     def _table(self) -> RenderableType:
         rows = list(self._rows.values())
-        return belief_table(rows[0]) if len(rows) == 1 else Group(fleet_table(rows))
+        if len(rows) > 1:
+            return fleet_table(rows)
+        return belief_table(rows[0], max(2, self.console.height - _FRAME))
 
 
 def _marked(what: Happening) -> str:
     """The line, with what matters standing out."""
-    line = line_of(what)
+    line = escape(line_of(what))
     match what:
         case Grasped(outcome=outcome):
             return f"[bold {'green' if outcome.success else 'red'}]{line}[/]"

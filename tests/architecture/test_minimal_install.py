@@ -92,5 +92,5 @@ def test_a_library_of_the_service_is_not_installed(python: Path, name: str) -> N
 def test_the_command_says_what_is_missing(python: Path) -> None:
     done = subprocess.run([python.with_name("voa"), "serve"], capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "pip install 'voa[service]'" in done.stderr
+    assert "pip install 'PATH_TO_CLONE[service]'" in done.stderr
     assert "Traceback" not in done.stderr

@@ -70,7 +70,7 @@ def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
     )
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
     assert done.stderr == ""
-    assert done.stdout.count("pip install 'voa[zenoh]'") == 2
+    assert done.stdout.count("pip install 'PATH_TO_CLONE[zenoh]'") == 2
 
 
 def test_all_that_is_promised_is_there() -> None:

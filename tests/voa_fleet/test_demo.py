@@ -1,24 +1,35 @@
 """`voa demo` in a pipe: the story, the contrast, the page; and it ends when it should."""
 
+import io
 import os
 import re
 import signal
 import subprocess
 import sys
 import threading
-from contextlib import ExitStack
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
+from rich.console import Console
 
+from tests.voa_fleet.test_telling import FIRST, RANKING, session
 from voa_cli.main import main
 from voa_fleet.clocks import VirtualClock
 from voa_fleet.commands import demo as command
+from voa_fleet.contrast import Contrast, Tally
+from voa_fleet.demo_page import Demo
 from voa_fleet.devices import GraspOutcome
+from voa_fleet.ending import TimeIsUp, ended_after
 from voa_fleet.errors import NoGraphics
 from voa_fleet.objects import FleetObject
 from voa_fleet.stage import make_stage
-from voa_fleet.story import Event, Grasped
+from voa_fleet.story import Event, Grasped, Story, TakenLook
+from voa_fleet.story_pictures import belief_by_look
+from voa_msgs.rankings import Ranking
 
 PNG = b"\x89PNG\r\n\x1a\n"
 SECONDS = 120.0
@@ -61,12 +72,69 @@ def test_without_opengl_it_says_so_and_takes_no_pictures(
         raise NoGraphics("no OpenGL here")
 
     monkeypatch.setattr(command, "Renderer", refused)
-    told = command.Demo(things["mallet"], seed=0)
+    told = Demo(things["mallet"], seed=0)
     stage = make_stage(things["mallet"], command.FLAWS, 0, VirtualClock(), "robot")
     with ExitStack() as stack:
         camera = command.Camera.of(stack, told, stage)
         camera.hear(Event("robot", 0.0, Grasped(GraspOutcome("TOP", success=True))))
     assert (told.no_frames, told.frames) == ("no OpenGL here", [])
+
+
+@pytest.mark.parametrize("ended", [None, KeyboardInterrupt(), TimeIsUp()])
+def test_the_table_is_printed_when_the_progress_bar_is_gone(
+    ended: BaseException | None, things: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+
+    @contextmanager
+    def bar(*_: object) -> Iterator[Callable[[int], None]]:
+        screen.write("<bar>")
+        try:
+            yield lambda _: None
+        finally:
+            screen.write("</bar>")
+
+    def play(contrast: Contrast, *_: object) -> None:
+        contrast.tallies = {name: Tally(name, (True,)) for name in contrast.policies}
+        if ended is not None:
+            raise ended
+
+    monkeypatch.setattr(command, "progress_bar", bar)
+    monkeypatch.setattr(Contrast, "play", play)
+    shown = Demo(things["mallet"], seed=0)
+    nothing: Any = None
+    with suppress(KeyboardInterrupt, TimeIsUp), ended_after(None) as ending:
+        command.tell_contrast(
+            shown, nothing, nothing, nothing, Console(file=screen), Namespace(drops=1, looks=1), ending
+        )
+    assert screen.getvalue().index("</bar>") < screen.getvalue().index("1 of 1")
+
+
+def story(poses: int, places: int) -> tuple[Story, list[Ranking]]:
+    """A look that made one of many poses likely, and what looks from many places were worth before and after it."""
+    names = [f"P{index}" for index in range(poses)]
+    before = session([1.0 / poses] * poses).model_copy(update={"poses": names})
+    after = before.model_copy(update={"belief": [0.9, *[0.1 / (poses - 1)] * (poses - 1)]})
+    looks = [FIRST.model_copy(update={"sensor": f"Q{index}"}) for index in range(places)]
+    ranking = RANKING.model_copy(update={"ranking": looks})
+    taken = (TakenLook("Q0", None, after, None),)
+    return Story("robot", "voa", before, taken, "G1", 0.9, None, 1.0), [ranking, ranking]
+
+
+def height_of(file: Path) -> int:
+    return int.from_bytes(file.read_bytes()[20:24], "big")
+
+
+def test_the_belief_chart_has_room_for_every_row_and_an_end(tmp_path: Path) -> None:
+    heights = {}
+    for poses, places in ((8, 8), (24, 8), (24, 16), (32, 32), (500, 200)):
+        file = tmp_path / f"{poses}-{places}.png"
+        belief_by_look(file, *story(poses, places), f"P{poses - 1}")
+        heights[poses, places] = height_of(file)
+    label = 8 / 72 * 120  # a label's height in pixels
+    assert heights[24, 8] - heights[8, 8] >= 16 * label
+    assert heights[24, 16] - heights[24, 8] >= 8 * label
+    assert heights[500, 200] == heights[32, 32]
 
 
 def demo(out: Path) -> subprocess.Popen[str]:

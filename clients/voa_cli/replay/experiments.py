@@ -9,11 +9,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
 from voa_cli.replay.figures import Predictions, Source, prediction_errors
 from voa_client import Client
+from voa_client.readable import share, signed
 from voa_client.recorded import InvalidExperiment, RecordedExperiment
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
@@ -190,9 +192,11 @@ def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
 def show(console: Console, report: dict[str, Any]) -> None:
     """The report as a table."""
     before, prediction = report["before"], report["prediction"]
-    grasp = before["best_grasp"] or "none"
-    console.print(f"[bold]{report['experiment']}[/bold]: {len(report['poses'])} poses, uniform belief")
-    console.print(f"best grasp before any look: [bold]{grasp}[/bold], expected score {before['expected_score']:.3f}\n")
+    score = share(before["expected_score"], 3)
+    console.print(f"{report['experiment']}: {len(report['poses'])} poses, uniform belief", style="bold", markup=False)
+    console.print(
+        f"best grasp before any look: {before['best_grasp'] or 'none'}, expected score {score}\n", markup=False
+    )
     table = Table(title="What a look is worth, in success probability", title_justify="left")
     for heading in ("rule", "sensor", "VOA (predicted)", "AECD (measured)", "difference"):
         table.add_column(heading, justify="left" if heading in ("rule", "sensor") else "right")
@@ -201,10 +205,10 @@ def show(console: Console, report: dict[str, Any]) -> None:
             aecd = found["aecd"]
             table.add_row(
                 rule if index == 0 else "",
-                sensor,
-                f"{found['voa']:+.4f}",
-                "-" if aecd is None else f"{aecd:+.4f}",
-                "-" if aecd is None else f"{aecd - found['voa']:+.4f}",
+                escape(sensor),
+                signed(found["voa"], 4),
+                "-" if aecd is None else signed(aecd, 4),
+                "-" if aecd is None else signed(aecd - found["voa"], 4),
                 end_section=index == len(sensors) - 1,
             )
     console.print(table)

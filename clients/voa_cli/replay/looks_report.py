@@ -11,6 +11,7 @@ from rich.table import Table
 from voa_cli.recordings.reading import Recording
 from voa_cli.replay.looks import Found, Heard, Look
 from voa_cli.replay.recordings import show_damage
+from voa_client.readable import share
 
 
 def report(found: Found, recording: Recording) -> dict[str, Any]:
@@ -59,7 +60,7 @@ def show(console: Console, found: Found, recording: Recording) -> None:
     headings = ["time", *(["robot"] if several else []), "where", "result", "best grasp", "score"]
     table = Table(*headings, title="Looks", title_justify="left")
     for look in found.looks:
-        table.add_row(_time(look), *([look.robot] if several else []), where(look), *_outcome(look))
+        table.add_row(_time(look), *([escape(look.robot)] if several else []), escape(where(look)), *_outcome(look))
     console.print(table if found.looks else "no look")
     for robot in found.robots:
         waits = "" if robot.waiting_for is None else f"; at the end it waits for {robot.waiting_for}"
@@ -94,4 +95,4 @@ def _outcome(look: Look) -> tuple[str, str, str]:
         return escape(f"refused: {look.refused}"), "", ""
     update = look.answer.update
     result = ("accepted" if update.accepted else "not accepted") + (f": {update.reason}" if update.reason else "")
-    return result, look.answer.best_grasp or "none", f"{look.answer.expected_score:.3f}"
+    return result, escape(look.answer.best_grasp or "none"), share(look.answer.expected_score, 3)

@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -24,14 +24,14 @@ from voa_client import Client, VoaClientError
 from voa_fleet.clocks import VirtualClock
 from voa_fleet.commands.common import count, progress_bar
 from voa_fleet.commands.fleet import natural
-from voa_fleet.contrast import Contrast, Tally
-from voa_fleet.demo_page import Chapter, Picture, write_page
+from voa_fleet.contrast import Tally
+from voa_fleet.demo_page import CONTRAST_COLUMNS, Demo, contrast_rows, told_contrast, truth_told, write_demo
 from voa_fleet.ending import Ending, TimeIsUp, ended_after
 from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
 from voa_fleet.imperfections import Imperfections
-from voa_fleet.objects import FleetObject, named_object
+from voa_fleet.objects import named_object
 from voa_fleet.policies import ByVoa
-from voa_fleet.render import Frame, Renderer, write_picture
+from voa_fleet.render import Renderer
 from voa_fleet.stage import Stage, make_stage
 from voa_fleet.story import (
     MOST_LOOKS,
@@ -43,59 +43,17 @@ from voa_fleet.story import (
     Looked,
     Opened,
     Pair,
-    Story,
     looking_by,
     play,
 )
-from voa_fleet.story_pictures import belief_by_look, contrast_bars, seen_from_above
-from voa_fleet.telling import Teller, line_of
-from voa_msgs.rankings import Ranking
+from voa_fleet.telling import Teller
 from voa_msgs.scenarios import Scenario
 
-PAGE = "demo.html"
 PAIR = "robot"
 FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
 """A lidar as its data sheet has it, and an object that lies 5 mm and 0.05 rad beside its pose (std)."""
 _READ_S = 1.2
 """For a reader at a terminal, after what changes the table."""
-_LABELS = {"none": "without a look", "voa": "with looks by VOA"}
-
-
-@dataclass
-class Demo:
-    """What there is to show so far.
-
-    Attributes:
-        lines: as they were told.
-        rankings: that the service gave on the way.
-        frames: of the scene, with what they show; none without OpenGL.
-        no_frames: why there are none.
-        paper: the picture of the paper's scene.
-    """
-
-    thing: FleetObject
-    seed: int
-    lines: list[str] = field(default_factory=list)
-    rankings: list[Ranking] = field(default_factory=list)
-    frames: list[tuple[Frame, str]] = field(default_factory=list)
-    no_frames: str | None = None
-    story: Story | None = None
-    truth: str = ""
-    most_looks: int = MOST_LOOKS
-    contrast: Contrast = field(default_factory=Contrast)
-    paper: Path | None = None
-
-    def hear(self, event: Event) -> None:
-        """Keep what the page needs."""
-        self.lines.append(f"{event.at_s:6.1f} s  {line_of(event.what)}")
-        if isinstance(event.what, Chosen) and event.what.ranking is not None:
-            self.rankings.append(event.what.ranking)
-
-    @property
-    def tallies(self) -> list[Tally]:
-        """Of the contrast; empty if no drop was played."""
-        tallies = list(self.contrast.tallies.values())
-        return tallies if all(tally.attempts for tally in tallies) else []
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -163,19 +121,6 @@ def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, con
     console.print(f"\n{truth_told(demo, demo.story)}\n", highlight=False)
 
 
-def truth_told(demo: Demo, story: Story) -> str:
-    """How the object lay, and what became of the grasp."""
-    rests = [name for name, rest in demo.thing.physics.rests.items() if demo.truth in rest.poses]
-    about = [grasp.data for grasp in demo.thing.scenario.grasps if grasp.name == story.grasp]
-    approach = about[0].get("approach") if about and isinstance(about[0], dict) else None
-    how = "" if approach is None else f" ({approach})"
-    lay = f"In truth the {demo.thing.name} was at {demo.truth} ({', '.join(rests)})."
-    if story.outcome is None:
-        return f"{lay} No grasp was tried."
-    ended = "succeeded" if story.success else f"failed ({story.outcome.detail}): such things happen, see below"
-    return f"{lay} {story.grasp}{how} {ended}."
-
-
 def tell_contrast(
     demo: Demo,
     client: Client,
@@ -187,113 +132,27 @@ def tell_contrast(
 ) -> None:
     """More drops, each played with looks and without."""
     console.rule("[bold]The same drops without a look, and with[/bold]", align="left")
-    policies = len(demo.contrast.policies)
     drops = range(1, options.drops + 1)
-    with ExitStack() as stack:
-        progress = stack.enter_context(progress_bar("more drops", len(drops) * policies))
+    try:
+        with progress_bar("more drops", len(drops) * len(demo.contrast.policies)) as progress:
 
-        def advance(count: int) -> None:
-            ending.check()
-            progress(count)
+            def advance(count: int) -> None:
+                ending.check()
+                progress(count)
 
-        try:
             demo.contrast.play(client, scenario, stage, drops, options.looks, advance)
-        finally:
-            if demo.tallies:
-                console.print(contrast_table(demo.tallies))
-                console.print(told_contrast(demo), highlight=False)
+    finally:  # the bar is gone from the screen by now: printed below it, the table would be torn
+        if demo.tallies:
+            console.print(contrast_table(demo.tallies))
+            console.print(told_contrast(demo), highlight=False)
 
 
 def contrast_table(tallies: Sequence[Tally]) -> Table:
-    """Counts, and what the service had expected."""
-    table = Table("", "lifted", "95 % interval", "looks per drop", "expected")
-    for tally in tallies:
-        table.add_row(*_row(tally))
+    """Show the counts, and what the service had expected, on a terminal."""
+    table = Table(*CONTRAST_COLUMNS)
+    for row in contrast_rows(tallies):
+        table.add_row(*row)
     return table
-
-
-def _row(tally: Tally) -> tuple[str, ...]:
-    low, high = tally.interval
-    return (
-        _LABELS[tally.policy],
-        f"{tally.successes} of {tally.attempts}",
-        f"{low:.0%} to {high:.0%}",
-        f"{tally.looks / tally.attempts:.1f}",
-        f"{tally.expected / tally.attempts:.0%}",
-    )
-
-
-def told_contrast(demo: Demo) -> str:
-    """What the counts say, in a sentence or two."""
-    without, with_looks = demo.tallies
-    return (
-        f"Drops 1 to {without.attempts} of seed {demo.seed}, the same for both, grasped in physics: without a look "
-        f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to {demo.most_looks} "
-        f"looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Noise and lost "
-        "beams as those of an LDS-01; the object lies 5 mm and 0.05 rad (std) beside its pose."
-    )
-
-
-def write_demo(demo: Demo, out: Path) -> Path:
-    """Draw the pictures and write the page of what there is; returns the page."""
-    chapters = []
-    if demo.story is not None:
-        steps, above = out / "belief.png", out / "from-above.png"
-        belief_by_look(steps, demo.story, demo.rankings, demo.truth)
-        seen_from_above(above, demo.thing, demo.truth, demo.story)
-        pictures = [
-            Picture(steps, "Above: the belief, the true pose in orange. Below: what a look from each place was worth."),
-            Picture(above, "What the lidar saw, look by look, over the object as it lay."),
-        ]
-        for index, (frame, caption) in enumerate(demo.frames):
-            scene = out / f"scene-{index}.png"
-            write_picture(scene, frame)
-            pictures.append(Picture(scene, caption))
-        text = [
-            f"A {demo.thing.name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. "
-            f"Drop 0 of seed {demo.seed}. {truth_told(demo, demo.story)}"
-        ]
-        if demo.no_frames is not None:
-            text.append(f"No pictures of the scene: {demo.no_frames}")
-        chapters.append(Chapter("What happened", tuple(text), tuple(demo.lines), tuple(pictures)))
-    elif demo.lines:
-        chapters.append(Chapter("What happened until it was ended", lines=tuple(demo.lines)))
-    if demo.tallies:
-        bars = out / "contrast.png"
-        contrast_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
-        heading = ("", "lifted", "95 % interval (Wilson)", "looks per drop", "expected by the service")
-        chapters.append(
-            Chapter(
-                "The same drops without a look, and with",
-                (told_contrast(demo),),
-                pictures=(Picture(bars, "Counts of drops in which the object was lifted."),),
-                table=(heading, *(_row(tally) for tally in demo.tallies)),
-            )
-        )
-    if demo.paper is not None:
-        chapters.append(
-            Chapter(
-                "The paper's example",
-                ("A mug, with the grasp scores measured in the paper: one look makes another grasp the best one.",),
-                pictures=(Picture(demo.paper, "Weighted grasp scores before and after one look (Fig. 3)."),),
-            )
-        )
-    chapters.append(
-        Chapter(
-            "Go on",
-            ("Commands to try next:",),
-            (
-                "voa demo --object mug      # whose looks gain less",
-                "voa fleet --pairs 4",
-                "voa fleet --object block --policy random",
-                "voa evaluate --help",
-                "voa serve",
-            ),
-        )
-    )
-    page = out / PAGE
-    write_page(page, "Value of Assistance: a look before the grasp", chapters)
-    return page
 
 
 @dataclass

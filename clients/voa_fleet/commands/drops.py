@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
+from rich.markup import escape
+from rich.table import Column, Table
 
 from voa_fleet.commands.common import count, progress_bar
 from voa_fleet.drops import STABLE_RAD, Drops, drop, prior_of, tilt_when_let_go
@@ -54,13 +55,14 @@ def drop_report(thing: FleetObject, drops: Drops) -> dict[str, Any]:
 
 def _print(console: Console, report: dict[str, Any]) -> None:
     console.print(f"{report['drops']} drops of the {report['object']}", highlight=False)
-    rests = Table("came to rest", "times")
+    rests = Table("came to rest", Column("times", justify="right"))
     for rest in report["rests"]:
-        rests.add_row(rest["name"], str(rest["count"]))
-    poses = Table("pose", "prior", "tilt when let go, degrees", "stable")
+        rests.add_row(escape(rest["name"]), str(rest["count"]))
+    figures = [Column(heading, justify="right") for heading in ("prior", "tilt when let go, degrees")]
+    poses = Table("pose", *figures, "stable")
     for pose in report["poses"]:
         stable = "yes" if pose["stable"] else "[bold]NO[/bold]"
-        poses.add_row(pose["name"], f"{pose['prior']:.3f}", f"{pose['tilt_deg']:.2f}", stable)
+        poses.add_row(escape(pose["name"]), f"{pose['prior']:.3f}", f"{pose['tilt_deg']:.2f}", stable)
     console.print(rests)
     console.print(poses)
 

@@ -21,12 +21,11 @@ from voa_client import VoaClientError
 from voa_client.recorded import RecordedExperiment, read_experiment
 from voa_fleet.commands.common import add_objects, objects_of, progress_bar
 from voa_fleet.commands.grasp_score import write_scores
-from voa_fleet.commands.looks import add_setting, setting_of, write_pictures
+from voa_fleet.commands.looks import QUICK_NOTICE, add_setting, setting_of, write_pictures
 from voa_fleet.commands.observation import errors_of_record, write_errors
 from voa_fleet.errors import FleetError
 from voa_fleet.evaluation.fleet_sections import grasp_section, observation_section
 from voa_fleet.evaluation.found import find
-from voa_fleet.evaluation.page import Section, command, page, paragraph
 from voa_fleet.evaluation.pictures import recorded_worth
 from voa_fleet.evaluation.recorded_sections import recorded_section
 from voa_fleet.evaluation.sections import LEAD, looks_sections
@@ -34,6 +33,7 @@ from voa_fleet.evaluation.setting import Setting, usual_flaws
 from voa_fleet.evaluation.tables import write_csv, write_tables
 from voa_fleet.objects import FleetObject
 from voa_fleet.observation import ObservationErrors, simulated_errors
+from voa_fleet.page import Section, command, contents, notice, page, paragraph
 
 PAGE = "report.html"
 _SCANS, _QUICK_SCANS = 10, 1
@@ -56,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print()
     else:
         print(f"{options.out / PAGE}: open it in a browser; the tables are beside it as CSV")
+        if options.quick and options.recorded is None:
+            print(QUICK_NOTICE)
     return 0
 
 
@@ -76,7 +78,7 @@ def _of_fleet(options: argparse.Namespace, things: Sequence[FleetObject]) -> dic
     told = ["--object", *(shlex.quote(thing.name) for thing in things), "--seed", str(setting.seed)]
     told += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
     told += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
-    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(told))
+    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(told), quick=options.quick)
     return {
         "grasp-score": [each.report() for each in found.scores],
         "observation": [each.report() for each in errors],
@@ -122,14 +124,16 @@ def _observed(folder: Path, errors: Sequence[ObservationErrors]) -> Section:
     return observation_section(errors, pictures)
 
 
-def _write_page(folder: Path, title: str, sections: Sequence[Section], told: str) -> None:
+def _write_page(folder: Path, title: str, sections: Sequence[Section], told: str, *, quick: bool = False) -> None:
     lead = [
+        *([notice(QUICK_NOTICE)] if quick else []),
         paragraph(LEAD),
         paragraph(
             "Every figure is counted from what the page names beside it; the CSV files in the same folder hold the "
             "rows. The same command on the same machine and versions gives this page again, byte for byte:"
         ),
         command(f"voa evaluate all {told} --out DIR"),
+        contents(sections),
     ]
     (folder / PAGE).write_text(page(title, lead, sections), encoding="utf-8")
 

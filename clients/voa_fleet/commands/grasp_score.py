@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from voa_fleet.attempts import Result
@@ -105,12 +106,12 @@ def score_table(scores: GraspScores) -> Table:
     table = Table()
     table.add_column("pose")
     for grasp in scores.grasps:
-        table.add_column(grasp, justify="right")
+        table.add_column(escape(grasp), justify="right")
     for row in scores.cells:
         failures = [_most_frequent_failure(cell) for cell in row]
         letters = [" " if failure is None else _LETTERS[failure] for failure in failures]
         cells = [f"{cell.successes} [dim]{letter}[/dim]" for cell, letter in zip(row, letters, strict=True)]
-        table.add_row(row[0].pose, *cells)
+        table.add_row(escape(row[0].pose), *cells)
     return table
 
 

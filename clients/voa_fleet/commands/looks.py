@@ -29,6 +29,10 @@ from voa_fleet.evaluation.tables import write_tables
 
 QUICK = Setting(drops=4, attempts=2, sensitivity_drops=1)
 """To see that everything works; too few drops to conclude anything."""
+QUICK_NOTICE = (
+    "A trial run (--quick): it shows that everything works. Its figures mean nothing, because they come from too few "
+    "scans, attempts and drops; leave --quick out for figures that do."
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         things = objects_of(options)
         with service_at(options.url) as client:
             found = find(client, things, setting_of(options), progress_bar)
-        files = {**write_tables(options.out, found), **write_pictures(options.out, found)}
+        tables, drawn = write_tables(options.out, found), write_pictures(options.out, found)
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa evaluate voa: {error}", file=sys.stderr)
         return 1
@@ -46,9 +50,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         json.dump(found.report(), sys.stdout, indent=1)
         print()
         return 0
+    if options.quick:
+        Console().print(QUICK_NOTICE, style="bold", highlight=False)
     show(Console(), found)
-    for what, file in files.items():
-        Console().print(f"{what}: {file}", highlight=False, soft_wrap=True)
+    for kind, files in (("table", tables), ("picture", drawn)):
+        for what, file in files.items():
+            Console().print(f"{kind}, {what}: {file}", highlight=False, soft_wrap=True)
     return 0
 
 
@@ -59,7 +66,9 @@ def add_setting(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--attempts", type=count, help=f"per grasp score (default {usual.attempts})")
     told = f"per object, for the curves (default {usual.sensitivity_drops}, at most --drops)"
     parser.add_argument("--sensitivity-drops", type=count, help=told)
-    parser.add_argument("--quick", action="store_true", help="a few drops: to see that it works")
+    parser.add_argument(
+        "--quick", action="store_true", help="a few drops: to see that it works; the figures mean nothing"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of all chance (default 0)")
     parser.add_argument("--processes", type=count, default=1, help="for the grasp scores (default 1)")
     parser.add_argument("--url", help="a running service; without it, one is started for the purpose")

@@ -15,6 +15,7 @@ from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from voa_client import VoaClientError
@@ -143,7 +144,7 @@ def _figure(value: float | None) -> str:
 def error_table(found: ObservationErrors) -> Table:
     """Per sensor configuration, on a terminal."""
     table = Table(
-        title=f"{found.name}: measured minus predicted, mm",
+        title=f"{escape(found.name)}: measured minus predicted, mm",
         title_justify="left",
         caption="|d|: median size; m, p: beams that return in the measured or in the predicted scan alone",
         caption_justify="left",
@@ -152,10 +153,10 @@ def error_table(found: ObservationErrors) -> Table:
         table.add_column(heading, justify="left" if heading == "sensor" else "right")
     for sensor, errors in {**found.by_sensor(), "all": found.overall}.items():
         figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-        cells = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
+        cells = ["-" if figure is None else f"{figure:z.1f}" for figure in figures]
         counts = (str(errors.only_measured), str(errors.only_predicted))
         last = sensor == found.sensors[-1]
-        table.add_row(sensor, str(errors.beams), *cells, *counts, end_section=last)
+        table.add_row(escape(sensor), str(errors.beams), *cells, *counts, end_section=last)
     return table
 
 

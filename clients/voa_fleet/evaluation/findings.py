@@ -1,12 +1,13 @@
-"""What came out, in words, each with its counts; negative results by name, with what the rows say of the reason."""
+"""What came out, each comparison with its counts; of negative results what the rows say, and the reason."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from voa_client.readable import signed
 from voa_fleet.evaluation.found import Found
-from voa_fleet.evaluation.outcomes import Outcome
+from voa_fleet.evaluation.outcomes import Outcome, Rate
 from voa_fleet.evaluation.rows import Rows
 from voa_fleet.evaluation.setting import Belief
 from voa_fleet.evaluation.statistics import Interval
@@ -18,16 +19,21 @@ class Finding:
 
     Attributes:
         verdict: `better`, `worse` or `no difference shown`: by whether the 95 % interval excludes zero.
-        told: the sentence.
-        reason: of a result that is not `better`, from the rows; "" else.
+        ours, theirs: successes of VOA and of the other policy, over the same drops.
+        difference: of the rates, paired.
+        seen: of a result that is not `better`, what the rows say; "" else.
+        reason: of such a result; "" else.
     """
 
     kind: Belief
     rule: str
     policy: str
     verdict: str
-    told: str
-    reason: str
+    ours: Rate
+    theirs: Rate
+    difference: Interval
+    seen: str = ""
+    reason: str = ""
 
 
 def findings(found: Found) -> list[Finding]:
@@ -44,25 +50,14 @@ def _finding(rows: Rows, outcome: Outcome, ours: Outcome) -> Finding:
     difference = outcome.behind
     sign = "better" if difference.value > 0.0 else "worse"
     verdict = sign if difference.excludes_zero else "no difference shown"
-    told = (
-        f"{outcome.rule}, {outcome.kind} belief: looking where VOA says lifted the object "
-        f"{ours.rate.successes} of {ours.rate.drops} times, {_POLICY_WORDS[outcome.policy]} "
-        f"{outcome.rate.successes} of {outcome.rate.drops}: {signed(difference)}."
-    )
-    reason = "" if verdict == "better" else _reason(rows, outcome.policy)
-    return Finding(outcome.kind, outcome.rule, outcome.policy, verdict, told, reason)
+    found = Finding(outcome.kind, outcome.rule, outcome.policy, verdict, ours.rate, outcome.rate, difference)
+    if verdict == "better":
+        return found
+    seen, reason = _seen_and_reason(rows, outcome.policy)
+    return replace(found, seen=seen, reason=reason)
 
 
-_POLICY_WORDS = {
-    "entropy": "the look that lowers entropy most",
-    "beams": "the look with most beams on the object",
-    "nearest": "the nearest look",
-    "random": "a random look",
-    "none": "no look",
-}
-
-
-def _reason(rows: Rows, policy: str) -> str:
+def _seen_and_reason(rows: Rows, policy: str) -> tuple[str, str]:
     total = len(rows.rows)
     pairs = [(row.of_policy("voa"), row.of_policy(policy)) for row in rows.rows]
     same = sum(ours.grasp == theirs.grasp for ours, theirs in pairs)
@@ -79,31 +74,31 @@ def _reason(rows: Rows, policy: str) -> str:
         parts.append(f"of {len(looked)} scans taken where VOA said, {kinds}")
     promised = float(np.mean([look.voa for look in looked])) if looked else 0.0
     gained = [float(look.success) - row.before.success for row in rows.rows for look in [row.of_policy("voa")]]
-    parts.append(f"VOA promised {promised:+.2f} on average, {sum(gained) / total:+.2f} was achieved")
+    parts.append(f"VOA promised {signed(promised, 2)} on average, {signed(sum(gained) / total, 2)} was achieved")
     truth = [look.truth - row.before.truth for row in rows.rows for look in [row.of_policy("voa")]]
-    parts.append(f"belief in the true pose rose by {sum(truth) / total:+.2f} on average")
+    parts.append(f"belief in the true pose rose by {signed(sum(truth) / total, 2)} on average")
     refused_share = sum(refused.values()) / max(1, len(looked))
-    return f"{'; '.join(parts)}. {_because(refused_share, sum(truth) / total, same / total, total)}"
+    return f"{'; '.join(parts)}.", _because(refused_share, sum(truth) / total, same / total, total)
 
 
 def _because(refused: float, rise: float, same: float, drops: int) -> str:
     """What these shares say of the reason: the first that applies."""
     if refused > 0.5:
         return (
-            "Reason: most scans fit no pose under this rule, because a beam that just meets or misses the outline "
+            "Most scans fit no pose under this rule, because a beam that just meets or misses the outline "
             "refutes the true pose too; VOA is worked out over exact scans and does not know of that."
         )
     if rise < 0.05:
         return (
-            "Reason: the rule gives nearly the same weight to all poses, so that a look from anywhere hardly moves the "
+            "The rule gives nearly the same weight to all poses, so that a look from anywhere hardly moves the "
             "belief and can do no more than break ties between grasps."
         )
     if same > 0.8:
         return (
-            "Reason: both mostly lead to the same grasp; it is enough to tell apart poses that need different grasps, "
+            "Both mostly lead to the same grasp; it is enough to tell apart poses that need different grasps, "
             "and looks from several places do."
         )
-    return f"Reason: the places differ by less than {drops} drops can show."
+    return f"The places differ by less than {drops} drops can show."
 
 
 _REASON_WORDS = {
@@ -112,8 +107,3 @@ _REASON_WORDS = {
     "no_beams": "had no beam to compare",
     "bad_fit": "fitted too badly",
 }
-
-
-def signed(interval: Interval) -> str:
-    """A difference with its interval, as text."""
-    return f"difference {interval.value:+.3f} [{interval.low:+.3f}, {interval.high:+.3f}]"

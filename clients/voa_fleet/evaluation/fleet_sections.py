@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from voa_fleet.evaluation.page import Section, folded, heading, paragraph, picture, table
 from voa_fleet.grasp_scores import GraspScores
 from voa_fleet.observation import Errors, ObservationErrors
+from voa_fleet.page import Section, folded, heading, paragraph, picture, table
 
 
 def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -> Section:
@@ -77,5 +77,5 @@ def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[s
 
 def _errors(errors: Errors) -> list[str]:
     figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-    told = ["-" if figure is None else f"{figure:.1f}" for figure in figures]
+    told = ["-" if figure is None else f"{figure:z.1f}" for figure in figures]
     return [str(errors.beams), *told, str(errors.only_measured), str(errors.only_predicted)]

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from voa_fleet.evaluation.page import Section, items, paragraph, picture, table
+from voa_client.readable import signed, unsigned
 from voa_fleet.evaluation.statistics import rank_correlation
 from voa_fleet.frames import Floats
+from voa_fleet.page import Section, items, paragraph, picture, table
 
 
 def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
@@ -16,8 +17,8 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
     rules: dict[str, dict[str, Any]] = report["rules"]
     rows = [
         [
-            *(rule, sensor, f"{found['voa']:+.4f}", _number(found["aecd"])),
-            "-" if found["aecd"] is None else f"{found['aecd'] - found['voa']:+.4f}",
+            *(rule, sensor, signed(found["voa"], 4), _number(found["aecd"])),
+            "-" if found["aecd"] is None else signed(found["aecd"] - found["voa"], 4),
             f"{len(found['beliefs'])}/{len(report['poses'])}",
         ]
         for rule, sensors in rules.items()
@@ -44,7 +45,7 @@ def recorded_section(report: Mapping[str, Any], file: Path) -> Section:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:+.4f}"
+    return "-" if value is None else signed(value, 4)
 
 
 def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]) -> str:
@@ -54,8 +55,8 @@ def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]
         return f"{rule}: no place was measured at every pose."
     apart = max(abs(voa - aecd) for voa, aecd in pairs)
     tau = rank_correlation(_column(pairs, 0), _column(pairs, 1))
-    ranked = "the order of places is undefined" if tau is None else f"Kendall's tau {tau:+.2f}"
-    return f"{rule}: over {len(pairs)} of {len(sensors)} places VOA and AECD differ by {apart:.4f} at most; {ranked}."
+    ranked = "the order of places is undefined" if tau is None else f"Kendall's tau {signed(tau, 2)}"
+    return f"{rule}: over {len(pairs)} of {len(sensors)} places VOA and AECD differ by {unsigned(apart, 4)} at most; {ranked}."
 
 
 def _column(pairs: Sequence[tuple[float, float]], index: int) -> Floats:

@@ -3,15 +3,17 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from voa_fleet.evaluation.findings import Finding, findings
+from voa_client.readable import signed
+from voa_fleet.evaluation.findings import findings
+from voa_fleet.evaluation.findings_section import findings_section
 from voa_fleet.evaluation.found import Found
 from voa_fleet.evaluation.outcomes import Outcome, endings
-from voa_fleet.evaluation.page import Section, folded, heading, items, paragraph, picture, table
 from voa_fleet.evaluation.policies import POLICIES
-from voa_fleet.evaluation.sensitivity import DISTURBANCES
+from voa_fleet.evaluation.sensitivity_section import sensitivity_section
 from voa_fleet.evaluation.setting import BELIEFS, MEANT
-from voa_fleet.evaluation.statistics import Interval
+from voa_fleet.evaluation.statistics import interval_text
 from voa_fleet.evaluation.worth import pooled_tau
+from voa_fleet.page import Section, folded, heading, paragraph, picture, table
 
 LEAD = (
     "A robot arm must grasp an object whose pose it does not know: it is one of a few poses, each believed with some "
@@ -26,11 +28,11 @@ def looks_sections(found: Found, pictures: Mapping[str, Path]) -> list[Section]:
     """VOA against what was achieved."""
     return [
         _design(found),
-        _findings(found),
+        findings_section(findings(found)),
         _policies(found, pictures),
         _worth(found, pictures),
         _calibration(found, pictures),
-        _sensitivity(found, pictures),
+        sensitivity_section(found, pictures),
     ]
 
 
@@ -43,8 +45,8 @@ def _design(found: Found) -> Section:
         "Looks: how they were evaluated",
         (
             paragraph(
-                f"Each of {len(found.rows.objects)} objects was put down {setting.drops} times per kind of belief, "
-                f"{drops} drops each. uniform: every pose is equally likely, as in the paper. hinted: every drop has a "
+                f"Objects, each put down {setting.drops} times per kind of belief: {', '.join(found.rows.objects)}; "
+                f"{drops} drops of either kind. uniform: every pose is equally likely, as in the paper. hinted: every drop has a "
                 "belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look differs from drop "
                 "to drop. The true pose is drawn from the belief. The object lies "
                 f"{1e3 * flaws.object_xy_m:g} mm and {flaws.object_yaw_rad * 57.29577951:.1f} degrees (std) off "
@@ -85,34 +87,6 @@ def _design(found: Found) -> Section:
             ),
         ),
     )
-
-
-def _findings(found: Found) -> Section:
-    all_found = findings(found)
-    good = [each for each in all_found if each.verdict == "better"]
-    blocks = [
-        paragraph(
-            f"Of {len(all_found)} comparisons of VOA with another policy (rules x kinds of belief x policies, all "
-            f"objects together) {len(good)} favour VOA with a 95 % interval that excludes zero, "
-            f"{sum(each.verdict == 'worse' for each in all_found)} are against it, "
-            f"{sum(each.verdict == 'no difference shown' for each in all_found)} show no difference. With so many "
-            "comparisons one in twenty would exclude zero by chance alone; nothing is corrected for that."
-        ),
-        heading("Where VOA is better"),
-        items([each.told for each in good]) if good else paragraph("Nowhere."),
-    ]
-    for verdict, title in (
-        ("worse", "Negative: where VOA is worse"),
-        ("no difference shown", "Negative: no difference"),
-    ):
-        own = [each for each in all_found if each.verdict == verdict]
-        told = [_with_reason(each) for each in own]
-        blocks += [heading(title), items(told) if told else paragraph("Nowhere.")]
-    return Section("findings", "What came out", tuple(blocks))
-
-
-def _with_reason(each: Finding) -> str:
-    return f"{each.told} {each.reason}"
 
 
 def _policies(found: Found, pictures: Mapping[str, Path]) -> Section:
@@ -169,13 +143,6 @@ def _differences(own: Sequence[Outcome]) -> list[list[str]]:
     return [[rule, *(interval_text(e.behind) for e in own if e.rule == rule and e.policy != "voa")] for rule in rules]
 
 
-def interval_text(interval: Interval | None) -> str:
-    """A figure and its interval; a dash where there is none."""
-    if interval is None:
-        return "-"
-    return f"{interval.value:+.3f} [{interval.low:+.3f}, {interval.high:+.3f}]"
-
-
 def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
     blocks = [
         paragraph(
@@ -195,7 +162,7 @@ def _worth(found: Found, pictures: Mapping[str, Path]) -> Section:
                     *(
                         each.rule,
                         each.sensor,
-                        f"{each.voa:+.3f}",
+                        signed(each.voa),
                         interval_text(each.aecd),
                         interval_text(each.achieved),
                     ),
@@ -248,14 +215,14 @@ def _pooled(found: Found) -> str:
         for rule in found.rows.rules:
             own = [each for each in found.worths if (each.kind, each.rule) == (kind, rule)]
             tau = pooled_tau(own)
-            rows.append([kind, rule, "-" if tau is None else f"{tau:+.2f}", str(len(own))])
+            rows.append([kind, rule, "-" if tau is None else signed(tau, 2), str(len(own))])
     return table("Kendall's tau over the places of all objects", ("belief", "rule", "tau", "places"), rows)
 
 
 def _calibration(found: Found, pictures: Mapping[str, Path]) -> Section:
     rows = [
         [
-            *(each.kind, each.rule, f"{each.low:g} to {each.high:g}", f"{each.voa:+.3f}", interval_text(each.achieved)),
+            *(each.kind, each.rule, f"{each.low:g} to {each.high:g}", signed(each.voa), interval_text(each.achieved)),
             *(str(each.achieved.count), str(each.drops)),
         ]
         for each in found.bins
@@ -274,72 +241,3 @@ def _calibration(found: Found, pictures: Mapping[str, Path]) -> Section:
             folded("as a table", table("Calibration", header, rows)),
         ),
     )
-
-
-def _sensitivity(found: Found, pictures: Mapping[str, Path]) -> Section:
-    units = {each.name: each.unit for each in DISTURBANCES}
-    rows = [
-        [
-            *(level.disturbance, f"{level.level:g} {units[level.disturbance]}", "yes" if level.stated else "no"),
-            *(level.rule, f"{level.rate.successes}/{level.rate.drops}", f"{level.blind.successes}/{level.blind.drops}"),
-            *(interval_text(level.gain), f"{level.not_accepted}/{level.rate.drops}"),
-        ]
-        for level in found.levels
-    ]
-    header = ("disturbance", "level", "stated", "rule", "lifted with look", "without", "gain", "fitted no pose")
-    return Section(
-        "sensitivity",
-        "What disturbs a look",
-        (
-            paragraph(
-                f"The look that VOA recommends under a uniform belief, at the first {found.setting.sensitivity_drops} "
-                f"drops of each object ({found.setting.sensitivity_drops * len(found.rows.objects)} in all), while one "
-                "thing gets worse. Where the robot's pose is uncertain, the robot may state how much, and the service "
-                "then averages over where it may stand. Below the dashed line looking does harm."
-            ),
-            picture(pictures["sensitivity"], "Success rate against four disturbances, a row per update rule."),
-            items(_sensitivity_words(found)),
-            folded("as a table", table("Sensitivity", header, rows)),
-        ),
-    )
-
-
-def _sensitivity_words(found: Found) -> list[str]:
-    told = []
-    for disturbance in DISTURBANCES:
-        for rule in found.rows.rules:
-            own = [each for each in found.levels if (each.disturbance, each.rule) == (disturbance.name, rule)]
-            harms = [each for each in own if each.gain.high < 0.0]
-            for stated in (False, True):
-                bad = [f"{each.level:g}" for each in harms if each.stated is stated]
-                if bad:
-                    how = ", although stated," if stated else ""
-                    told.append(
-                        f"Negative: under {rule}, looking{how} does harm at {disturbance.title} of "
-                        f"{', '.join(bad)} {disturbance.unit}."
-                    )
-    told += _stating_words(found)
-    return told or ["No disturbance made a look harmful with an interval that excludes zero."]
-
-
-def _stating_words(found: Found) -> list[str]:
-    told = []
-    for rule in found.rows.rules:
-        pairs = [
-            (plain, stated)
-            for plain in found.levels
-            for stated in found.levels
-            if not plain.stated
-            and stated.stated
-            and (plain.disturbance, plain.level, plain.rule) == (stated.disturbance, stated.level, rule)
-            and stated.rule == rule
-        ]
-        if pairs:
-            ours = sum(stated.rate.successes for _, stated in pairs)
-            other = sum(plain.rate.successes for plain, _ in pairs)
-            total = sum(plain.rate.drops for plain, _ in pairs)
-            told.append(
-                f"{rule}: over all levels of pose error, {ours} of {total} grasps succeeded with the uncertainty "
-                f"stated, {other} of {total} without."
-            )
-    return told

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kendalltau
 
+from voa_client.readable import signed
 from voa_fleet.frames import Floats
 
 RESAMPLES = 2000
@@ -32,6 +33,13 @@ class Interval:
     def excludes_zero(self) -> bool:
         """Whether zero lies outside."""
         return self.low > 0.0 or self.high < 0.0
+
+
+def interval_text(interval: Interval | None) -> str:
+    """Write a difference with its interval; a dash where there is none."""
+    if interval is None:
+        return "-"
+    return f"{signed(interval.value)} [{signed(interval.low)}, {signed(interval.high)}]"
 
 
 def bootstrap_mean(strata: Sequence[Floats], seed: int, resamples: int = RESAMPLES) -> Interval:

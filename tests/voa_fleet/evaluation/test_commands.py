@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 from collections import Counter
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from tests import recorded
 from voa_assets import path
 from voa_client import Client
 from voa_fleet.commands import evaluate
+from voa_fleet.commands.looks import QUICK_NOTICE
 from voa_fleet.evaluation.asking import ask, before_any_look
 from voa_fleet.evaluation.policies import POLICIES
 from voa_fleet.evaluation.running import scores_of
@@ -71,7 +73,7 @@ def test_totals_of_the_page_are_those_of_the_rows(reported: Path) -> None:
     for row in told:
         key = row["belief"], row["rule"], row["policy"]
         assert (int(row["successes"]), int(row["drops"])) == (counted[key], drops[key])
-        assert f"<td>{counted[key]}/{drops[key]} (" in page
+        assert f'<td class="number">{counted[key]}/{drops[key]} (' in page
 
 
 def test_every_look_is_in_the_rows_and_counts_there(reported: Path) -> None:
@@ -102,6 +104,8 @@ def test_the_page_needs_nothing_beside_it(reported: Path) -> None:
         in page
     )
     assert "Negative" in page
+    assert page.index(f'<p class="notice">{escape(QUICK_NOTICE)}</p>') < page.index("<section")
+    assert "figures mean nothing" in QUICK_NOTICE
 
 
 def test_voa_is_what_the_services_answers_to_predicted_scans_give(process: str, things: dict[str, FleetObject]) -> None:
@@ -126,6 +130,9 @@ def test_the_command_shows_tables(process: str, tmp_path: Path, capsys: pytest.C
     said = capsys.readouterr().out
     assert "Successes per policy, all objects, hinted belief" in said
     assert "no difference shown" in said
+    assert " ".join(said.split()).startswith(QUICK_NOTICE)
+    named = {line.rpartition(": ")[2] for line in said.splitlines() if line.startswith(("table, ", "picture, "))}
+    assert named == {str(file) for file in tmp_path.iterdir()}  # every file that was written
 
 
 @needs_lab
@@ -153,12 +160,13 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     out = tmp_path / "out"
     assert evaluate.main(["all", "--recorded", str(folder), "--url", process, "--out", str(out)]) == 0
     assert "report.html" in capsys.readouterr().out
+    assert 'class="notice"' not in (out / "report.html").read_text(encoding="utf-8")
     found = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
     assert {rule for rule, _ in found} == set(RULES)
     assert found["exponential", "Q2"]["aecd"] == ""
     assert found["exponential", "Q2"]["poses_measured"] == "1"
     page = (out / "report.html").read_text(encoding="utf-8")
-    assert "<td>1/2</td>" in page
+    assert '<td class="number">1/2</td>' in page
     assert (out / "observation-lab-3-4-tiny-sensors.csv").is_file()
 
 

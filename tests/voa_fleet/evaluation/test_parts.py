@@ -9,11 +9,14 @@ import pytest
 from voa_fleet.evaluation.asking import Asked, Beforehand, expected_entropies
 from voa_fleet.evaluation.calibration import calibration
 from voa_fleet.evaluation.dropping import Table, boxes, make_drop
-from voa_fleet.evaluation.page import Section, page, paragraph, table
+from voa_fleet.evaluation.findings import Finding
+from voa_fleet.evaluation.findings_section import findings_section
+from voa_fleet.evaluation.outcomes import Rate
 from voa_fleet.evaluation.policies import POLICIES, choices
 from voa_fleet.evaluation.rows import Look, Row, Rows
 from voa_fleet.evaluation.sensitivity import disturbed, stated_at
 from voa_fleet.evaluation.setting import RULES, Setting, update_of, usual_flaws
+from voa_fleet.evaluation.statistics import Interval
 from voa_fleet.evaluation.worth import gains, worths
 from voa_fleet.objects import FleetObject
 from voa_msgs.updates import InverseRmsdUpdate, MarginUpdate
@@ -142,11 +145,18 @@ def test_worth_and_gain_from_rows() -> None:
     assert (high.voa, high.achieved.value, high.drops) == pytest.approx((0.25, 0.25, 4))
 
 
-def test_the_page_escapes_and_stands_alone() -> None:
-    html = page("a < b", [paragraph("x & y")], [Section("s", "T", (table("c", ("<h>",), [["1"]]),))])
-    assert "<title>a &lt; b</title>" in html
-    assert "<p>x &amp; y</p>" in html
-    assert "<th>&lt;h&gt;</th>" in html
-    assert 'href="#s"' in html
-    assert "http" not in html
-    assert "<script" not in html
+def test_negative_findings_stand_in_a_table_with_their_reason_in_a_column_of_its_own() -> None:
+    interval = Interval(0.25, 0.1, 0.75, 4)
+    better = Finding("uniform", "beam", "random", "better", Rate(3, 4), Rate(2, 4), interval)
+    neither = replace(
+        better, rule="margin", verdict="no difference shown", seen="In 1 of 4 drops.", reason="Few drops."
+    )
+    html = "\n".join(findings_section([better, neither]).blocks)
+    _, good, worse, equal = html.split("<h3>")
+    assert "<td>beam</td><td>uniform</td><td>random</td>" in good
+    assert '<td class="number">+0.250 [+0.100, +0.750]</td>' in good
+    assert "reason" not in good
+    assert "<p>Nowhere.</p>" in worse
+    assert "<th>reason</th>" in equal
+    assert "<td>Few drops.</td><td>In 1 of 4 drops.</td>" in equal
+    assert "1 favour VOA" in html
