@@ -44,10 +44,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
-    print_warnings(Console(markup=False, highlight=False, stderr=True), scenario.warnings)
     if options.json:
         print(ranking.model_dump_json(indent=1, exclude_unset=True))
         return 0
+    print_warnings(Console(markup=False, highlight=False, stderr=True), scenario.warnings)
     console = Console(markup=False, highlight=False)  # names are printed as they are
     best = ranking.best_grasp_before or "none"
     before = share(ranking.expected_score_before, 3)

@@ -74,3 +74,12 @@ def test_generate_refuses_two_poses_of_one_name() -> None:
 def test_generate_refuses_other_than_one_name_per_stable_pose() -> None:
     with pytest.raises(InvalidInput, match="names: expected one per stable pose, 2, got 1"):
         generate([STANDING, LYING], [0.0], [[0.0, 0.0]], ["up"])
+
+
+def test_some_of_the_poses_are_a_set_of_their_own() -> None:
+    poses = PoseSet.from_arrays(["A", "B", "C"], [[0.0, 0.0, float(i)] for i in range(3)], [[1.0, 0.0, 0.0, 0.0]] * 3)
+    some = poses.subset(np.array([2, 0]))
+    assert some.names == ("C", "A")
+    assert some.positions is not None
+    assert some.positions[:, 2].tolist() == [2.0, 0.0]
+    assert PoseSet.named(["A", "B"]).subset(np.array([1])).names == ("B",)

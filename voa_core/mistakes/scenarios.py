@@ -27,7 +27,7 @@ def mistakes_of_scenario(
         At most one mistake of each kind, but one for each group of twin poses.
     """
     found = mistakes_of_values(scenario)
-    if object_ is not None and scenario.poses.rotations is not None:
+    if object_ is not None:
         found += mistakes_of_heights(scenario.poses, object_, most_pairs)
         found += mistakes_of_twins(scenario.poses, scenario.table, object_, most_pairs)
     return tuple(found + mistakes_of_places(scenario, object_, most_pairs))
