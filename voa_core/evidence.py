@@ -25,16 +25,19 @@ class Sight:
 
     Attributes:
         measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.
-        farthest: (n, u) the farthest range that any displaced copy of each pose predicts; -inf for no return.
+        reach: (n, u) up to which range a return sees the object at each pose, in any of its displaced copies; -inf
+            where none returns. With a workspace, whose edge has decided that already, it is inf elsewhere.
         fewest: (n,) the fewest of the compared beams on which a displaced copy of each pose returns.
-        behind_m: how far behind the farthest prediction a return still sees the object; inf with a workspace,
-            whose edge has decided that already.
     """
 
     measured: Floats
-    farthest: Floats
+    reach: Floats
     fewest: NDArray[np.intp]
-    behind_m: float
+
+    def hits(self, pose: int) -> Floats:
+        """Measured ranges, metres, on the beams on which the scan and a copy of the pose return."""
+        hit: Floats = self.measured[np.isfinite(self.measured) & (self.reach[pose] > -np.inf)]
+        return hit
 
     def misses_object(self, possible: NDArray[np.bool_]) -> bool:
         """Whether fewer beams see the object than a third of those that must, for the possible poses (n,).
@@ -45,9 +48,9 @@ class Sight:
         fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
         if fewest < _FEWEST_RETURNS:
             return False
-        farthest = self.farthest.max(axis=0, where=possible[:, None], initial=-np.inf)
-        seen = (self.measured <= farthest + self.behind_m + _SLACK_M) & np.isfinite(self.measured)
-        return 3 * int(np.count_nonzero(seen & np.isfinite(farthest))) < fewest
+        reach = self.reach.max(axis=0, where=possible[:, None], initial=-np.inf)
+        seen = (self.measured <= reach + _SLACK_M) & np.isfinite(self.measured)
+        return 3 * int(np.count_nonzero(seen)) < fewest
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,7 @@ class Evidence:
 
     @property
     def fit_hit_rmsd_mm(self) -> float | None:
-        """RMSD of the pose that fits best over the beams on which both return, millimetres; None where there is none."""
+        """RMSD over the beams on which the scan and the pose that fits best return, millimetres; None without any."""
         rmsd = float(self.hit_rmsds[self.best_fit])
         return None if np.isnan(rmsd) else 1e3 * rmsd
 
@@ -126,15 +129,29 @@ def evidence_of_scan(
     predictions = [
         restricted(predictor.predict(stand, grid, listed=listed), stand, scan, lidar, workspace) for stand in stands
     ]
+    return evidence_of_beams(beams, predictions, rule, has_workspace=workspace is not None)
+
+
+def evidence_of_beams(
+    beams: Floats, predictions: Sequence[Prediction], rule: UpdateRule, *, has_workspace: bool
+) -> Evidence:
+    """Compare the classified beams (r,) of a scan with predictions on the same beams.
+
+    Args:
+        beams: of `scans.classify`.
+        predictions: one for each sigma point of the sensor pose, as they are compared (`restricted`).
+        rule: how differences become weights.
+        has_workspace: whether a workspace decided which beams return.
+    """
     compared = [_compare(beams, prediction, rule) for prediction in predictions]
     log_weights, distances, hit_rmsds = (np.stack(values) for values in zip(*compared, strict=True))
     best = distances.argmin(axis=0), np.arange(distances.shape[1])
     return Evidence(
-        log_weights[0] if len(stands) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(stands)),
+        log_weights[0] if len(compared) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(compared)),
         distances[best],
         hit_rmsds[best],
         int(np.count_nonzero(~np.isnan(beams))),
-        _sight(beams, predictions, BEHIND_M if workspace is None else np.inf),
+        _sight(beams, predictions, np.inf if has_workspace else BEHIND_M),
     )
 
 
@@ -190,17 +207,20 @@ def _hit_rmsds(observed: Floats, predicted: Floats, both: np.ndarray[tuple[int, 
 
 
 def _sight(beams: Floats, predictions: Sequence[Prediction], behind_m: float) -> Sight:
-    """Which of the classified beams (r,) could see a pose in any of its displaced copies, one prediction each."""
+    """Which of the classified beams (r,) could see a pose in any of its displaced copies, one prediction each.
+
+    A return at most `behind_m` behind the farthest prediction of its beam sees the object.
+    """
     known = ~np.isnan(beams)
     columns = np.unique(np.concatenate([prediction.columns[known[prediction.columns]] for prediction in predictions]))
     poses = len(predictions[0].ranges)
-    farthest = np.full((poses, len(columns)), -np.inf)
+    reach = np.full((poses, len(columns)), -np.inf)
     fewest = np.full(poses, len(beams), dtype=np.intp)
     for prediction in predictions:
         kept = known[prediction.columns]
         predicted = prediction.ranges[:, kept]
         returns = predicted < NO_RETURN
         where = np.searchsorted(columns, prediction.columns[kept])
-        farthest[:, where] = np.maximum(farthest[:, where], np.where(returns, predicted, -np.inf))
+        reach[:, where] = np.maximum(reach[:, where], np.where(returns, predicted + behind_m, -np.inf))
         fewest = np.minimum(fewest, np.count_nonzero(returns, axis=1))
-    return Sight(beams[columns], farthest, fewest, behind_m)
+    return Sight(beams[columns], reach, fewest)

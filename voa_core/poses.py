@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from voa_core.checks import Floats, finite_array, frozen, unique_names
 from voa_core.errors import InvalidInput
@@ -30,6 +30,17 @@ class PoseSet:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    def subset(self, index: NDArray[np.intp]) -> "PoseSet":
+        """The poses at `index` (k,), in that order."""
+        if self.positions is None or self.quaternions_wxyz is None or self.rotations is None:
+            return PoseSet(tuple(self.names[p] for p in index), None, None, None)
+        return PoseSet(
+            tuple(self.names[p] for p in index),
+            frozen(self.positions[index]),
+            frozen(self.quaternions_wxyz[index]),
+            frozen(self.rotations[index]),
+        )
 
     @classmethod
     def named(cls, names: Sequence[str]) -> "PoseSet":

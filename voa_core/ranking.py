@@ -18,7 +18,7 @@ B = TypeVar("B")
 
 SAME_VALUE_DIGITS = 12
 MIN_GAIN = 0.005
-"""Success probability that a look must promise, net of its cost, to be recommended, unless a scenario says otherwise."""
+"""Net value that a look must exceed to be recommended, in success probability, unless a scenario says otherwise."""
 _TIE = 1e-6
 
 

@@ -145,7 +145,10 @@ def _place(outline: Floats, placement: Floats, sensor: Floats, xs: Floats, ys: F
 
 @sum_kernel
 def _aim(xs: Floats, ys: Floats, angle_min: float, spacing: float, us: Floats, cells: Ints) -> None:
-    """Beam coordinates in [0, turn], and the beam that each follows."""
+    """Beam coordinates in [0, turn), and the beam that each follows.
+
+    A bearing a hair clockwise of beam 0 rounds to a whole turn: then it is that of beam 0.
+    """
     turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
     beams_per_rad = 1.0 / spacing
     start = beams_per_rad * (angle_min - 2.0 * math.pi * math.floor(angle_min / (2.0 * math.pi) + 0.5))
@@ -154,7 +157,7 @@ def _aim(xs: Floats, ys: Floats, angle_min: float, spacing: float, us: Floats, c
     for i in range(len(us)):
         u = us[i] * beams_per_rad - start
         u = u + turn if u < 0.0 else u
-        u = u - turn if u > turn else u
+        u = u - turn if u >= turn else u
         us[i] = u
         cells[i] = np.int32(u)
 
@@ -172,19 +175,25 @@ def _cover(
     range_max: float,
     row: Floats,
 ) -> None:
-    """Enter the segments (g, 2) of one contour into the ranges (r,) of one scan."""
+    """Enter the segments (g, 2) of one contour into the ranges (r,) of one scan.
+
+    In every turn of the grid the coordinate of a point is computed by one formula, whichever segment asks: segments
+    that meet in a point agree, to the last bit, on which of them covers a beam there.
+    """
     turn = 2.0 * math.pi / spacing
     last = len(row) - 1
     for g in _candidates(joined, cells, last, turn):
         i, j = joined[g, 0], joined[g, 1]
         if us[i] > us[j]:
             i, j = j, i
-        low, high = us[i], us[j]
-        if high - low > 0.5 * turn:  # the short way round leads through beam 0
-            i, j, low, high = j, i, high - turn, low
+        first = 0
+        if us[j] - us[i] > 0.5 * turn:  # the short way round leads through beam 0
+            i, j, first = j, i, -1
         if xs[i] * ys[j] == xs[j] * ys[i]:
             continue
-        while low < last:
+        lap = 0
+        while us[i] + (lap + first) * turn < last:
+            low, high = us[i] + (lap + first) * turn, us[j] + lap * turn
             for k in range(max(math.floor(low) + 1, 0), min(math.floor(high), last) + 1):
                 # Both ends in the beam's own frame: how far along it, and how far to its left.
                 along_i, left_i = cosines[k] * xs[i] + sines[k] * ys[i], cosines[k] * ys[i] - sines[k] * xs[i]
@@ -194,8 +203,7 @@ def _cover(
                 if high - low < _EDGE_ON_BEAMS:
                     r = min(along_i, along_j)
                 row[k] = min(row[k], r if r <= range_max else math.inf)
-            low += turn
-            high += turn
+            lap += 1
 
 
 @kernel

@@ -34,6 +34,7 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
+from voa_msgs.warnings import Warnings
 
 
 class AsyncClient:
@@ -126,6 +127,10 @@ class AsyncClient:
     def list_scenarios(self) -> AsyncIterator[ScenarioSummary]:
         """Every scenario, oldest first, a page at a time."""
         return self._items(calls.list_scenarios)
+
+    async def warnings(self, scenario_id: str) -> Warnings:
+        """Everything that is probably wrong with a scenario."""
+        return await self._do(calls.warnings(scenario_id))
 
     async def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
         """Predicted scans of every pose."""

@@ -33,6 +33,7 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
+from voa_msgs.warnings import Warnings
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -169,6 +170,11 @@ def get_scenario(scenario_id: str) -> Call[Scenario]:
 def list_scenarios(after: str | None) -> Call[ScenarioPage]:
     """A page of scenarios."""
     return Call("scenario.list", "GET", "/v1/scenarios", ScenarioPage, query={"after": after})
+
+
+def warnings(scenario_id: str) -> Call[Warnings]:
+    """What is probably wrong with a scenario."""
+    return Call("scenario.warnings", "GET", "/v1/scenarios/{id}/warnings", Warnings, {"id": scenario_id}, heavy=True)
 
 
 def predict(scenario_id: str, request: PredictionsRequest) -> Call[Predictions]:

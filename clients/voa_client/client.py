@@ -33,6 +33,7 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
+from voa_msgs.warnings import Warnings
 
 
 class Client:
@@ -125,6 +126,10 @@ class Client:
     def list_scenarios(self) -> Iterator[ScenarioSummary]:
         """Every scenario, oldest first, a page at a time."""
         return self._items(calls.list_scenarios)
+
+    def warnings(self, scenario_id: str) -> Warnings:
+        """Everything that is probably wrong with a scenario."""
+        return self._do(calls.warnings(scenario_id))
 
     def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
         """Predicted scans of every pose."""

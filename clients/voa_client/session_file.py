@@ -17,8 +17,6 @@ from voa_msgs.base import Message
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, HistoryEntry, OutcomeRequest, ScanRequest, Session, SessionRequest
 
-_NOT_OF_THE_REQUEST = {"id", "created_at"}
-
 
 class InvalidSessionFile(VoaClientError):
     """A file is not a session file; says what is wrong."""
@@ -44,9 +42,9 @@ class Replayed:
 def export_session(client: Client, session_id: str) -> SessionFile:
     """Everything about a session."""
     session = client.get_session(session_id)
-    scenario = client.get_scenario(session.scenario).model_dump(exclude=_NOT_OF_THE_REQUEST)
+    scenario = client.get_scenario(session.scenario).request()
     history = [entry for entry in client.history(session_id) if entry.version <= (session.version or 0)]
-    return SessionFile(scenario=ScenarioRequest.model_validate(scenario), history=history, belief=session.belief)
+    return SessionFile(scenario=scenario, history=history, belief=session.belief)
 
 
 def read_session_file(path: Path) -> SessionFile:

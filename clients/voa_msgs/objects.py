@@ -54,7 +54,7 @@ class Object(Message):
     """Size of the bounding box in the mesh's own frame, metres."""
     faces: int
     watertight: bool
-    warnings: list[ProbableMistake] = []
+    warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
 
 

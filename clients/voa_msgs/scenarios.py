@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import ConfigDict, Discriminator, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from voa_msgs import examples
 from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
@@ -95,8 +95,13 @@ class Scenario(ScenarioRequest):
 
     id: str
     """Digest of the content, name included."""
-    warnings: list[ProbableMistake] = []
+    warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
+
+    def request(self) -> ScenarioRequest:
+        """Return the request that makes this very scenario, without what the service added to it."""
+        added = set(Scenario.model_fields) - set(ScenarioRequest.model_fields)
+        return ScenarioRequest.model_validate(self.model_dump(exclude=added))
 
 
 class ScenarioSummary(Message):

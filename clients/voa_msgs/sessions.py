@@ -39,7 +39,7 @@ class Estimate(Message):
     entropy_nats: float
     last_fit_rmsd_mm: float | None
     """Fit of the newest accepted scan."""
-    warnings: list[ProbableMistake] = []
+    warnings: list[ProbableMistake] = Field(default=[])
     """Those of the scenario; in the answer to a scan, those of the scan."""
 
 

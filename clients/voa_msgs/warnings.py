@@ -40,3 +40,9 @@ class ProbableMistake(Message):
     """The poses that it is about; absent where it is about none."""
     sensors: list[str] | None = None
     """The sensor configurations that it is about; absent where it is about none."""
+
+
+class Warnings(Message):
+    """Everything that is probably a mistake in one scenario; empty where all is well."""
+
+    items: list[ProbableMistake]

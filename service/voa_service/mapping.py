@@ -1,16 +1,17 @@
 """Between messages and mathematics: the only place that knows both."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.cutting import Contours
-from voa_core.errors import InvalidInput, UnknownName
+from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
+from voa_core.mistakes.found import Mistake
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Remember
@@ -25,9 +26,12 @@ from voa_msgs.base import Range
 from voa_msgs.geometry import CandidateSensor, UncertainSensorPose
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
 from voa_msgs.updates import POLICY_FIELDS
+from voa_msgs.warnings import ProbableMistake
 from voa_service.ports import StoredObject
 
 _LIDAR_FIELDS = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "zero")
+_MOST_NAMES = 100
+_MOST_TURN = 2.0 * np.pi
 _USUAL_NOISE = {"noise_m": 0.01, "noise_ratio": 0.02, "dropout": 0.05}
 
 
@@ -238,19 +242,50 @@ def place_of(scenario: Scenario, request: sessions.ScanRequest) -> tuple[SensorC
 
 
 def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
-    """A raw scan; what it does not say of its beams is the lidar's."""
+    """A raw scan; what it does not say of its beams is the lidar's.
+
+    Raises:
+        BeamGridMismatch: there are more or fewer ranges than the lidar has beams, and no angles of their own.
+        InvalidInput: the beams span more than a turn, or the range limits contradict each other.
+    """
     own = lidar.grid
+    if len(scan.ranges) != own.beams and (scan.angle_min is None or scan.angle_increment is None):
+        raise BeamGridMismatch(
+            f"expected one range for each of the lidar's beams ({own.beams} from {own.angle_min:g} rad by "
+            f"{own.angle_increment:g} rad), got {len(scan.ranges)} ranges: a scan with other beams must say both "
+            "angle_min and angle_increment"
+        )
     grid = BeamGrid(
         len(scan.ranges),
         own.angle_min if scan.angle_min is None else scan.angle_min,
         own.angle_increment if scan.angle_increment is None else scan.angle_increment,
     )
+    if grid.beams * abs(grid.angle_increment) > _MOST_TURN + 1.5 * abs(grid.angle_increment):
+        turns = grid.beams * abs(grid.angle_increment) / _MOST_TURN
+        raise InvalidInput(
+            "angle_increment",
+            f"at most one turn, in radians, over the {grid.beams} beams",
+            f"{grid.angle_increment:g} rad a beam, which is {turns:.3g} turns: is it in degrees?",
+        )
     ranges = np.array(_floats(scan.ranges, MISSING))
     found = Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)
     low, high = found.limits(lidar)
     if low > high:
         raise InvalidInput("range_min", f"at most range_max ({high}, the scan's or the lidar's)", repr(low))
     return found
+
+
+def warning_messages(mistakes: Iterable[Mistake]) -> list[ProbableMistake]:
+    """Probable mistakes as messages; of a long list of names the first hundred."""
+    return [
+        ProbableMistake(
+            kind=mistake.kind,
+            detail=mistake.detail,
+            poses=list(mistake.poses[:_MOST_NAMES]) or None,
+            sensors=list(mistake.sensors[:_MOST_NAMES]) or None,
+        )
+        for mistake in mistakes
+    ]
 
 
 def prior_of(prior: list[float] | priors.PoseModelPrior | None, poses: PoseSet) -> Belief:

@@ -8,6 +8,8 @@ import numpy as np
 
 from voa_core.cutting import Contours, cut_poses
 from voa_core.lidars import SensorConfiguration
+from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.scenarios import MOST_PAIRS, mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction
@@ -15,7 +17,7 @@ from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.cache import Cache
-from voa_service.failures import UNKNOWN, Failure
+from voa_service.failures import UNKNOWN, Failure, not_found
 from voa_service.mapping import scenario_of
 from voa_service.ports import Store
 
@@ -29,6 +31,8 @@ class Model:
     """One scenario as mathematics."""
 
     scenario: Scenario
+    object_: Object | None
+    """Its mesh; None where all predictions are data."""
     weigher: Callable[[SensorConfiguration, Precision, bool], Weigher]
     """The weights of a sensor configuration, in a precision; True: kept."""
 
@@ -37,6 +41,17 @@ class Model:
         """Memory held by its own tables, in bytes; what is derived from them has entries of its own."""
         data = sum(ranges.nbytes for ranges in self.scenario.predictor.data.values())
         return data + self.scenario.table.scores.nbytes + 512 * len(self.scenario.poses)
+
+
+@dataclass(frozen=True, eq=False)
+class _Mistakes:
+    """What is probably wrong with a scenario, as it is kept."""
+
+    found: tuple[Mistake, ...]
+
+    @property
+    def nbytes(self) -> int:
+        return sum(512 + 64 * len(mistake.poses + mistake.sensors) for mistake in self.found)
 
 
 class Models:
@@ -67,12 +82,13 @@ class Models:
             Failure: its object does not exist.
             VoaError: what it says cannot be.
         """
-        contours_at = None
+        object_, contours_at = None, None
         if request.object is not None:
             stored = self._store.get_object(request.object)
             if stored is None:
                 raise Failure(UNKNOWN, f"there is no object {request.object!r}: upload it with POST /v1/objects")
-            contours_at = self._contours_at(id_, stored.object)
+            object_ = stored.object
+            contours_at = self._contours_at(id_, object_)
 
         def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
             return self._cache.get(("prediction", id_, key), make)
@@ -85,7 +101,26 @@ class Models:
 
             return self._cache.get(("weigher", id_, sensor, precision, keep), make)
 
-        return Model(scenario, weigher)
+        return Model(scenario, object_, weigher)
+
+    def mistakes(self, id_: str) -> tuple[Mistake, ...]:
+        """What is probably wrong with a stored scenario, by a look of bounded cost; kept."""
+
+        def make() -> _Mistakes:
+            return _Mistakes(self.find_mistakes(id_, MOST_PAIRS))
+
+        return self._cache.get(("mistakes", id_), make).found
+
+    def find_mistakes(self, id_: str, most_pairs: int | None) -> tuple[Mistake, ...]:
+        """What is probably wrong with a stored scenario, by a look at so many pairs of pose and place; None: at all.
+
+        Raises:
+            Failure: there is no such scenario.
+        """
+        model = self.get(id_)
+        if model is None:
+            raise not_found("scenario", id_)
+        return mistakes_of_scenario(model.scenario, model.object_, most_pairs)
 
     def _contours_at(self, id_: str, object_: Object) -> Callable[[PoseSet, float], Contours]:
         def contours_at(poses: PoseSet, height_m: float) -> Contours:

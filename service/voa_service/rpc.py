@@ -191,6 +191,7 @@ def _methods(services: Services) -> Mapping[str, _Method]:
         "scenario.create": _Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
         "scenario.get": _Method(_one(scenarios.get), quick),
         "scenario.list": _Method(_listing(scenarios.list), quick),
+        "scenario.warnings": _Method(_one(scenarios.warnings), heavy),
         "scenario.predict": _Method(lambda call: scenarios.predict(call.id(), call.body(PredictionsRequest)), heavy),
         "session.create": _Method(_create_session, quick),
         "session.get": _Method(_get_session, quick),

@@ -148,7 +148,8 @@ def replayed(scenario: Scenario, entries: list[HistoryEntry]) -> Iterator[Belief
     for entry in entries:
         if entry.kind == "scan":
             request = ScanRequest.model_validate_json(entry.request)
-            belief = update(belief, evidence_of(scenario, request), scenario.policy).belief
+            evidence, _ = evidence_of(scenario, request)
+            belief = update(belief, evidence, scenario.policy).belief
         elif entry.kind == "outcome":
             outcome = OutcomeRequest.model_validate_json(entry.request)
             scores = scenario.table.scores[scenario.table.names.index(outcome.grasp)]

@@ -15,11 +15,11 @@ from tests.voa_core.worlds import (
     standing,
 )
 from voa_core.errors import BeamGridMismatch
-from voa_core.evidence import Evidence, evidence_of_scan
+from voa_core.evidence import Evidence, evidence_of_scan, restricted
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rules import rule_of
-from voa_core.scans import Scan
+from voa_core.scans import Scan, classify
 from voa_core.workspace import Workspace
 
 INF, NAN = math.inf, math.nan
@@ -88,15 +88,16 @@ def test_equal_fits_go_to_the_pose_listed_first() -> None:
 
 
 def test_the_best_fit_is_the_pose_of_the_largest_weight_and_not_of_the_smallest_distance() -> None:
-    # Beam by beam P1 explains the scan but for one no-return; P0 is 30 standard deviations off on three beams.
+    # P0 is 30 standard deviations off on three beams; P1 explains all but one no-return, which counts as 4 m.
     lidar = lidar_of(4, range_max=4.0)
-    data = data_predictor(np.array([[0.8, 0.8, 0.8, 3.5], [0.5, 0.5, 0.5, 3.5]]), lidar)
+    data = data_predictor(np.array([[0.8, 0.8, 0.8, INF], [0.5, 0.5, 0.5, 0.5]]), lidar)
     scan = Scan(np.array([0.5, 0.5, 0.5, INF]), lidar.grid)
-    measured_at = {"exponential": 1, "beam": 1}
-    for name, best in measured_at.items():
-        evidence = evidence_of_scan(scan, HERE, data, rule_of(name, lidar), listed=True)
-        assert evidence.best_fit == best
-        assert evidence.fit_hit_rmsd_mm == 0.0
+    by_distance = evidence_of_scan(scan, HERE, data, rule_of("exponential", lidar), listed=True)
+    assert by_distance.best_fit == 0
+    assert by_distance.fit_hit_rmsd_mm == pytest.approx(300.0)
+    by_beams = evidence_of_scan(scan, HERE, data, rule_of("beam", lidar), listed=True)
+    assert (by_beams.best_fit, by_beams.fit_hit_rmsd_mm) == (1, 0.0)
+    assert by_beams.fit_rmsd_mm == pytest.approx(1e3 * 3.5 / 2.0)
 
 
 def test_where_no_pose_has_any_weight_the_best_fit_is_the_nearest() -> None:
@@ -171,6 +172,39 @@ def test_an_uncertain_sensor_pose_weighs_by_the_mean_over_its_sigma_points(name:
         expected = NAN if hit_fit is None else 1e-3 * hit_fit
         assert told.hit_rmsds[pose] == pytest.approx(expected, abs=1e-12, nan_ok=True)
     assert told.beams_compared == 23
+
+
+@pytest.mark.parametrize("has_workspace", [False, True])
+@pytest.mark.parametrize("std", [None, SensorUncertainty(0.03, 0.05)])
+@pytest.mark.parametrize("possible", [(True, True, True), (False, True, True), (False, False, True)])
+def test_which_scans_miss_the_object_agrees_with_the_twin(
+    has_workspace: bool, std: SensorUncertainty | None, possible: tuple[bool, ...]
+) -> None:
+    lidar = lidar_of(240)
+    poses = standing((0.0, 0.0, 0.0), (0.05, -0.1, 0.0), (0.3, 0.3, 0.0))
+    predictor, rule = predictor_of_mesh(CUBE, poses, lidar), rule_of("beam", lidar)
+    workspace = Workspace((-0.2, -0.3), (0.45, 0.45)) if has_workspace else None
+    stands = std.sigma_points(AT) if std else [AT]
+    copies = [
+        [restricted(predictor.predict(stand), stand, None, lidar, workspace).dense()[pose].tolist() for stand in stands]
+        for pose in range(3)
+    ]
+    belief = [1.0 / sum(possible) if each else 0.0 for each in possible]
+    rng = np.random.default_rng(5)
+    answers = set()
+    for _ in range(60):
+        # Parts of a pose's prediction, moved back by up to 0.2 m, some beams lost, some with nothing.
+        measured = predictor.predict(AT).dense()[rng.integers(3)] + rng.choice([0.0, 0.05, 0.15, 0.2])
+        measured[rng.random(240) < rng.choice([0.0, 0.5, 0.95])] = INF
+        measured[rng.random(240) < 0.2] = NAN
+        told = evidence_of_scan(
+            Scan(measured, lidar.grid), AT, predictor, rule, workspace=workspace, uncertainty=std
+        ).sight.misses_object(np.array(possible))
+        crossing = workspace.crossing(AT, lidar.grid.angles) if workspace else None
+        beams = classify(Scan(measured, lidar.grid), lidar, crossing).tolist()
+        assert told == twin.misses_object(beams, copies, belief, has_workspace)
+        answers.add(told)
+    assert answers == {True, False}
 
 
 def test_a_certain_sensor_pose_may_be_stated_as_an_uncertainty_of_zero() -> None:

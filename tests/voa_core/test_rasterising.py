@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests import twin
+from tests.fuzz import beams
 from tests.voa_core.worlds import BOX_FACES, UPRIGHT, box, lidar_of, scanned, standing
 from voa_core.checks import Floats
 from voa_core.cutting import Contours
@@ -55,6 +56,32 @@ def test_a_cube_straight_ahead_by_hand() -> None:
     ranges = scanned(CUBE, AT, lidar)[0]
     slanted = 0.3 / math.cos(math.radians(10.0))
     np.testing.assert_allclose(ranges, [INF, slanted, 0.3, slanted, INF])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_corner_exactly_on_a_beam_is_seen_whatever_the_yaw_and_the_grid(seed: int) -> None:
+    count = beams.compare(20_000, seed)
+    assert count.different == 0, count.first_difference
+    assert count.hits > count.beams / 10
+    assert count.brink < count.beams / 1000
+
+
+@pytest.mark.parametrize("bearing", [-1e-17, -1e-16, 0.0, 1e-17])
+@pytest.mark.parametrize("start", [0.0, -math.pi, 2.0 * math.pi])
+def test_a_bearing_that_rounds_to_a_whole_turn_is_that_of_beam_0(bearing: float, start: float) -> None:
+    corner = (math.cos(bearing), math.sin(bearing))
+    roof = Contours(
+        np.array([(1.5, -0.5), corner, (1.5, 0.5)]),
+        np.array([[0, 1], [1, 2]], dtype=np.int32),
+        np.array([0, 3]),
+        np.array([0, 2]),
+        np.array([0]),
+        np.array([[1.0, 0.0, 0.0, 0.0]]),
+    )
+    grid = BeamGrid(360, start, math.radians(1.0))
+    ranges = rasterise(roof, SensorConfiguration("a", 0.0, 0.0, -start), grid, 5.0)[0]
+    assert ranges[0] == pytest.approx(1.0, abs=1e-12)
+    assert np.isfinite(ranges).sum() == 37
 
 
 def test_yaw_turns_the_beams() -> None:

@@ -18,14 +18,14 @@ def evidence_of(
     log_weights: Any, distances: Any = (0.1, 0.2, 0.3), beams: int = 4, sight: Sight | None = None
 ) -> Evidence:
     array: Floats = np.array(log_weights, dtype=np.float64)
-    blind = Sight(np.zeros(0), np.zeros((3, 0)), np.zeros(3, dtype=np.intp), np.inf)
+    blind = Sight(np.zeros(0), np.zeros((3, 0)), np.zeros(3, dtype=np.intp))
     return Evidence(array, np.array(distances, dtype=np.float64), np.full(3, np.nan), beams, sight or blind)
 
 
 def sight_of(seen: int, fewest: Any = (6, 9, 3)) -> Sight:
     """Nine beams on which every pose returns at 0.5 m, `seen` of which return there."""
     measured = np.where(np.arange(9) < seen, 0.5, np.inf)
-    return Sight(measured, np.full((3, 9), 0.5), np.array(fewest), 0.1)
+    return Sight(measured, np.full((3, 9), 0.6), np.array(fewest))
 
 
 @pytest.mark.parametrize(

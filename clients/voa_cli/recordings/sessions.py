@@ -21,11 +21,10 @@ from pydantic import ValidationError
 
 from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
 from voa_client.session_file import SessionFile
-from voa_msgs.scenarios import Scenario, ScenarioRequest
+from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import HistoryEntry, Session
 
 _TOPIC = re.compile(r"/voa/([^/]+)/([a-z_]+)")
-_NOT_OF_THE_REQUEST = {"id", "created_at"}
 
 
 def topic_of(session: str, what: str) -> str:
@@ -89,6 +88,5 @@ def _session(session: str, known: _Heard) -> RecordedSession:
     if not told:
         return RecordedSession(session, None, "no version has both its belief and all of its history")
     last = max(told)
-    request = ScenarioRequest.model_validate(known.scenario.model_dump(exclude=_NOT_OF_THE_REQUEST))
-    file = SessionFile(scenario=request, history=history[: last + 1], belief=known.beliefs[last])
+    file = SessionFile(scenario=known.scenario.request(), history=history[: last + 1], belief=known.beliefs[last])
     return RecordedSession(session, file, None)

@@ -24,7 +24,7 @@ def estimate_fields(scenario: Scenario, belief: Belief) -> dict[str, Any]:
 
 
 def session_fields(state: SessionState, scenario: Scenario) -> dict[str, Any]:
-    """The fields of `sessions.Session`."""
+    """The fields of `sessions.Session`, but for its warnings."""
     return estimate_fields(scenario, state.belief) | {
         "id": state.id,
         "scenario": state.scenario,

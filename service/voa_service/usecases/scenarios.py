@@ -11,8 +11,9 @@ from voa_core.scans import NO_RETURN
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
+from voa_msgs.warnings import Warnings
 from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
-from voa_service.mapping import candidates, filled_in
+from voa_service.mapping import candidates, filled_in, warning_messages
 from voa_service.models import Model, Models
 from voa_service.ports import Clock, Store, StoredScenario
 from voa_service.settings import Limits
@@ -46,18 +47,27 @@ class Scenarios:
             raise of_core(error) from error
         stored = StoredScenario(id_, request.name, body, self.now())
         there, new = self.store.put_scenario(stored)
-        return _message(there), new
+        return self._message(there), new
 
     def get(self, id_: str) -> Scenario:
         """One scenario."""
         stored = self.store.get_scenario(id_)
         if stored is None:
             raise not_found("scenario", id_)
-        return _message(stored)
+        return self._message(stored)
+
+    def warnings(self, id_: str) -> Warnings:
+        """Find everything that is probably wrong with a scenario, however long it takes."""
+        return Warnings(items=warning_messages(self.models.find_mistakes(id_, None)))
 
     def list(self, limit: int, after: str | None) -> ScenarioPage:
         """All scenarios, oldest first."""
         return ScenarioPage(**page(self.store.list_scenarios, _summary, limit, after))
+
+    def _message(self, stored: StoredScenario) -> Scenario:
+        added = {"id": stored.id, "created_at": stored.created_at}
+        warnings = warning_messages(self.models.mistakes(stored.id))
+        return Scenario.model_validate(json.loads(stored.body) | added | {"warnings": warnings})
 
     def predict(self, id_: str, request: PredictionsRequest | None) -> Predictions:
         """Predicted scans: geometry alone, no workspace."""
@@ -103,10 +113,6 @@ def _digest(filled: ScenarioRequest) -> str:
 
 def _still_default(message: Message, fields: Sequence[str]) -> set[str]:
     return {name for name in fields if getattr(message, name) == type(message).model_fields[name].default}
-
-
-def _message(stored: StoredScenario) -> Scenario:
-    return Scenario.model_validate(json.loads(stored.body) | {"id": stored.id, "created_at": stored.created_at})
 
 
 def _summary(stored: StoredScenario) -> ScenarioSummary:

@@ -8,6 +8,7 @@ from voa_core.errors import UnknownName, VoaError
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
 from voa_core.grasps import log_outcome_weights
+from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.scenario import Scenario
 from voa_core.updating import Update, update, update_by_outcome
 from voa_msgs.sessions import (
@@ -25,9 +26,10 @@ from voa_msgs.sessions import (
     UpdateRequest,
 )
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
+from voa_msgs.warnings import ProbableMistake
 from voa_service.cache import Cache
 from voa_service.failures import UNKNOWN, Failure, not_found, of_core
-from voa_service.mapping import place_of, prior_of, scan_of
+from voa_service.mapping import place_of, prior_of, scan_of, warning_messages
 from voa_service.models import Models
 from voa_service.ports import (
     Answered,
@@ -78,7 +80,7 @@ class Sessions:
             raise of_core(error) from error
         now = self.now()
         state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now)
-        answer = Session(**session_fields(state, scenario))
+        answer = self._session(state, scenario)
         given = Answered(answer.model_dump_json(), 0)
         answered = self.store.create_session(state, write, given)
         if answered is given:  # and not what its key was answered before
@@ -121,12 +123,13 @@ class Sessions:
         if state is None:
             return self._answered_before(id_, write)
         scenario = self.scenario_of(state)
-        evidence = evidence_of(scenario, request)
+        evidence, warnings = evidence_of(scenario, request)
 
         def step(state: SessionState) -> Step:
             done = update(state.belief, evidence, scenario.policy)
             self.observed("scan", done.reason or "accepted")
-            return self._observed(state, scenario, done, report_of(scenario, done, evidence), evidence.fit_rmsd_mm)
+            report = report_of(scenario, done, evidence)
+            return self._observed(state, scenario, done, report, evidence.fit_rmsd_mm, warnings)
 
         return self._change(id_, write, step)
 
@@ -158,11 +161,12 @@ class Sessions:
             given = None if request.belief is None else Belief.of(request.belief, "belief", len(scenario.poses))
         except VoaError as error:
             raise of_core(error) from error
+        self.models.mistakes(state.scenario)  # found before the transaction, and kept for it
 
         def step(state: SessionState) -> Step:
             belief = state.prior if given is None else given
             after = replace(state, version=state.version + 1, belief=belief, updated_at=self.now())
-            answer = Session(**session_fields(after, scenario))
+            answer = self._session(after, scenario)
             return Step(after, Answered(answer.model_dump_json(), after.version), None)
 
         return self._change(id_, write, step)
@@ -199,7 +203,11 @@ class Sessions:
 
     def message(self, state: SessionState) -> Session:
         """A session's state as it is told."""
-        return Session(**session_fields(state, self.scenario_of(state)))
+        return self._session(state, self.scenario_of(state))
+
+    def _session(self, state: SessionState, scenario: Scenario) -> Session:
+        warnings = warning_messages(self.models.mistakes(state.scenario))
+        return Session(**session_fields(state, scenario), warnings=warnings)
 
     def has_answered(self, key: IdempotencyKey) -> bool:
         """Whether a call with that key was answered, by whichever process."""
@@ -233,7 +241,13 @@ class Sessions:
         return answered
 
     def _observed(
-        self, state: SessionState, scenario: Scenario, done: Update, report: UpdateReport, fit_rmsd_mm: float | None
+        self,
+        state: SessionState,
+        scenario: Scenario,
+        done: Update,
+        report: UpdateReport,
+        fit_rmsd_mm: float | None,
+        warnings: Sequence[ProbableMistake] = (),
     ) -> Step:
         """The effect of an observation: a new version, or an answer that says why not."""
         after = None
@@ -246,13 +260,13 @@ class Sessions:
                 updated_at=self.now(),
             )
         now = after or state
-        answer = UpdatedSession(**session_fields(now, scenario), update=report)
+        answer = UpdatedSession(**session_fields(now, scenario), warnings=list(warnings), update=report)
         return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """The same for a belief in the request; nothing is stored."""
         scenario = scenario_in_body(self.models, request.scenario)
-        evidence = evidence_of(scenario, request)
+        evidence, warnings = evidence_of(scenario, request)
         try:
             belief = Belief.of(request.belief, "belief", len(scenario.poses))
         except VoaError as error:
@@ -263,6 +277,7 @@ class Sessions:
             scenario=request.scenario,
             version=None,
             last_fit_rmsd_mm=evidence.fit_rmsd_mm if done.accepted else None,
+            warnings=warnings,
             update=report_of(scenario, done, evidence),
         )
 
@@ -290,11 +305,13 @@ def scenario_in_body(models: Models, id_: str) -> Scenario:
     return model.scenario
 
 
-def evidence_of(scenario: Scenario, request: ScanRequest) -> Evidence:
-    """What a raw scan says of every pose."""
+def evidence_of(scenario: Scenario, request: ScanRequest) -> tuple[Evidence, list[ProbableMistake]]:
+    """What a raw scan says of every pose, and what is probably wrong with it."""
     try:
         sensor, uncertainty = place_of(scenario, request)
-        return scenario.evidence(scan_of(request.scan, scenario.lidar), sensor, uncertainty)
+        scan = scan_of(request.scan, scenario.lidar)
+        evidence = scenario.evidence(scan, sensor, uncertainty)
+        return evidence, warning_messages(mistakes_of_scan(scenario, scan, sensor, uncertainty, evidence))
     except VoaError as error:
         raise of_core(error) from error
 

@@ -4,6 +4,7 @@ from fastapi import APIRouter, Response
 
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
+from voa_msgs.warnings import Warnings
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.limits import check
@@ -43,6 +44,14 @@ def routes(services: Services) -> APIRouter:
     async def get_scenario(id: str) -> Response:
         """One scenario with every default filled in."""
         return await answer(services.quick, lambda: scenarios.get(id))
+
+    @router.get("/scenarios/{id}/warnings", response_model=Warnings, responses=problems(404, 422, 503))
+    async def get_warnings(id: str) -> Response:
+        """What is probably wrong with a scenario, over all pairs of pose and sensor configuration.
+
+        The warnings in the scenario's own answer come from at most 2000 such pairs.
+        """
+        return await answer(services.heavy, lambda: scenarios.warnings(id))
 
     @router.post("/scenarios/{id}/predictions", response_model=Predictions, responses=problems(400, 404, 413, 422, 503))
     async def predict(id: str, request: PredictionsRequest | None = None) -> Response:

@@ -1,0 +1,50 @@
+"""One probable mistake, and how its sentence names what it is about."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal[
+    "angle-in-degrees",
+    "grasp-never-succeeds",
+    "length-in-millimetres",
+    "no-workspace",
+    "place-inside-object",
+    "place-sees-nothing",
+    "place-too-far",
+    "place-too-near",
+    "plane-misses-object",
+    "poor-fit",
+    "pose-height",
+    "pose-never-seen",
+    "scan-mirrored",
+    "scan-turned",
+    "twin-poses",
+    "up-axis",
+    "workspace-misses-pose",
+]
+
+_LISTED = 5
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """Something that its author probably did not mean.
+
+    Attributes:
+        kind: which sort of mistake.
+        detail: a sentence with names and numbers, and what to do.
+        poses, sensors: names of the poses and sensor configurations that it is about.
+    """
+
+    kind: Kind
+    detail: str
+    poses: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
+
+
+def listed(what: str, names: Sequence[str]) -> str:
+    """Name the first few, quoted, and count the others: "pose 'A'", or "poses 'A', 'B' and 3 more"."""
+    named = ", ".join(map(repr, names[:_LISTED]))
+    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+    return f"{what}{'s' * (len(names) > 1)} {named}{more}"
