@@ -25,6 +25,7 @@ COMMANDS = {
     "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
     "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
     "fleet": Command("voa_fleet.commands.fleet", "simulated robots as customers of the service", "fleet"),
+    "check": Command("voa_cli.check", "say what is probably wrong with a scenario file", "cli"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 

@@ -16,6 +16,7 @@ from rich.console import Console
 from voa_cli.local_service import service_at
 from voa_cli.scenario_file import load_scenario
 from voa_cli.tables import ranking_table
+from voa_cli.warnings import print_warnings
 from voa_client import Client, VoaClientError
 from voa_client.readable import recommendation, share
 from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
@@ -43,6 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
+    print_warnings(Console(markup=False, highlight=False, stderr=True), scenario.warnings)
     if options.json:
         print(ranking.model_dump_json(indent=1, exclude_unset=True))
         return 0
