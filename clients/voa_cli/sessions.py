@@ -16,7 +16,7 @@ from rich.table import Column, Table
 
 from voa_cli.local_service import BRIEFLY
 from voa_client import Client, VoaClientError
-from voa_client.readable import bar, share
+from voa_client.readable import bar, scale, share
 from voa_client.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
@@ -56,7 +56,7 @@ def _show(client: Client, options: argparse.Namespace) -> None:
     console = _console()
     console.print(f"session {session.id}, version {session.version}, scenario {session.scenario}", soft_wrap=True)
     console.print(f"best grasp {session.best_grasp or 'none'}, score {share(session.expected_score, 3)}")
-    table = _table("pose", "belief", "bar: 0 to 1")
+    table = _table("pose", "belief", scale(1.0))
     for held, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
         table.add_row(pose, share(held, 4), bar(held, 1.0, _BAR))
     console.print(table)

@@ -1,6 +1,6 @@
 """Tables that several commands print."""
 
-from rich.table import Table
+from rich.table import Column, Table
 
 from voa_client.readable import bar, ranks, scale, share, signed, unsigned
 from voa_msgs.rankings import Ranking
@@ -14,14 +14,18 @@ def ranking_table(ranking: Ranking, costs: bool) -> Table:
     """Show the looks of a ranking, best first, with their VOA as a bar; with `costs` their net value too."""
     most = max((look.voa for look in ranking.ranking), default=0.0)
     width = _SHORT_BAR if costs else _BAR
-    table = Table()
-    for heading in ("rank", "sensor", "VOA", *(("cost", "net value") if costs else ()), "score after"):
-        table.add_column(heading, justify="left" if heading == "sensor" else "right")
-    table.add_column(scale("VOA", most), no_wrap=True, min_width=width)
+    table = Table(
+        Column("rank", justify="right"),
+        "sensor",
+        Column("VOA", justify="right"),
+        Column(scale(most), no_wrap=True, min_width=width),
+    )
+    for heading in (*(("cost", "net value") if costs else ()), "score after"):
+        table.add_column(heading, justify="right")
     for rank, look in zip(ranks(ranking), ranking.ranking, strict=True):
         money = (unsigned(look.cost), signed(look.net_value)) if costs else ()
         after = share(look.expected_score_after, 3)
-        table.add_row(rank, look.sensor, signed(look.voa), *money, after, bar(look.voa, most, width))
+        table.add_row(rank, look.sensor, signed(look.voa), bar(look.voa, most, width), *money, after)
     return table
 
 

@@ -51,9 +51,9 @@ def bar(value: float, most: float, width: int) -> str:
     return "█" * round(width * value / most) if most > _NOTHING and value > 0.0 else ""
 
 
-def scale(name: str, most: float) -> str:
-    """Head a column of bars: what they show, and what a full bar is worth; "" where none is drawn."""
-    return f"{name}, 0 to {most:.3g}" if most > _NOTHING else ""
+def scale(most: float) -> str:
+    """Head a column of bars: what an empty bar and what a full one is worth; "" where none is drawn."""
+    return f"0 to {most:.3g}" if most > _NOTHING else ""
 
 
 def ranks(ranking: Ranking) -> list[str]:

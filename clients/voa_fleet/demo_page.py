@@ -94,8 +94,9 @@ CONTRAST_COLUMNS = ("", "lifted", "95 % interval", "looks per drop", "expected")
 def told_contrast(demo: Demo) -> str:
     """Say what the counts are of, in a sentence or two."""
     without, with_looks = demo.tallies
+    drops = "Drop 1" if without.attempts == 1 else f"Drops 1 to {without.attempts}"
     return (
-        f"Drops 1 to {without.attempts} of seed {demo.seed}, the same for both, grasped in physics: without a look "
+        f"{drops} of seed {demo.seed}, the same for both, grasped in physics: without a look "
         f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to {demo.most_looks} "
         f"looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Noise and lost "
         "beams as those of an LDS-01; the object lies 5 mm and 0.05 rad (std) beside its pose."

@@ -27,10 +27,17 @@ pre { background: #f2f2f2; padding: .8rem; font-size: .85rem; white-space: pre-w
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .85rem; margin: .5rem 0 1.5rem; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; }
 th, td { border: 1px solid #ccc; padding: .2rem .5rem; text-align: left; vertical-align: top; }
-thead th { background: #eef4f8; } .number { text-align: right; white-space: nowrap; } .long { min-width: 14rem; }
+thead th { background: #eef4f8; } .number { text-align: right; } td.number { white-space: nowrap; }
+.long { min-width: 14rem; }
 figure { margin: 1rem 0 2rem; } img { max-width: 100%; height: auto; }
 figcaption { font-size: .9rem; color: #444; max-width: 48rem; } summary { cursor: pointer; }
-@media (max-width: 48rem) { img.detailed { max-width: none; width: 48rem; } }
+@media (max-width: 48rem) {
+  img.detailed { max-width: none; width: 48rem; }
+  .cards thead { display: none; }
+  .cards, .cards caption, .cards tbody, .cards tr, .cards td { display: block; text-align: left; white-space: normal; }
+  .cards tr { margin-bottom: .8rem; border: 1px solid #ccc; } .cards td { border: 0; }
+  .cards td::before { content: attr(data-head) ": "; font-weight: 600; }
+}
 </style>
 </head>
 <body>
@@ -44,6 +51,7 @@ _NUMBER = re.compile(r"-?|[<> ]*[-+]?\d[-+\d.,/%()\[\]<> ]*(?:to [-+\d.]+ ?%?)?"
 """What a column of numbers may hold: figures, counts, shares, intervals, and a dash where there is none."""
 _LONG = 40
 """Characters that are a sentence: a column of them is not squeezed to a word a line."""
+_FIGURES, _SENTENCES = ' class="number"', ' class="long"'
 _DETAILED_PX = 800
 """A picture that is wider has labels that shrinking it to a telephone's screen would make too small to read."""
 
@@ -115,24 +123,32 @@ def lines(texts: Sequence[str]) -> str:
 
 
 def table(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Set a table of plain texts: columns of numbers to the right, all others to the left."""
+    """Set a table of plain texts: columns of numbers to the right, all others to the left.
+
+    Where a column has sentences, a small screen shows every row as a card, each cell below the other with its heading.
+    """
     classes = [_class_of([row[column] for row in rows]) for column in range(len(header))]
+    cards = _SENTENCES in classes
+    heads = [f' data-head="{escape(name)}"' if cards else "" for name in header]
+    starts = [f"<td{kind}{name}>" for kind, name in zip(classes, heads, strict=True)]
     head = "".join(f"<th{kind}>{escape(cell)}</th>" for kind, cell in zip(classes, header, strict=True))
     body = "\n".join(
-        "<tr>" + "".join(f"<td{kind}>{escape(cell)}</td>" for kind, cell in zip(classes, row, strict=True)) + "</tr>"
+        "<tr>" + "".join(f"{start}{escape(cell)}</td>" for start, cell in zip(starts, row, strict=True)) + "</tr>"
         for row in rows
     )
     named = f"<caption>{escape(caption)}</caption>\n" if caption else ""
+    kind = ' class="cards"' if cards else ""
     return (
-        f'<div class="wide"><table>\n{named}<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>'
+        f'<div class="wide"><table{kind}>\n{named}<thead><tr>{head}</tr></thead>\n'
+        f"<tbody>\n{body}\n</tbody>\n</table></div>"
     )
 
 
 def _class_of(cells: Sequence[str]) -> str:
     """How the cells of a column stand, as an attribute."""
     if cells and all(_NUMBER.fullmatch(cell) for cell in cells):
-        return ' class="number"'
-    return ' class="long"' if max(map(len, cells), default=0) > _LONG else ""
+        return _FIGURES
+    return _SENTENCES if max(map(len, cells), default=0) > _LONG else ""
 
 
 def folded(summary: str, block: str) -> str:

@@ -131,8 +131,9 @@ def belief_table(row: Row, most_lines: int = _LINES) -> Table:
     looks = () if row.ranking is None else row.ranking.ranking
     most = max((look.voa for look in looks), default=0.0)
     table = Table(title=f"{row.pair}, {row.at_s:.0f} s", title_justify="left", expand=False)
-    for heading in ("pose", "belief", "0 to 1", "rank", "look from", "VOA", scale("VOA", most)):
+    for heading in ("pose", "belief", scale(1.0), "rank", "look from", "VOA", scale(most)):
         table.add_column(heading, justify="right" if heading in ("belief", "rank", "VOA") else "left", no_wrap=True)
+    table.columns[2].min_width = _BAR
     left, right = _pose_cells(row.session, most_lines), _look_cells(row.ranking, most, most_lines)
     for index in range(max(len(left), len(right))):
         table.add_row(

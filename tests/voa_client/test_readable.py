@@ -128,6 +128,6 @@ def test_looks_that_tie_share_their_rank(net_values: tuple[float, ...], numbers:
 
 
 def test_bars_are_drawn_where_their_scale_is_stated() -> None:
-    assert (scale("VOA", 0.5), bar(0.25, 0.5, 8)) == ("VOA, 0 to 0.5", "████")
-    assert (scale("VOA", 1e-16), bar(1e-16, 1e-16, 8)) == ("", "")
+    assert (scale(0.5), bar(0.25, 0.5, 8)) == ("0 to 0.5", "████")
+    assert (scale(1e-16), bar(1e-16, 1e-16, 8)) == ("", "")
     assert bar(-0.1, 0.5, 8) == bar(0.0, 0.5, 8) == ""

@@ -134,7 +134,7 @@ def test_poses_that_fit_are_all_there_as_listed() -> None:
 def test_bars_state_their_scale_and_ties_their_rank() -> None:
     table = "\n".join(shown(belief_table(Row("one", session([0.998, 0.002]), TIE))))
     assert "0 to 1" in table
-    assert "VOA, 0 to 0.25" in table
+    assert "0 to 0.25" in table
     assert table.count("=1") == 2
     assert "< 0.01" in table
 
@@ -198,7 +198,7 @@ def test_in_a_pipe_there_are_lines_alone() -> None:
 def test_on_a_terminal_belief_and_ranking_follow() -> None:
     said = told(("one",), terminal=True)
     assert "belief" in said
-    assert "VOA, 0 to 0.25" in said
+    assert "0 to 0.25" in said
     assert "0.90" in said
 
 

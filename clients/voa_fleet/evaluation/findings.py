@@ -67,7 +67,7 @@ def _seen_and_reason(rows: Rows, policy: str) -> tuple[str, str]:
         parts[0] += f" (in {place} both looked from the same place)"
     looked = [row.of_policy("voa") for row in rows.rows if row.chosen["voa"] is not None]
     if len(looked) < total:
-        parts.append(f"in {total - len(looked)} VOA saw no look worth taking")
+        parts.append(f"in {total - len(looked)} no look was worth more than min_gain")
     refused = Counter(look.reason for look in looked if look.reason)
     if refused:
         kinds = ", ".join(f"{count} {_REASON_WORDS.get(reason, reason)}" for reason, count in sorted(refused.items()))

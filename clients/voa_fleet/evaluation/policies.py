@@ -14,7 +14,7 @@ START_M = 1.0
 """How far from the middle of the table the sensor robot starts."""
 POLICIES: Mapping[str, str] = MappingProxyType(
     {
-        "voa": "the look with the highest Value of Assistance; none if no look is worth anything",
+        "voa": "the look with the highest Value of Assistance; none if no look is worth more than min_gain",
         "entropy": "the look after which the least entropy is expected over predicted scans",
         "beams": "the look from which most beams are expected to meet the object",
         "nearest": "the look nearest to where the robot happens to be, 1 m away on a random side",

@@ -56,7 +56,8 @@ def _recorded_words(rule: str, sensors: Mapping[str, Mapping[str, float | None]]
     apart = max(abs(voa - aecd) for voa, aecd in pairs)
     tau = rank_correlation(_column(pairs, 0), _column(pairs, 1))
     ranked = "the order of places is undefined" if tau is None else f"Kendall's tau {signed(tau, 2)}"
-    return f"{rule}: over {len(pairs)} of {len(sensors)} places VOA and AECD differ by {unsigned(apart, 4)} at most; {ranked}."
+    measured = f"over {len(pairs)} of {len(sensors)} places"
+    return f"{rule}: {measured} VOA and AECD differ by {unsigned(apart, 4)} at most; {ranked}."
 
 
 def _column(pairs: Sequence[tuple[float, float]], index: int) -> Floats:

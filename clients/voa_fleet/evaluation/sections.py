@@ -46,9 +46,9 @@ def _design(found: Found) -> Section:
         (
             paragraph(
                 f"Objects, each put down {setting.drops} times per kind of belief: {', '.join(found.rows.objects)}; "
-                f"{drops} drops of either kind. uniform: every pose is equally likely, as in the paper. hinted: every drop has a "
-                "belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look differs from drop "
-                "to drop. The true pose is drawn from the belief. The object lies "
+                f"{drops} drops of either kind. uniform: every pose is equally likely, as in the paper. hinted: every "
+                "drop has a belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look "
+                "differs from drop to drop. The true pose is drawn from the belief. The object lies "
                 f"{1e3 * flaws.object_xy_m:g} mm and {flaws.object_yaw_rad * 57.29577951:.1f} degrees (std) off "
                 "its pose."
             ),

@@ -49,7 +49,7 @@ class Point:
 
     Attributes:
         stated: whether the service was told how uncertain the pose is.
-        sensor: where the look was from; None: no look was worth anything.
+        sensor: where the look was from; None: no look was worth more than min_gain.
         reason: why the scan was not accepted, or `nearest`; "" if it was.
         grasp: the best one afterwards.
         success: whether it lifted the object.
