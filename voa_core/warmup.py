@@ -9,6 +9,7 @@ from voa_core.evidence import evidence_of_scan
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
+from voa_core.mistakes.surface import Surface
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
@@ -30,6 +31,7 @@ def warm_up() -> None:
     prediction = predictor.predict(sensor)
     scan = Scan(prediction.dense()[0], lidar.grid)
     table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
+    Surface(object_).holds(corners, 1e-4)
     for name in RULES:
         rule = rule_of(name, lidar)
         evidence_of_scan(scan, sensor, predictor, rule)
