@@ -94,8 +94,9 @@ def _placed(document: Document, buffers: Buffers) -> Iterator[tuple[Node, Floats
 def _matrix(node: Node, index: int) -> Floats:
     """Where a node is in its parent's frame, (4, 4)."""
     if node.matrix is None:
-        return _transforms(np.array([node.translation]), np.array([node.rotation]), np.array([node.scale]), index)[0]
-    matrix: Floats = np.array(node.matrix, dtype=np.float64).reshape(4, 4).T.copy()
+        own = np.array([node.translation]), np.array([node.rotation]), np.array([node.scale])
+        return _transforms(*own, index).reshape(4, 4)
+    matrix = np.array(node.matrix, dtype=np.float64).reshape(4, 4).T
     if not np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=1e-6):
         raise Unreadable(f"node {index}: expected 0, 0, 0, 1 in the last row of its matrix")
     return matrix

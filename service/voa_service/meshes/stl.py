@@ -65,27 +65,26 @@ def _of_text(text: bytes) -> Triangles:
 
 def _facets(words: list[bytes]) -> Floats:
     """The corners of the facets of one solid, (f, 3, 3)."""
-    facets, rest = divmod(len(words), len(_PATTERN))
-    columns = []
-    for place, keyword in enumerate(_PATTERN):
-        column = words[place :: len(_PATTERN)]
-        if keyword is None:
-            columns.append(_column(column))
-        else:
-            wrong = next((k for k, word in enumerate(column) if word.lower() != keyword), None)
-            if wrong is not None:
-                raise Unreadable(f"facet {wrong + 1}: expected {keyword.decode()!r}, got {shown(column[wrong])}")
-    if rest:
-        raise Unreadable(f"facet {facets + 1} is not whole: is the file cut off?")
+    length = len(_PATTERN)
+    columns: list[list[float]] = []
+    try:
+        for place, keyword in enumerate(_PATTERN):
+            column = words[place::length]
+            if keyword is None:
+                columns.append(numbers(column))
+            elif any(word != keyword and word.lower() != keyword for word in column):
+                raise ValueError(keyword)
+    except ValueError as error:
+        at = next(k for k, word in enumerate(words) if not _fits(word, _PATTERN[k % length]))
+        expected = ascii((_PATTERN[at % length] or b"a number").decode())
+        raise Unreadable(f"facet {at // length + 1}: expected {expected}, got {shown(words[at])}") from error
+    if len(words) % length:
+        raise Unreadable(f"facet {len(words) // length + 1} is not whole: is the file cut off?")
     return np.array(columns[3:], dtype=np.float64).T.reshape(-1, 3, 3)
 
 
-def _column(words: list[bytes]) -> list[float]:
-    try:
-        return numbers(words)
-    except ValueError as error:
-        facet = next(k for k, word in enumerate(words) if not is_number(word))
-        raise Unreadable(f"facet {facet + 1}: expected a number, got {shown(words[facet])}") from error
+def _fits(word: bytes, keyword: bytes | None) -> bool:
+    return is_number(word) if keyword is None else word.lower() == keyword
 
 
 def _soup(corners: Floats) -> Triangles:
