@@ -20,6 +20,7 @@ from collections import Counter
 
 import numpy as np
 import trimesh
+from scipy.optimize import linear_sum_assignment
 
 from tests.fuzz import plain
 from tests.fuzz.mutations import BYTES, TEXT, Mutation, change_the_document
@@ -100,12 +101,14 @@ def _area(polygon: Floats) -> Floats:
     return area
 
 
-def _in_order(triangles: Floats) -> Floats:
-    """Triangles (f, 3, 3), each from its least corner on, the least first."""
-    rounded = triangles.astype(np.float32).astype(np.float64)
-    turned = [np.roll(each, -min(range(3), key=lambda k: tuple(each[k])), axis=0) for each in rounded]
-    ordered = sorted(turned, key=lambda each: each.reshape(-1).tolist())
-    return np.array(ordered, dtype=np.float64).reshape(-1, 3, 3)
+def _same_set(ours: Floats, theirs: Floats) -> bool:
+    """Whether triangles (f, 3, 3) are the same in any order, each from any corner on."""
+    if len(ours) != len(theirs):
+        return False
+    turned = np.stack([np.roll(theirs, k, axis=1) for k in range(3)])
+    apart = np.abs(ours[None, :, None] - turned[:, None]).max(axis=(3, 4)).min(axis=0)
+    pairs = linear_sum_assignment(apart)
+    return bool(apart[pairs].max() <= 1e-6 * max(1.0, float(np.abs(ours).max())))
 
 
 def _beside_trimesh(kind: str, content: bytes, ours: Floats, polygons: Polygons) -> str:
@@ -121,7 +124,7 @@ def _beside_trimesh(kind: str, content: bytes, ours: Floats, polygons: Polygons)
     if faces.max() >= len(vertices):
         return "read; trimesh takes an index beyond the end"
     theirs = vertices[faces]
-    if _close(ours, theirs) or _close(_in_order(ours), _in_order(theirs)):
+    if _close(ours, theirs) or _same_set(ours, theirs):
         return "read, as trimesh"
     if kind == "obj" and _RELATIVE.search(content):
         return "read; trimesh counts relative indices from the end"
