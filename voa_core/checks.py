@@ -11,12 +11,8 @@ from voa_core.errors import InvalidInput, UnknownName
 Floats = NDArray[np.float64]
 
 
-def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """A read-only float64 array of `shape` (None: any length) with finite entries.
-
-    Raises:
-        InvalidInput: not numeric, another shape, or an entry is NaN or infinite.
-    """
+def float_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """A float64 array of `shape` (None: any length), a copy; raises InvalidInput for any other shape or content."""
     wanted = "x".join("n" if size is None else str(size) for size in shape) or "a number"
     try:
         array = np.array(values, dtype=np.float64)
@@ -26,6 +22,16 @@ def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -
         want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
     ):
         raise InvalidInput(field, f"shape {wanted}", f"shape {'x'.join(map(str, array.shape)) or '()'}")
+    return array
+
+
+def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """A read-only float64 array of `shape` (None: any length) with finite entries.
+
+    Raises:
+        InvalidInput: not numeric, another shape, or an entry is NaN or infinite.
+    """
+    array = float_array(field, values, shape)
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InvalidInput(field, "finite numbers", f"{array[where]} at {list(where)}")

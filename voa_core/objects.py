@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from voa_core.checks import Floats, finite_array, frozen, number
+from voa_core.checks import Floats, finite_array, float_array, frozen, number
 from voa_core.errors import InvalidInput
 
 _BOX_FACES = 16
@@ -30,20 +30,27 @@ class Object:
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, scale: float = 1.0) -> "Object":
         """Build an object from raw arrays; `scale` turns the file's unit into metres.
 
+        Vertices that no face uses are dropped, finite or not; so are faces of which two corners coincide.
+
         Raises:
             InvalidInput: no faces, an index out of range, or a number that is not finite.
         """
         number("scale", scale, above=0.0)
-        points = finite_array("vertices", vertices, (None, 3))
         corners = np.asarray(faces)
         if corners.ndim != 2 or corners.shape[1:] != (3,) or corners.shape[0] == 0:
             raise InvalidInput("faces", "at least one triangle, shape nx3", f"shape {corners.shape}")
         if not np.issubdtype(corners.dtype, np.integer):
             raise InvalidInput("faces", "integers", str(corners.dtype))
+        points = float_array("vertices", vertices, (None, 3))
         if corners.min() < 0 or corners.max() >= len(points):
             raise InvalidInput("faces", f"indices from 0 to {len(points) - 1}", f"{corners.min()} to {corners.max()}")
-        merged, index = np.unique(finite_array("scale", points * scale, (None, 3)), axis=0, return_inverse=True)
-        return cls(frozen(merged), frozen(index.reshape(-1)[corners].astype(np.int32)))
+        used = np.zeros(len(points), dtype=bool)
+        used[corners] = True
+        points[~used] = 0.0
+        with np.errstate(over="ignore"):
+            scaled = finite_array("vertices", points, (None, 3)) * scale + 0.0  # -0 is 0
+        merged, index = np.unique(finite_array("scale", scaled, (None, 3)), axis=0, return_inverse=True)
+        return cls(*_compact(merged, index.reshape(-1)[corners]))
 
     @cached_property
     def digest(self) -> str:
@@ -88,6 +95,16 @@ class Object:
         """Whether every edge belongs to exactly two faces."""
         ends, of_face = self.edges
         return bool((np.bincount(of_face.reshape(-1), minlength=len(ends)) == 2).all())
+
+
+def _compact(points: Floats, corners: NDArray[np.integer]) -> tuple[Floats, NDArray[np.int32]]:
+    """Vertices and faces without the faces of which two corners coincide, and the vertices that are left over."""
+    faces = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    if not len(faces):
+        raise InvalidInput("faces", "at least one triangle with three corners", "corners that coincide")
+    used = np.zeros(len(points), dtype=bool)
+    used[faces] = True
+    return frozen(points[used]), frozen((np.cumsum(used) - 1)[faces].astype(np.int32))
 
 
 def _morton_codes(places: Floats) -> NDArray[np.int64]:

@@ -3,7 +3,7 @@
 import base64
 import binascii
 from datetime import datetime
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import EncodedBytes, EncoderProtocol, Field
 from pydantic_core import PydanticCustomError
@@ -31,6 +31,10 @@ class _Base64(EncoderProtocol):
         return "base64"
 
 
+UpAxis = Literal["+Y", "+Z"]
+"""The axis of a mesh file that points up; stored meshes have z up."""
+
+
 class ObjectUpload(Message):
     """A mesh file where there are no forms (Zenoh)."""
 
@@ -42,18 +46,22 @@ class ObjectUpload(Message):
     """Null: the file's."""
     scale: Positive = 1.0
     """Metres per unit of the file."""
+    up: UpAxis | None = None
+    """Null: +Y for GLB, as its standard says, and +Z for the others. +Y is turned to z."""
 
 
 class Object(Message):
     """A stored mesh."""
 
     id: str
-    """Digest of vertices and faces after scale."""
+    """Digest of vertices and faces after scale, with z up."""
     name: str
     extents: Point3
     """Size of the bounding box in the mesh's own frame, metres."""
     faces: int
     watertight: bool
+    up: UpAxis = "+Z"
+    """The axis of the uploaded file that became z."""
     warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
 

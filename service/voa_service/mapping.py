@@ -27,6 +27,7 @@ from voa_msgs.geometry import CandidateSensor, UncertainSensorPose
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
 from voa_msgs.updates import POLICY_FIELDS
 from voa_msgs.warnings import ProbableMistake
+from voa_service.meshes.mistakes import extent_mistakes
 from voa_service.ports import StoredObject
 
 _LIDAR_FIELDS = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "zero")
@@ -44,6 +45,8 @@ def object_message(stored: StoredObject) -> objects.Object:
         extents=[float(extent) for extent in mesh.extents],
         faces=len(mesh.faces),
         watertight=mesh.watertight,
+        up=stored.up,
+        warnings=extent_mistakes(mesh),
         created_at=stored.created_at,
     )
 

@@ -7,6 +7,7 @@ from typing import Generic, Literal, Protocol, TypeVar
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
+from voa_msgs.objects import UpAxis
 
 T = TypeVar("T")
 
@@ -16,17 +17,18 @@ Clock = Callable[[], datetime]
 IdSource = Callable[[], str]
 """A new name that nobody has yet, of `[A-Za-z0-9]`."""
 
-MeshReader = Callable[[bytes, str, float], Object]
-"""Reads an untrusted mesh file of a type ("obj", ...), scaled; raises `failures.Failure`."""
+MeshReader = Callable[[bytes, str, float, UpAxis], Object]
+"""Reads an untrusted mesh file of a type ("obj", ...), scaled, that axis turned to z; raises `failures.Failure`."""
 
 
 @dataclass(frozen=True, eq=False)
 class StoredObject:
-    """A mesh with its name."""
+    """A mesh with its name, and the axis of its file that became z."""
 
     object: Object
     name: str
     created_at: datetime
+    up: UpAxis = "+Z"
 
 
 @dataclass(frozen=True)

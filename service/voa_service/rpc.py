@@ -256,7 +256,7 @@ def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any]
 
 def _create_object(call: Call) -> BaseModel:
     upload: ObjectUpload = call.body(ObjectUpload)
-    return call.services.objects.create(upload.file, upload.filename, upload.name, upload.scale)[0]
+    return call.services.objects.create(upload.file, upload.filename, upload.name, upload.scale, upload.up)[0]
 
 
 def _create_session(call: Call) -> Answered:

@@ -20,7 +20,8 @@ TRIANGLE = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
         (TRIANGLE, [[0, 1, 3]], "faces: expected indices from 0 to 2, got 0 to 3"),
         (TRIANGLE, [[-1, 1, 2]], "faces: expected indices from 0 to 2, got -1 to 2"),
         ([[0.0, 0.0]], [[0, 0, 0]], "vertices: expected shape nx3, got shape 1x2"),
-        ([*TRIANGLE, [0.0, np.nan, 0.0]], [[0, 1, 2]], r"vertices: expected finite numbers, got nan at \[3, 1\]"),
+        ([*TRIANGLE, [0.0, np.nan, 0.0]], [[0, 1, 3]], r"vertices: expected finite numbers, got nan at \[3, 1\]"),
+        (TRIANGLE, [[0, 1, 1]], "faces: expected at least one triangle with three corners, got corners that coincide"),
     ],
 )
 def test_a_mesh_that_is_none_is_refused(vertices: Any, faces: Any, message: str) -> None:
@@ -66,9 +67,23 @@ def test_the_digest_names_the_content() -> None:
     assert turned_over.digest != box(1.0, 2.0, 3.0).digest
 
 
-def test_extents_leave_out_vertices_that_no_face_uses() -> None:
-    flat = Object.from_arrays(np.array([*TRIANGLE, [9.0, 9.0, 9.0]]), [[0, 1, 2]])
-    assert flat.extents.tolist() == [1.0, 1.0, 0.0]
+@pytest.mark.parametrize("stray", [[9.0, 9.0, 9.0], [np.nan, np.inf, 0.0]])
+def test_vertices_that_no_face_uses_are_dropped(stray: list[float]) -> None:
+    flat = Object.from_arrays(np.array([stray, *TRIANGLE, stray]), [[1, 2, 3]])
+    assert flat.digest == Object.from_arrays(TRIANGLE, [[0, 1, 2]]).digest
+
+
+def test_faces_of_which_two_corners_coincide_are_dropped_and_what_only_they_use() -> None:
+    points, faces = box(1.0, 2.0, 3.0).vertices, np.array(BOX_FACES)
+    slivers = [[0, 1, 1], [8, 0, 0], [9, 0, 2]]  # vertex 9 is vertex 0 once more
+    mended = Object.from_arrays([*points, [9.0, 9.0, 9.0], points[0]], [*faces, *slivers])
+    assert mended.watertight
+    assert mended.digest == box(1.0, 2.0, 3.0).digest
+
+
+def test_the_sign_of_zero_does_not_change_the_digest() -> None:
+    points = box(1.0, 2.0, 3.0).vertices
+    assert Object.from_arrays(np.where(points == 0.0, -0.0, points), BOX_FACES).digest == box(1.0, 2.0, 3.0).digest
 
 
 def test_a_box_is_watertight_and_one_without_a_face_is_not() -> None:

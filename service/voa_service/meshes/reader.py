@@ -1,6 +1,7 @@
 """Hands a mesh file to the worker process and checks what comes back."""
 
 import io
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -10,10 +11,14 @@ from numpy.typing import NDArray
 
 from voa_core.errors import InvalidInput
 from voa_core.objects import Object
+from voa_msgs.objects import UpAxis
 from voa_service.failures import INVALID_MESH, MESH_TYPE, TOO_LARGE, Failure
+from voa_service.meshes.parsing import MESH_TYPES
+from voa_service.meshes.units import unit_hint
 
-MESH_TYPES = ("obj", "stl", "ply", "glb")
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
+FARTHEST_M = 1_000.0
+"""From the file's origin: beyond it coordinates lose what the mathematics promises, and 32 bits of a file lose all."""
 _FEWEST_FACES = 4
 
 
@@ -31,8 +36,8 @@ class SubprocessMeshReader:
     mebibytes: int
     faces: int
 
-    def __call__(self, content: bytes, mesh_type: str, scale: float) -> Object:
-        """Read a file.
+    def __call__(self, content: bytes, mesh_type: str, scale: float, up: UpAxis) -> Object:
+        """Read a file; +Y up is turned to z up.
 
         Raises:
             Failure: another type, a file that is not that type or not usable, or too many faces.
@@ -44,18 +49,13 @@ class SubprocessMeshReader:
         vertices, faces = self._parse(content, mesh_type)
         if len(faces) > self.faces:
             raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {len(faces)}: simplify the mesh")
-        if len(faces) < _FEWEST_FACES:
-            raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {len(faces)}: is it cut off?")
+        _check_count(len(faces))
         try:
-            object_ = Object.from_arrays(vertices, faces, scale)
+            object_ = Object.from_arrays(turned_up(vertices, up), faces, scale)
         except InvalidInput as error:
             raise Failure(INVALID_MESH, str(error)) from error
-        size = float(object_.extents.max())
-        if not SMALLEST_M <= size <= LARGEST_M:
-            hint = "is it in millimetres? then send scale=0.001" if size > LARGEST_M else "is `scale` right?"
-            raise Failure(
-                INVALID_MESH, f"expected an object of {SMALLEST_M} to {LARGEST_M} m, got one of {size:g} m: {hint}"
-            )
+        _check_count(len(object_.faces))
+        _check_place(object_, scale)
         return object_
 
     def _parse(self, content: bytes, mesh_type: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -67,9 +67,37 @@ class SubprocessMeshReader:
             )
         except subprocess.TimeoutExpired as error:
             raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it") from error
+        if done.returncode == -signal.SIGXCPU:
+            raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it")
         if done.returncode != 0:
             said = done.stderr.decode(errors="replace").strip().splitlines()
-            why = said[-1][:200] if said else f"the reader ended with {done.returncode}"
-            raise Failure(INVALID_MESH, f"expected a {mesh_type.upper()} file with triangles: {why}")
+            why = said[-1][:300] if said else f"the reader ended with {done.returncode}"
+            raise Failure(INVALID_MESH, f"cannot read the {mesh_type.upper()} file: {why}")
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
             return arrays["vertices"], arrays["faces"]
+
+
+def turned_up(vertices: NDArray[np.float64], up: UpAxis) -> NDArray[np.float64]:
+    """Vertices (v, 3) with the axis that is up in the file turned to z."""
+    return vertices if up == "+Z" else vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def _check_count(faces: int) -> None:
+    """Refuse what has too few faces to be a body."""
+    if faces < _FEWEST_FACES:
+        raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {faces}: is it cut off?")
+
+
+def _check_place(object_: Object, scale: float) -> None:
+    """Refuse an object of a size, or at a place, that no arm can have."""
+    size = float(object_.extents.max())
+    if not SMALLEST_M <= size <= LARGEST_M:
+        expected = f"expected an object of {SMALLEST_M:g} to {LARGEST_M:g} m, got one of {size:g} m"
+        raise Failure(INVALID_MESH, f"{expected}: {unit_hint(size, scale)}")
+    farthest = float(np.abs(object_.vertices).max())
+    if farthest > FARTHEST_M:
+        raise Failure(
+            INVALID_MESH,
+            f"expected a mesh within {FARTHEST_M:g} m of its file's origin, got one at {farthest:g} m: "
+            "move it to the origin (map coordinates do this)",
+        )

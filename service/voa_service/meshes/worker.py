@@ -1,7 +1,7 @@
 """The process that reads one untrusted mesh: `python -m voa_service.meshes.worker TYPE MEBIBYTES SECONDS`.
 
-The file comes on stdin; vertices and faces leave on stdout as npz. Nothing else is opened: the file is given to
-trimesh with its type and without a resolver, so neither materials nor addresses in it lead anywhere.
+The file comes on stdin; vertices and faces leave on stdout as npz. Nothing else is opened: neither materials nor
+addresses in the file lead anywhere.
 """
 
 import io
@@ -11,7 +11,7 @@ import sys
 
 
 def main(mesh_type: str, mebibytes: int, seconds: int) -> None:
-    """Limit this process, then read."""
+    """Limit this process, then read; a file that cannot be read ends it with one line on stderr."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     resource.setrlimit(resource.RLIMIT_AS, (mebibytes * 2**20, mebibytes * 2**20))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
@@ -19,17 +19,18 @@ def main(mesh_type: str, mebibytes: int, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
     import numpy as np  # noqa: PLC0415 - after the limits
-    import trimesh  # noqa: PLC0415
 
-    content = io.BytesIO(sys.stdin.buffer.read())
+    from voa_service.meshes.parsing import parse  # noqa: PLC0415
+    from voa_service.meshes.triangles import Unreadable  # noqa: PLC0415
+
     try:
-        mesh = trimesh.load_mesh(content, file_type=mesh_type, process=False)
-    except BaseException as error:
-        sys.exit(f"{type(error).__name__}: {error}")
-    if not isinstance(mesh, trimesh.Trimesh):
-        sys.exit("the file holds no triangles")
+        found = parse(mesh_type, sys.stdin.buffer.read())
+    except Unreadable as error:
+        sys.exit(str(error))
+    except MemoryError:
+        sys.exit(f"reading it takes more than {mebibytes} MiB: simplify it")
     out = io.BytesIO()
-    np.savez(out, vertices=np.asarray(mesh.vertices, dtype=np.float64), faces=np.asarray(mesh.faces, dtype=np.int64))
+    np.savez(out, vertices=found.vertices, faces=found.faces)
     sys.stdout.buffer.write(out.getvalue())
 
 

@@ -109,6 +109,7 @@ class SqlStore:
             "created_at": stored.created_at.isoformat(),
             "vertices": stored.object.vertices.astype("<f8").tobytes(),
             "faces": stored.object.faces.astype("<i4").tobytes(),
+            "up": stored.up,
         }
         there, new = self._put(objects, row)
         return _object(there), new
@@ -328,7 +329,7 @@ def _belief(blob: bytes) -> Belief:
 def _object(row: Row[Any]) -> StoredObject:
     vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
     faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
-    return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at))
+    return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at), row.up)
 
 
 def _scenario(row: Row[Any]) -> StoredScenario:

@@ -16,6 +16,7 @@ objects = Table(
     Column("created_at", String(32), nullable=False),
     Column("vertices", LargeBinary, nullable=False),
     Column("faces", LargeBinary, nullable=False),
+    Column("up", String(2), nullable=False, server_default="+Z"),
 )
 
 scenarios = Table(

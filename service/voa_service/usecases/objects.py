@@ -1,13 +1,14 @@
 """Objects: upload a mesh, look at it, ask how it can rest."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from voa_core.errors import VoaError
 from voa_core.stable_poses import propose_stable_poses
-from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses
+from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses, UpAxis
 from voa_service.failures import INVALID_MESH, TOO_LARGE, Failure, not_found
 from voa_service.mapping import object_message
+from voa_service.meshes.mistakes import default_up, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store, StoredObject
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
@@ -24,16 +25,21 @@ class Objects:
     now: Clock
     limits: Limits
 
-    def create(self, content: bytes, filename: str, name: str | None, scale: float) -> tuple[Object, bool]:
+    def create(
+        self, content: bytes, filename: str, name: str | None, scale: float, up: UpAxis | None = None
+    ) -> tuple[Object, bool]:
         """Store a mesh, called by its file's name if it has no other; and whether it is new."""
         if len(content) > self.limits.upload_bytes:
             raise Failure(TOO_LARGE, f"expected a file of at most {self.limits.upload_bytes} bytes")
         path = PurePath(filename)
         called = name or path.stem[:_LONGEST_NAME] or "object"
-        mesh = self.read(content, path.suffix.lower().removeprefix("."), scale)
-        stored = StoredObject(mesh, called, self.now())
-        there, new = self.store.put_object(stored)
-        return object_message(there), new
+        mesh_type = path.suffix.lower().removeprefix(".")
+        applied = up or default_up(mesh_type)
+        mesh = self.read(content, mesh_type, scale, applied)
+        there, new = self.store.put_object(StoredObject(mesh, called, self.now(), applied))
+        answer = object_message(replace(there, up=applied))
+        doubts = [] if up else up_mistakes(mesh, applied)
+        return answer.model_copy(update={"warnings": [*answer.warnings, *doubts]}), new
 
     def get(self, id_: str) -> Object:
         """One mesh."""

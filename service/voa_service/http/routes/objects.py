@@ -6,7 +6,7 @@ from annotated_types import Gt
 from fastapi import APIRouter, Form, Response, UploadFile
 
 from voa_msgs.base import Name
-from voa_msgs.objects import Object, ObjectPage, StablePoses
+from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.services import Services
@@ -30,11 +30,15 @@ def routes(services: Services) -> APIRouter:
         file: UploadFile,
         name: Annotated[Name | None, Form(description="Default: the file's name.")] = None,
         scale: Annotated[float, Gt(0.0), Form(description="Metres per unit of the file.", allow_inf_nan=False)] = 1.0,
+        up: Annotated[
+            UpAxis | None,
+            Form(description="The file's axis that is up, +Y is turned to z. Default: +Y for GLB, +Z for the others."),
+        ] = None,
     ) -> Response:
         """Store a mesh: OBJ, STL, PLY or GLB, by the file's ending."""
         content = await file.read()
         filename = file.filename or ""
-        return await created(services.heavy, lambda: objects.create(content, filename, name, scale))
+        return await created(services.heavy, lambda: objects.create(content, filename, name, scale, up))
 
     @router.get("", response_model=ObjectPage, responses=problems(422, 503))
     async def list_objects(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:

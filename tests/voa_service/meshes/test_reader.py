@@ -19,22 +19,22 @@ def reader(seconds: int = 30, mebibytes: int = 1024, faces: int = 1000) -> Subpr
 
 
 def test_a_mesh_is_read_and_scaled() -> None:
-    found = reader()(BOX, "obj", 2.0)
+    found = reader()(BOX, "obj", 2.0, "+Z")
     assert len(found.faces) == 12
     assert found.extents == pytest.approx([0.08, 0.12, 0.10])
     assert found.watertight
 
 
 def test_faces_are_limited() -> None:
-    assert len(reader(faces=12)(BOX, "obj", 1.0).faces) == 12
+    assert len(reader(faces=12)(BOX, "obj", 1.0, "+Z").faces) == 12
     with pytest.raises(Failure, match="at most 11 faces, got 12") as refused:
-        reader(faces=11)(BOX, "obj", 1.0)
+        reader(faces=11)(BOX, "obj", 1.0, "+Z")
     assert refused.value.status == 413
 
 
 def test_memory_is_limited() -> None:
     with pytest.raises(Failure) as refused:
-        reader(mebibytes=16)(BOX, "obj", 1.0)
+        reader(mebibytes=16)(BOX, "obj", 1.0, "+Z")
     assert refused.value.kind == "invalid-mesh"
 
 
@@ -45,7 +45,7 @@ def test_time_is_limited(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     sleeper.chmod(0o700)
     monkeypatch.setattr(sys, "executable", str(sleeper))
     with pytest.raises(Failure, match="more than 1 s") as refused:
-        reader(seconds=1)(BOX, "obj", 1.0)
+        reader(seconds=1)(BOX, "obj", 1.0, "+Z")
     assert (refused.value.kind, refused.value.status) == ("invalid-mesh", 422)
 
 
@@ -53,7 +53,7 @@ def test_time_is_limited(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
 def test_other_types_never_reach_the_process(monkeypatch: pytest.MonkeyPatch, mesh_type: str) -> None:
     monkeypatch.setattr(sys, "executable", "/nonexistent")
     with pytest.raises(Failure) as refused:
-        reader()(BOX, mesh_type, 1.0)
+        reader()(BOX, mesh_type, 1.0, "+Z")
     assert refused.value.status == 415
 
 

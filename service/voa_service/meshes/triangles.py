@@ -1,0 +1,39 @@
+"""What every reader of this package gives back, and the error of a file that it cannot read as it is meant."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Unreadable(Exception):
+    """A mesh file that is refused; the text is one line that names what is wrong and where."""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """The triangles of a mesh file, in its own unit and axes.
+
+    Attributes:
+        vertices: (v, 3) float64; those that no face uses may be anything.
+        faces: (f, 3) int64, indices of vertices, counter-clockwise seen from outside.
+    """
+
+    vertices: Floats
+    faces: Indices
+
+
+def checked_indices(indices: Indices, vertices: int, noun: str) -> Indices:
+    """Return indices (f, n), one row per face, if all are those of vertices.
+
+    Raises:
+        Unreadable: an index is negative, or beyond the last vertex.
+    """
+    outside = (indices < 0) | (indices >= vertices)
+    if outside.any():
+        row, column = np.argwhere(outside)[0]
+        raise Unreadable(f"{noun} {row + 1} refers to vertex {indices[row, column]}, of vertices 0 to {vertices - 1}")
+    return indices
