@@ -17,7 +17,7 @@ from voa_client.errors import VoaClientError
 from voa_client.following import AsyncMailbox, Following
 from voa_client.transport import AsyncTransport, Lost, News, State
 from voa_msgs.lidars import LidarPresets
-from voa_msgs.objects import Object, StablePoses
+from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_msgs.robots import RobotReport, Robots
@@ -96,9 +96,15 @@ class AsyncClient:
         """Wait until the service can work."""
         return await self._do(calls.health())
 
-    async def create_object(self, mesh: Path, name: str | None = None, scale: float = 1.0) -> Object:
-        """Upload a mesh file; `scale` is metres per unit of the file."""
-        return await self._do(calls.create_object(mesh.name, await asyncio.to_thread(mesh.read_bytes), name, scale))
+    async def create_object(
+        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
+    ) -> Object:
+        """Upload a mesh file; `scale` is metres per unit of the file, `up` its axis that points up.
+
+        Without `up`, +Y is up in a GLB file, as its standard says, and +Z in any other. +Y is turned to z.
+        """
+        content = await asyncio.to_thread(mesh.read_bytes)
+        return await self._do(calls.create_object(mesh.name, content, name, scale, up))
 
     async def get_object(self, object_id: str) -> Object:
         """A stored mesh."""

@@ -16,7 +16,7 @@ from pydantic_core import to_json
 from voa_client.errors import UsageError
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPresets
-from voa_msgs.objects import Object, ObjectPage, StablePoses
+from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_msgs.robots import RobotReport, Robots
@@ -50,16 +50,21 @@ class Upload:
     content: bytes
     name: str | None
     scale: float
+    up: UpAxis | None = None
 
     def form(self) -> dict[str, str]:
         """The fields of the form beside the file."""
-        return {"scale": repr(self.scale)} | ({} if self.name is None else {"name": self.name})
+        return {"scale": repr(self.scale)} | self._stated()
 
     def fields(self) -> dict[str, Any]:
         """The same as JSON, file included."""
-        named = {} if self.name is None else {"name": self.name}
         file = base64.b64encode(self.content).decode("ascii")
-        return {"filename": self.filename, "file": file, "scale": float(self.scale)} | named
+        return {"filename": self.filename, "file": file, "scale": float(self.scale)} | self._stated()
+
+    def _stated(self) -> dict[str, str]:
+        """What the caller has stated of what may be left out."""
+        given = {"name": self.name, "up": self.up}
+        return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -130,9 +135,11 @@ def health() -> Call[Health]:
     return Call("service.health", "GET", "/readyz", Health)
 
 
-def create_object(filename: str, content: bytes, name: str | None, scale: float) -> Call[Object]:
+def create_object(
+    filename: str, content: bytes, name: str | None, scale: float, up: UpAxis | None = None
+) -> Call[Object]:
     """Store a mesh."""
-    upload = Upload(filename, content, name, scale)
+    upload = Upload(filename, content, name, scale, up)
     return Call("object.create", "POST", "/v1/objects", Object, upload=upload, heavy=True)
 
 

@@ -16,7 +16,7 @@ from voa_client.errors import VoaClientError
 from voa_client.following import Following, Mailbox
 from voa_client.transport import Lost, News, State, Transport
 from voa_msgs.lidars import LidarPresets
-from voa_msgs.objects import Object, StablePoses
+from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_msgs.robots import RobotReport, Robots
@@ -95,9 +95,14 @@ class Client:
         """Wait until the service can work."""
         return self._do(calls.health())
 
-    def create_object(self, mesh: Path, name: str | None = None, scale: float = 1.0) -> Object:
-        """Upload a mesh file; `scale` is metres per unit of the file."""
-        return self._do(calls.create_object(mesh.name, mesh.read_bytes(), name, scale))
+    def create_object(
+        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
+    ) -> Object:
+        """Upload a mesh file; `scale` is metres per unit of the file, `up` its axis that points up.
+
+        Without `up`, +Y is up in a GLB file, as its standard says, and +Z in any other. +Y is turned to z.
+        """
+        return self._do(calls.create_object(mesh.name, mesh.read_bytes(), name, scale, up))
 
     def get_object(self, object_id: str) -> Object:
         """A stored mesh."""

@@ -3,7 +3,7 @@
 import base64
 import binascii
 from datetime import datetime
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import EncodedBytes, EncoderProtocol, Field
 from pydantic_core import PydanticCustomError
@@ -29,6 +29,10 @@ class _Base64(EncoderProtocol):
     @classmethod
     def get_json_format(cls) -> str:
         return "base64"
+
+
+UpAxis = Literal["+Y", "+Z"]
+"""The axis of a mesh file that points up; stored meshes have z up."""
 
 
 class ObjectUpload(Message):

@@ -176,7 +176,7 @@ def attachment_of(attachment: bytes | None) -> Attachment:
         for each in error.errors(include_url=False):
             if each["type"] == "json_invalid":
                 raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
-        raise of_message(error, "attachment") from error
+        raise of_message(Attachment, error, "attachment") from error
 
 
 def _methods(services: Services) -> Mapping[str, _Method]:

@@ -150,10 +150,10 @@ def test_what_does_not_go_together_is_a_usage_error(arguments: list[str], capsys
     ("content", "says"),
     [
         (None, "No such file"),
-        ("{", "is not JSON"),
+        ("{", "not JSON: Expecting"),
         ("[]", "scenario.json"),
         ('{"name": "a"}', "poses"),
-        (json.dumps(data_scenario(object="missing.obj")), "no object 'missing.obj'"),
+        (json.dumps(data_scenario(object="missing.obj")), "there is no mesh file"),
         (b"\xff\xfe", "scenario.json"),
     ],
 )

@@ -1,6 +1,7 @@
 """The same call for HTTP and by name."""
 
 import base64
+import inspect
 import json
 from typing import Any, get_type_hints
 
@@ -78,7 +79,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
-    hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if callable(made)}
+    hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
     assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 24
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply"}

@@ -16,6 +16,7 @@ from voa_cli.recordings.reading import Recording
 from voa_cli.recordings.ros_types import LASER_SCAN
 from voa_cli.scenario_file import load_scenario
 from voa_client import Client, ProblemError, VoaClientError
+from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
@@ -151,8 +152,10 @@ def _mappings(options: argparse.Namespace, scenario: Scenario, recording: Record
         mappings = (
             load(options.robots.read_text(encoding="utf-8")) if options.robots else (_simple(options, recording),)
         )
-    except (InvalidRobots, ValidationError) as error:
-        raise InvalidMapping(f"{options.robots or '--topic'}: {error}") from error
+    except InvalidRobots as error:
+        raise InvalidMapping(f"{options.robots}: {error}") from error
+    except ValidationError as error:
+        raise InvalidMapping(f"--topic or --sensor: {in_one_line(RobotMapping, error)}") from error
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidMapping(f"{options.robots}: {error}") from error
     if not mappings:
