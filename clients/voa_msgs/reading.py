@@ -102,7 +102,8 @@ def problem(kind: Any, error: Mapping[str, Any]) -> str:
         case "missing":
             return "expected, but it is not there"
         case "finite_number":
-            return f"expected a finite number, got {error['input']}; {NO_SUCH_NUMBER}"
+            found = f", got {error['input']}" if isinstance(error["input"], float) else ""
+            return f"expected a finite number{found}; {NO_SUCH_NUMBER}"
         case "model_type" | "model_attributes_type":
             return f"expected an object with fields, got {_called(error['input'])}"
         case _:
