@@ -2,7 +2,8 @@
 
 | to                                            | see                                         |
 |-----------------------------------------------|---------------------------------------------|
-| describe object, poses, grasps                | `objects`, `poses`, `stable_poses`, `grasps`|
+| describe object, poses, grasps                | `objects`, `poses`, `grasps`                |
+| propose poses in which an object can rest     | `stable_poses`, `toppling`, `winding`       |
 | describe the lidar and where it stands        | `lidars`, `workspace`                       |
 | predict scans                                 | `prediction`, `cutting`, `rasterising`      |
 | read measured scans                           | `scans`                                     |

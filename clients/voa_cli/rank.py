@@ -6,11 +6,11 @@ voa rank --session ID --url http://lab:8000         under a session's belief
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from pydantic import ValidationError
 from rich.console import Console
 
 from voa_cli.local_service import service_at
@@ -20,6 +20,7 @@ from voa_cli.warnings import print_warnings
 from voa_client import Client, VoaClientError
 from voa_client.readable import recommendation, share
 from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
+from voa_msgs.reading import InvalidMessage, in_one_line, read_json
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import SessionRequest
 
@@ -43,6 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             scenario, ranking = _rank(client, options)
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
+        return 1
+    except ValidationError as error:  # of a request made of options
+        print(f"voa rank: {in_one_line(RankingRequest, error)}", file=sys.stderr)
         return 1
     if options.json:
         print(ranking.model_dump_json(indent=1, exclude_unset=True))
@@ -79,9 +83,11 @@ def _belief(text: str) -> list[float]:
     try:
         if not path.is_file():
             return [float(part) for part in text.split(",")]
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = read_json(path.read_bytes())
         return [float(share) for share in (told["belief"] if isinstance(told, dict) else told)]
-    except (ValueError, TypeError, KeyError) as error:
+    except InvalidMessage as error:
+        raise InvalidBelief(f"--belief: {path}: {error}") from error
+    except (OSError, ValueError, TypeError, KeyError) as error:
         raise InvalidBelief(f"--belief: expected 0.5,0.3,0.2 or a JSON file with a list, got {text!r}") from error
 
 

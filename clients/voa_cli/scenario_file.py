@@ -1,36 +1,75 @@
-"""Scenario files: the body of POST /v1/scenarios, whose `object` may be a mesh file beside it."""
+"""Scenario files: the body of POST /v1/scenarios, whose `object` may be a mesh file beside it.
 
-import json
+A mesh file's `scale` (metres per unit of the file) and `up` ("+Z" or "+Y") may stand beside `object`.
+"""
+
+import re
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from voa_client import Client, VoaClientError
+from voa_client import Client, InvalidRequestError, VoaClientError
+from voa_client.files import read_file
+from voa_msgs.base import Positive
+from voa_msgs.objects import UpAxis
 from voa_msgs.scenarios import Scenario, ScenarioRequest
+
+_STORED = re.compile(r"[0-9a-f]{64}")
+_OF_THE_MESH = {"scale", "up"}
 
 
 class InvalidScenarioFile(VoaClientError):
     """A file is not a scenario; says what is wrong with it."""
 
 
+class ScenarioFile(ScenarioRequest):
+    """A scenario, and how its mesh file is to be read."""
+
+    scale: Positive | None = None
+    """Metres per unit of the mesh file; null: it is in metres."""
+    up: UpAxis | None = None
+    """The axis of the mesh file that is up; null: +Y in a GLB file, +Z in others."""
+
+
 def load_scenario(client: Client, path: Path) -> Scenario:
     """Store the scenario of a file, its mesh first if it names one.
 
     Raises:
-        InvalidScenarioFile: the file is not there or not a scenario.
+        InvalidScenarioFile: the file is not there or not a scenario, or its mesh is not there or not read.
         VoaClientError: the service refuses it.
     """
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        request = ScenarioRequest.model_validate(told)
-    except OSError as error:
-        raise InvalidScenarioFile(f"{path}: {error.strerror}") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise InvalidScenarioFile(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
-    except ValueError as error:
-        raise InvalidScenarioFile(f"{path} is not JSON: {error}") from error
-    mesh = None if request.object is None else path.parent / request.object
+    told = read_file(ScenarioFile, path, InvalidScenarioFile)
+    mesh = _mesh(told, path)
+    given = {name: getattr(told, name) for name in told.model_fields_set - _OF_THE_MESH}
+    if mesh is not None:
+        given["object"] = _uploaded(client, told, path, mesh)
+    return client.create_scenario(ScenarioRequest.model_construct(**given))
+
+
+def _mesh(told: ScenarioFile, path: Path) -> Path | None:
+    """The file that `object` names; None: it is the id of a stored object, or there is none.
+
+    Raises:
+        InvalidScenarioFile: there is no such file, or nothing that `scale` and `up` could be about.
+    """
+    mesh = None if told.object is None else path.parent / told.object
     if mesh is not None and mesh.is_file():
-        request = request.model_copy(update={"object": client.create_object(mesh).id})
-    return client.create_scenario(request)
+        return mesh
+    if told.object is not None and not _STORED.fullmatch(told.object):
+        raise InvalidScenarioFile(
+            f"{path}: object: there is no mesh file {mesh}; expected the name of one, seen from the scenario file's "
+            "folder, or the id of a stored object"
+        )
+    beside = sorted(_OF_THE_MESH & told.model_fields_set)
+    if beside:
+        raise InvalidScenarioFile(f"{path}: {beside[0]}: goes with a mesh file as `object`, and this scenario has none")
+    return None
+
+
+def _uploaded(client: Client, told: ScenarioFile, path: Path, mesh: Path) -> str:
+    """The id of a mesh file's object, once it is stored."""
+    try:
+        return client.create_object(mesh, scale=1.0 if told.scale is None else told.scale, up=told.up).id
+    except OSError as error:
+        raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.strerror}") from error
+    except InvalidRequestError as error:
+        hint = f' (in {path.name}, "scale" stands beside "object")' if "scale" in error.problem.detail else ""
+        raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.problem.detail}{hint}") from error

@@ -10,6 +10,7 @@ from voa_client.errors import UnexpectedAnswerError, WireVersionError, refusal
 from voa_client.installing import install_hint
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Problem
+from voa_msgs.reading import in_one_line
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,8 @@ def parse(kind: type[M], body: bytes) -> M:
     try:
         return kind.model_validate_json(body, extra="ignore")
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
         raise UnexpectedAnswerError(
-            f"expected a {kind.__name__}, got {body[:80]!r} ({f'{where}: ' if where else ''}{first['msg']})"
+            f"expected a {kind.__name__}, got {body[:80]!r} ({in_one_line(kind, error)})"
         ) from error
 
 

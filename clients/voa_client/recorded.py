@@ -15,7 +15,6 @@ counts as, and what is measured beyond it is one. `scores` wins over `successes`
 """
 
 import csv
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -24,10 +23,12 @@ from pathlib import Path
 from typing import Annotated, Any, Self, TypeGuard
 
 from annotated_types import Gt
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from voa_client.errors import VoaClientError
+from voa_client.files import read_file
 from voa_msgs.base import Point3, Quaternion
+from voa_msgs.reading import InvalidMessage, read_json
 
 _COLUMNS = ("sensor", "pose", "angle_deg", "measured", "predicted")
 _ON_GRID = 0.01  # of a beam spacing
@@ -226,11 +227,7 @@ def read_experiment(folder: Path) -> RecordedExperiment:
     source = folder / "experiment.json"
     if not source.is_file():
         raise InvalidExperiment(f"{folder} has no experiment.json: expected a folder with a recorded experiment")
-    try:
-        told = _ExperimentFile.model_validate_json(source.read_bytes())
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise InvalidExperiment(f"{source}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    told = read_file(_ExperimentFile, source, InvalidExperiment)
     mesh = None if told.object is None else folder / told.object.mesh
     if mesh is not None and not mesh.is_file():
         mesh = None
@@ -260,9 +257,9 @@ def read_experiment(folder: Path) -> RecordedExperiment:
 
 def _expected(source: Path) -> dict[str, Any]:
     try:
-        told = json.loads(source.read_bytes())
-    except ValueError as error:
-        raise InvalidExperiment(f"{source} is not JSON: {error}") from error
+        told = read_json(source.read_bytes())
+    except InvalidMessage as error:
+        raise InvalidExperiment(f"{source}: {error}") from error
     if not isinstance(told, dict):
         raise InvalidExperiment(f"{source}: expected an object with `before` and `rules`")
     return told

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from voa_client.client import Client
 from voa_client.errors import NotFoundError, VoaClientError
+from voa_client.files import read_file
 from voa_msgs.base import Message
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, HistoryEntry, OutcomeRequest, ScanRequest, Session, SessionRequest
@@ -49,13 +48,15 @@ def export_session(client: Client, session_id: str) -> SessionFile:
 
 def read_session_file(path: Path) -> SessionFile:
     """Read a session file; raises InvalidSessionFile."""
+    return read_file(SessionFile, path, InvalidSessionFile)
+
+
+def stored_mesh(client: Client, mesh: Path) -> str:
+    """Store a mesh file, in metres with z up; its id. Raises InvalidSessionFile where there is no such file."""
     try:
-        return SessionFile.model_validate_json(path.read_bytes())
+        return client.create_object(mesh).id
     except OSError as error:
-        raise InvalidSessionFile(f"{path}: {error.strerror}") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise InvalidSessionFile(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+        raise InvalidSessionFile(f"{mesh}: {error.strerror}; expected the mesh file of the session's object") from error
 
 
 def replay_session(client: Client, told: SessionFile, mesh: Path | None = None) -> Replayed:
@@ -71,7 +72,7 @@ def replay_session(client: Client, told: SessionFile, mesh: Path | None = None) 
         VoaClientError: the service cannot be reached, or refuses.
     """
     if mesh is not None:
-        stored = client.create_object(mesh).id
+        stored = stored_mesh(client, mesh)
         if stored != told.scenario.object:
             raise InvalidSessionFile(f"{mesh} is object {stored}, the session's is {told.scenario.object}")
     elif told.scenario.object is not None:

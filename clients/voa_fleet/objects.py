@@ -15,6 +15,7 @@ from annotated_types import Ge, Gt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from voa_assets import path as asset_path
+from voa_client.files import read_file
 from voa_fleet.errors import InvalidObject, UnknownName
 from voa_fleet.meshes import Mesh, read_obj
 from voa_msgs.scenarios import Pose, ScenarioRequest
@@ -212,13 +213,7 @@ def read_object(folder: Path) -> FleetObject:
 
 
 def _read(file: Path, model: type[M]) -> M:
-    try:
-        return model.model_validate_json(file.read_bytes())
-    except OSError as error:
-        raise InvalidObject(f"{file}: {error.strerror}") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise InvalidObject(f"{file}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    return read_file(model, file, InvalidObject)
 
 
 def _check(found: FleetObject) -> None:

@@ -1,11 +1,12 @@
 """What all messages share: strictness, names, vectors, and marks for the limits that a service sets."""
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetJsonSchemaHandler, JsonValue, StringConstraints
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, PydanticKnownError
 
 
 class Message(BaseModel):
@@ -34,9 +35,11 @@ MOST_NESTED = 64
 
 
 def _kept(value: Any) -> Any:
-    """Refuse free values that cannot be kept and given back: nested without end, or text that is not Unicode."""
+    """Refuse free values that cannot be kept and given back: nested without end, not Unicode, or not finite."""
     level = [value]
     for _ in range(MOST_NESTED + 1):
+        if any(isinstance(item, float) and not math.isfinite(item) for item in level):
+            raise PydanticKnownError("finite_number")
         texts = [item for item in level if isinstance(item, str)]
         texts += [key for item in level if isinstance(item, dict) for key in item if isinstance(key, str)]
         if any("\ud800" <= character <= "\udfff" for text in texts for character in text):

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from voa_ros.messages import Covariance, LaserScan, Odometry, Pose, PoseWithCovariance, Stamp, Twist
+from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 MOST_BEAMS = 4_096
 _HEADER = 4
@@ -96,12 +97,31 @@ class _Reader:
 
 def _decode(name: str, data: bytes, most_items: int, read: Callable[[_Reader], M]) -> M:
     try:
-        reader = _Reader(data, most_items)
-        message = read(reader)
-        reader.end()
+        return _whole(data, most_items, read)
     except ValueError as error:
-        raise InvalidCdr(f"expected a {name}: {error}") from error
+        found = _other_type(name, data)
+        why = f": {error}" if found is None else f", found a {found}"
+        raise InvalidCdr(f"expected a {name}{why}") from error
+
+
+def _whole(data: bytes, most_items: int, read: Callable[[_Reader], M]) -> M:
+    reader = _Reader(data, most_items)
+    message = read(reader)
+    reader.end()
     return message
+
+
+def _other_type(expected: str, data: bytes) -> str | None:
+    """Which other message that is understood here the bytes are; None: none of them."""
+    for name, read in _READ.items():
+        if name == expected:
+            continue
+        try:
+            _whole(data, MOST_BEAMS, read)
+        except ValueError:
+            continue
+        return name
+    return None
 
 
 def _read_scan(reader: _Reader) -> LaserScan:
@@ -120,19 +140,26 @@ def _read_pose(reader: _Reader) -> PoseWithCovariance:
     return PoseWithCovariance(reader.stamp(), reader.text("header.frame_id"), *reader.pose())
 
 
+_READ: dict[str, Callable[[_Reader], object]] = {
+    LASER_SCAN.name: _read_scan,
+    ODOMETRY.name: _read_odometry,
+    POSE_WITH_COVARIANCE_STAMPED.name: _read_pose,
+}
+
+
 def decode_laser_scan(data: bytes, most_beams: int = MOST_BEAMS) -> LaserScan:
     """Read a `sensor_msgs/msg/LaserScan`; raises InvalidCdr."""
-    return _decode("LaserScan", data, most_beams, _read_scan)
+    return _decode(LASER_SCAN.name, data, most_beams, _read_scan)
 
 
 def decode_odometry(data: bytes) -> Odometry:
     """Read a `nav_msgs/msg/Odometry`; raises InvalidCdr."""
-    return _decode("Odometry", data, 0, _read_odometry)
+    return _decode(ODOMETRY.name, data, 0, _read_odometry)
 
 
 def decode_pose(data: bytes) -> PoseWithCovariance:
     """Read a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr."""
-    return _decode("PoseWithCovarianceStamped", data, 0, _read_pose)
+    return _decode(POSE_WITH_COVARIANCE_STAMPED.name, data, 0, _read_pose)
 
 
 class _Writer:

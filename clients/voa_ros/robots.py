@@ -34,9 +34,11 @@ from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
 from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from voa_msgs.base import MOST, Id, Message, Name, Real
 from voa_msgs.geometry import PoseUncertainty
+from voa_msgs.reading import by_weight, problem
 from voa_ros.messages import FARTHEST_M
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED, MessageType, resolve
 
@@ -250,56 +252,35 @@ def load(text: str) -> tuple[RobotMapping, ...]:
         InvalidRobots: it is not TOML, or something in it is not as expected; all that is wrong, a line each.
     """
     try:
-        told = tomllib.loads(text)
+        told = tomllib.loads(text.removeprefix("\ufeff"))  # the byte order mark that some editors write
     except tomllib.TOMLDecodeError as error:
         raise InvalidRobots(f"expected TOML: {error}") from error
     try:
         return tuple(_File.model_validate(told).robot)
     except ValidationError as error:
-        raise InvalidRobots(
-            "\n".join(_line(told, one["loc"], one["type"], one["msg"]) for one in error.errors())
-        ) from error
+        raise InvalidRobots("\n".join(_line(told, one) for one in by_weight(error.errors()))) from error
 
 
-_PLACES: dict[str, type[Message]] = {
-    "sensor": SensorPlace,
-    "attachment": AttachmentPlace,
-    "odometry": OdometryPlace,
-    "amcl": AmclPlace,
-}
-_TABLES: dict[str, type[Message]] = _PLACES | {
-    "lidar": Mount,
-    "look": LookRule,
-    "origin": PlanarPose,
-    "std": PoseUncertainty,
-}
+_PLACES = ("sensor", "attachment", "odometry", "amcl")
 
 
-def _line(told: dict[str, Any], loc: tuple[int | str, ...], kind: str, message: str) -> str:
-    """One error, by robot and field."""
+def _line(told: dict[str, Any], error: ErrorDetails) -> str:
+    """Say what one error is, by robot and field."""
+    loc = error["loc"]
     where = [str(part) for at, part in enumerate(loc) if (at, loc[2:3]) != (3, ("place",))]  # less the place's kind
-    what = message.removeprefix("Value error, ")
-    match kind:
-        case "extra_forbidden":
-            what = f"no such field: expected one of {', '.join(_fields_beside(loc))}"
-        case "missing":
-            what = "expected, but it is not there"
+    match error["type"]:
         case "model_type":
             what = "expected a table"
+        case "finite_number":  # TOML has NaN and infinity, other than JSON
+            what = f"expected a finite number, got {error['input']}"
         case "union_tag_invalid" | "union_tag_not_found":
             where.append("from")
             what = f"expected one of {', '.join(_PLACES)}"
+        case _:
+            what = problem(_File, error)
     if len(loc) < 2:
         return ": ".join([*where, what])
     robot = told["robot"][loc[1]]
     name = robot.get("name") if isinstance(robot, dict) else None
     called = f"robot {name!r}" if isinstance(name, str) else f"robot no. {int(loc[1]) + 1}"
     return ": ".join(part for part in (called, ".".join(where[2:]), what) if part)
-
-
-def _fields_beside(loc: tuple[int | str, ...]) -> list[str]:
-    """The names that a field that does not exist could have had."""
-    model: type[Message] = _File
-    if len(loc) > 1:
-        model = _TABLES.get(str(loc[-2]), RobotMapping)
-    return [field.alias or name for name, field in model.model_fields.items()]

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 _CHUNK = re.compile(r"[A-Za-z0-9_]+")
 _DDS_TYPE = re.compile(r"([A-Za-z0-9_]+)::msg::dds_::([A-Za-z0-9_]+)_")
+_TYPE = re.compile(r"([A-Za-z0-9_]+)/(?:msg/)?([A-Za-z0-9_]+)")
 _DOMAIN = re.compile(r"[0-9]+")
 _ATTACHMENT = struct.Struct("<qqB16s")
 _GID_BYTES = 16
@@ -61,6 +62,12 @@ POSE_WITH_COVARIANCE_STAMPED = MessageType(
 )
 
 
+def type_name(told: str) -> str | None:
+    """Write the name of a message type as in `sensor_msgs/msg/LaserScan`, however it is told; None: it names none."""
+    found = _TYPE.fullmatch(told) or _DDS_TYPE.fullmatch(told)
+    return None if found is None else f"{found[1]}/msg/{found[2]}"
+
+
 @dataclass(frozen=True)
 class TopicKey:
     """What a key says: the topic, and its type (`sensor_msgs/msg/LaserScan`) and domain where rmw_zenoh put it."""
@@ -95,15 +102,25 @@ def resolve(namespace: str, topic: str) -> str:
     return check_topic(f"{above}/{topic}" if above else topic)
 
 
-def expressions(topic: str, type_: MessageType) -> tuple[str, ...]:
-    """Key expressions that meet a topic in all its forms, in any domain and with any hash.
+def expressions(topic: str) -> tuple[str, ...]:
+    """Build the key expressions that meet a resolved topic in all its forms, in any domain.
 
-    Args:
-        topic: resolved; raises InvalidTopic where it is none.
-        type_: what is published on it. (A bridge's key does not tell: decoding does.)
+    Whatever is published on it is met, so that a message of another type can be refused by name. `met` tells which.
+
+    Raises:
+        InvalidTopic: it is no topic.
     """
     check_topic(topic)
-    return topic, f"*/{topic}/{type_.dds_name}/*"
+    return topic, f"*/{topic}/*/*"
+
+
+def met(topic: str, key: str) -> TopicKey | None:
+    """What a key that `expressions` of a topic met says; None: it is another topic's, such as one below it."""
+    try:
+        told = parse_key(key)
+    except InvalidTopic:
+        return None
+    return told if told.topic == topic else None
 
 
 def rmw_key(topic: str, type_: MessageType, domain: int = 0) -> str:

@@ -51,9 +51,11 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     metrics = Metrics()
     quick = WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue)
     heavy = WorkQueue("heavy", settings.workers, settings.queue)
+    rests = WorkQueue("stable-poses", 1, settings.queue)
     metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
     metrics.gauge("voa_quick_requests", "Scans and reads under way or waiting.", lambda: quick.inside)
     metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
+    metrics.gauge("voa_rest_requests", "Stable poses under way or waiting.", lambda: rests.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     store.listen(changes.moved)
@@ -62,7 +64,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
             yield Services(
-                objects=Objects(store, reader, now, limits),
+                objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
                 rankings=Rankings(sessions, models, threads),
@@ -73,10 +75,12 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 limits=limits,
                 quick=quick,
                 heavy=heavy,
+                rests=rests,
             )
     finally:
         changes.close()
         quick.close()
         heavy.close()
+        rests.close()
         threads.close()
         store.close()

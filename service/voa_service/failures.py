@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import structlog
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
 from voa_msgs import WIRE_VERSION
+from voa_msgs.reading import by_weight, dotted, headline, json_problem, problem
 
 MALFORMED = ("malformed-json", 400, "The body is not JSON")
 MALFORMED_FORM = ("malformed-form", 400, "The body is not a multipart form")
@@ -74,20 +75,27 @@ def of_core(error: VoaError) -> Failure:
             return Failure(INVALID, str(error))
 
 
-def of_validation(errors: Sequence[Any]) -> Failure:
-    """The failure that a message of the wrong shape is, from pydantic's errors."""
-    for error in errors:
-        if error["type"] == "json_invalid":
-            return Failure(MALFORMED, f"{error['ctx']['error']} at character {error['loc'][-1]}")
-    fields = [{"field": ".".join(map(str, error["loc"])), "problem": error["msg"]} for error in errors]
-    first = f"{fields[0]['field']}: {fields[0]['problem']}"
-    more = f" (and {len(fields) - 1} more)" if len(fields) > 1 else ""
-    return Failure(INVALID, first + more, errors=fields[:_MOST_ERRORS])
+def malformed(what: str, text: str, at: int) -> Failure:
+    """The failure that a body is in which a JSON parser found something wrong at a character."""
+    return Failure(MALFORMED, f"{json_problem(what, text, at)} at character {at}")
 
 
-def of_message(error: ValidationError, where: str) -> Failure:
-    """The same for a message that is read here; `where` it stands is put before the fields."""
-    return of_validation([dict(each) | {"loc": (where, *each["loc"])} for each in error.errors(include_url=False)])
+def of_validation(errors: Sequence[Any], kind: Any) -> Failure:
+    """The failure that a message of the wrong shape is.
+
+    Args:
+        errors: as pydantic lists them; each place begins with where the message stands, "body" or "query".
+        kind: the type of the message.
+    """
+    mistakes = [(dotted(error["loc"]), problem(kind, error | {"loc": error["loc"][1:]})) for error in by_weight(errors)]
+    fields = [{"field": field, "problem": what} for field, what in mistakes[:_MOST_ERRORS]]
+    return Failure(INVALID, headline(mistakes), errors=fields)
+
+
+def of_message(kind: type[BaseModel], error: ValidationError, where: str) -> Failure:
+    """The failure that a message of the wrong shape is that was read here; `where` it stands leads the fields."""
+    errors = [dict(each) | {"loc": (where, *each["loc"])} for each in error.errors(include_url=False)]
+    return of_validation(errors, kind)
 
 
 def document(failure: Failure) -> bytes:

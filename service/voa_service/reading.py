@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from voa_service.failures import INVALID, MALFORMED, TOO_LARGE, Failure, of_message
+from voa_service.failures import INVALID, MALFORMED, TOO_LARGE, Failure, malformed, of_message
 from voa_service.limits import check
 from voa_service.settings import Limits
 
@@ -33,7 +33,7 @@ def json_object(payload: bytes, limits: Limits) -> dict[str, Any]:
     try:
         found = json.loads(text)
     except json.JSONDecodeError as error:
-        raise Failure(MALFORMED, f"{error.msg} at character {error.pos}") from error
+        raise malformed(error.msg, text, error.pos) from error
     except (ValueError, RecursionError) as error:  # a number of thousands of digits; nested without end
         raise Failure(MALFORMED, "expected JSON in UTF-8, nested a few hundred deep at most") from error
     if not isinstance(found, dict):
@@ -50,6 +50,6 @@ def message(kind: type[M], fields: dict[str, Any], limits: Limits) -> M:
     try:
         read = kind.model_validate(fields)
     except ValidationError as error:
-        raise of_message(error, "body") from error
+        raise of_message(kind, error, "body") from error
     check(read, limits)
     return read

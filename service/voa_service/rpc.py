@@ -176,7 +176,7 @@ def attachment_of(attachment: bytes | None) -> Attachment:
         for each in error.errors(include_url=False):
             if each["type"] == "json_invalid":
                 raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
-        raise of_message(error, "attachment") from error
+        raise of_message(Attachment, error, "attachment") from error
 
 
 def _methods(services: Services) -> Mapping[str, _Method]:
@@ -186,7 +186,7 @@ def _methods(services: Services) -> Mapping[str, _Method]:
         "object.create": _Method(_create_object, heavy),
         "object.get": _Method(_one(objects.get), quick),
         "object.list": _Method(_listing(objects.list), quick),
-        "object.stable_poses": _Method(_one(objects.stable_poses), heavy),
+        "object.stable_poses": _Method(_one(objects.stable_poses), services.rests),
         "lidar.list": _Method(_given(_Nothing, lambda _: scenarios.lidars()), quick),
         "scenario.create": _Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
         "scenario.get": _Method(_one(scenarios.get), quick),

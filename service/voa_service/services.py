@@ -31,3 +31,5 @@ class Services:
     """Scans and reads."""
     heavy: WorkQueue
     """Rankings, predictions, meshes, scenarios."""
+    rests: WorkQueue
+    """Stable poses of objects: apart, so that no ranking waits for one."""

@@ -40,7 +40,6 @@ PACKAGES = {
         STDLIB,
         "numpy",
         "scipy",
-        "trimesh",
         only_in={"filterpy": "filtering.py", "numba": "jit.py"},
     ),
     "voa_msgs": _package("clients/voa_msgs", STDLIB, *PYDANTIC),

@@ -320,13 +320,24 @@ def test_topics_of_a_mapping(capsys: pytest.CaptureFixture[str], lab: Lab, tmp_p
             (scan_from(0.0), "ok", "360 beams"),
             (scan_from(-60.0), "warning", "before it came"),
             (scan_from(60.0), "warning", "after it came"),
-            (b"\0\1\0\0nonsense", "wrong", "expected a LaserScan"),
+            (b"\0\1\0\0nonsense", "wrong", "expected a sensor_msgs/msg/LaserScan"),
         ):
             with publishing(lab, "tb3_1/scan", payload):
                 _, found = examined(capsys, *where[:-1], "5")
             assert found[topic]["state"] == state
             assert says in found[topic]["seen"]
         del token
+
+
+def test_a_topic_of_another_type_is_wrong(capsys: pytest.CaptureFixture[str], lab: Lab, tmp_path: Path) -> None:
+    mapping = tmp_path / "robots.toml"
+    mapping.write_text("\ufeff" + MAPPING.format(session="s"), encoding="utf-8")
+    where = ["--url", lab.url, "--zenoh", lab.endpoint, "--robots", str(mapping), "--listen", "5"]
+    with publishing(lab, "0/tb3_1/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_x", b"\0\1\0\0"):
+        _, found = examined(capsys, *where)
+    finding = found["tb3_1 /tb3_1/scan"]
+    assert (finding["state"], finding["seen"]) == ("wrong", "found a sensor_msgs/msg/PointCloud2")
+    assert "expected sensor_msgs/msg/LaserScan" in finding["advice"]
 
 
 def scan_from(seconds: float) -> bytes:

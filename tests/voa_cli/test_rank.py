@@ -1,16 +1,20 @@
 """`voa rank` with a scenario file, a belief, a session."""
 
 import json
+import math
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.serving import box_obj, data_scenario, mesh_scenario
+from tests.serving import box_obj, changed, data_scenario, mesh_scenario
 from voa_assets import path as asset
 from voa_cli.main import main
+from voa_cli.scenario_file import load_scenario
 from voa_client import Client
-from voa_msgs.scenarios import ScenarioRequest
+from voa_msgs.objects import Object, UpAxis
+from voa_msgs.scenarios import Scenario, ScenarioRequest
 from voa_msgs.sessions import SessionRequest
 
 
@@ -67,6 +71,82 @@ def test_a_mesh_beside_the_file_is_uploaded(capfd: pytest.CaptureFixture[str], p
     (tmp_path / "scenario.json").write_text(json.dumps(mesh_scenario("box.obj")), encoding="utf-8")
     ranking = ranked(capfd, str(tmp_path / "scenario.json"), "--url", process)
     assert {look["sensor"] for look in ranking["ranking"]} == {"E", "N"}
+
+
+def values(capfd: pytest.CaptureFixture[str], process: str, path: Path, *more: str) -> dict[str, float]:
+    """VOA by place."""
+    assert main(["rank", str(path), "--url", process, "--json", *more]) == 0
+    return {look["sensor"]: look["voa"] for look in json.loads(capfd.readouterr().out)["ranking"]}
+
+
+def written(path: Path, scenario: dict[str, Any], mesh: str) -> Path:
+    path.with_name(str(scenario["object"])).write_text(mesh, encoding="utf-8")
+    path.write_text(json.dumps(scenario), encoding="utf-8")
+    return path
+
+
+def test_a_mesh_in_millimetres_is_read_by_its_scale_and_the_hint_says_where(
+    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path
+) -> None:
+    in_metres = written(tmp_path / "metres.json", mesh_scenario("metres.obj"), box_obj(0.04, 0.06, 0.25))
+    mesh = box_obj(40.0, 60.0, 250.0)
+    unscaled = written(tmp_path / "unscaled.json", mesh_scenario("box.obj"), mesh)
+    assert main(["rank", str(unscaled), "--url", process]) == 1
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith(f"voa rank: {unscaled}: object: {unscaled.with_name('box.obj')}: expected an object of")
+    assert line.endswith('(in unscaled.json, "scale" stands beside "object")')
+    scaled = written(tmp_path / "scaled.json", mesh_scenario("box.obj", scale=0.001), mesh)
+    assert values(capfd, process, scaled) == pytest.approx(values(capfd, process, in_metres), abs=1e-9)
+
+
+class Uploads(Client):
+    """A client that notes what it is asked to upload."""
+
+    def __init__(self) -> None:
+        super().__init__("http://127.0.0.1:9")
+        self.told: list[tuple[str, float, str | None]] = []
+        self.sent: list[ScenarioRequest] = []
+
+    def create_object(
+        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
+    ) -> Object:
+        self.told.append((mesh.name, scale, up))
+        size, made = [0.04, 0.06, 0.05], datetime.now(UTC)
+        return Object(id="f" * 64, name=mesh.stem, extents=size, faces=12, watertight=True, created_at=made)
+
+    def create_scenario(self, request: ScenarioRequest) -> Scenario:
+        self.sent.append(request)
+        return Scenario.model_validate(request.model_dump() | {"id": "e" * 64, "created_at": datetime.now(UTC)})
+
+
+@pytest.mark.parametrize(
+    ("beside", "told"),
+    [
+        ({}, (1.0, None)),
+        ({"scale": 0.001}, (0.001, None)),
+        ({"up": "+Y"}, (1.0, "+Y")),
+        ({"up": "+Z", "scale": 2}, (2.0, "+Z")),
+        ({"up": None, "scale": None}, (1.0, None)),
+    ],
+)
+def test_scale_and_up_are_the_mesh_s_and_not_sent_with_the_scenario(
+    tmp_path: Path, beside: dict[str, Any], told: tuple[float, str | None]
+) -> None:
+    plain = mesh_scenario("box.obj")
+    path = written(tmp_path / "scenario.json", plain | beside, box_obj())
+    with Uploads() as client:
+        load_scenario(client, path)
+        assert client.told == [("box.obj", *told)]
+        assert client.sent == [ScenarioRequest.model_validate(plain | {"object": "f" * 64})]
+
+
+def test_a_byte_order_mark_does_no_harm(capfd: pytest.CaptureFixture[str], process: str, file: Path) -> None:
+    marked = file.with_name("marked.json")
+    marked.write_bytes(b"\xef\xbb\xbf" + file.read_bytes())
+    belief = file.with_name("belief.json")
+    belief.write_bytes(b"\xef\xbb\xbf[0.2, 0.3, 0.5]")
+    assert values(capfd, process, marked) == values(capfd, process, file)
+    assert values(capfd, process, marked, "--belief", str(belief))
 
 
 def test_a_person_reads_a_table(capfd: pytest.CaptureFixture[str], process: str) -> None:
@@ -150,10 +230,19 @@ def test_what_does_not_go_together_is_a_usage_error(arguments: list[str], capsys
     ("content", "says"),
     [
         (None, "No such file"),
-        ("{", "is not JSON"),
-        ("[]", "scenario.json"),
+        ("{", "not JSON: Expecting"),
+        ("[]", "expected an object with fields, got a list"),
+        (json.dumps(data_scenario(posse=[])), "posse: no such field: expected one of name, object, poses, "),
+        (json.dumps(data_scenario(scael=1)), ", prior, scale, up"),
+        (json.dumps(changed(data_scenario(), "poses.0.nmae", "x")), "nmae: no such field: expected one of name, posi"),
+        (json.dumps(changed(data_scenario(), "predictions.Q1.P1.0", math.nan)), "in predictions, null for no return"),
+        (json.dumps(data_scenario(object="box.obj", scale=0)), "scale: "),
+        (json.dumps(data_scenario(object="box.obj", up="Y")), "up: "),
+        (json.dumps(data_scenario(scale=0.001)), "scale: goes with a mesh file as `object`"),
+        (json.dumps(data_scenario(object="f" * 64, up="+Y")), "up: goes with a mesh file as `object`"),
+        (json.dumps(data_scenario(object="..")), "there is no mesh file"),
         ('{"name": "a"}', "poses"),
-        (json.dumps(data_scenario(object="missing.obj")), "no object 'missing.obj'"),
+        (json.dumps(data_scenario(object="missing.obj")), "there is no mesh file"),
         (b"\xff\xfe", "scenario.json"),
     ],
 )
@@ -168,14 +257,23 @@ def test_a_scenario_file_that_is_wrong_is_said_so(
     assert out == ""
     assert err.startswith("voa rank: ")
     assert says in err
+    assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("belief", ["a,b,c", "", "0.5;0.5"])
+@pytest.mark.parametrize("belief", ["a,b,c", "", "0.5;0.5", "gone.json", "."])
 def test_a_belief_that_is_none_is_said_so(
     capfd: pytest.CaptureFixture[str], process: str, file: Path, belief: str
 ) -> None:
     assert main(["rank", str(file), "--url", process, "--belief", belief]) == 1
     assert "--belief: expected" in capfd.readouterr().err
+
+
+def test_a_belief_of_no_numbers_is_said_in_one_line(
+    capfd: pytest.CaptureFixture[str], process: str, file: Path
+) -> None:
+    assert main(["rank", str(file), "--url", process, "--belief", "nan,0.5,0.5"]) == 1
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith("voa rank: belief.0: expected a finite number, got nan")
 
 
 def test_a_belief_that_does_not_sum_to_1_is_refused_by_the_service(

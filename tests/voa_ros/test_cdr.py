@@ -128,7 +128,7 @@ def test_a_message_of_another_type_is_refused(sent: str, told: str) -> None:
     if sent == told:
         assert DECODE[told](BYTES[sent]) == EXAMPLES[told]
         return
-    with pytest.raises(InvalidCdr, match=f"expected a {told.rpartition('/')[2]}"):
+    with pytest.raises(InvalidCdr, match=f"expected a {told}, found a {sent}"):
         DECODE[told](BYTES[sent])
 
 

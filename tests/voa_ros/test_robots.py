@@ -109,7 +109,7 @@ def test_a_file_may_map_nothing_or_many() -> None:
         ("after_revolution", "late", "robot 'tb3_1': stamp: Input should be 'first_ray' or 'after_revolution'"),
         ("y = 0,", "z = 0,", "robot 'tb3_1': lidar.z: no such field: expected one of x, y, yaw_rad, height_m"),
         ("x = -0.032", 'x = "a"', "robot 'tb3_1': lidar.x: Input should be a valid number"),
-        ("x = -0.032", "x = nan", "robot 'tb3_1': lidar.x: Input should be"),
+        ("x = -0.032", "x = nan", "robot 'tb3_1': lidar.x: expected a finite number, got nan"),
         ("x = -0.032", "x = true", "robot 'tb3_1': lidar.x: Input should be a valid number"),
         ("scans = 7", "scans = 0", "robot 'tb3_1': look.scans: Input should be greater than or equal to 1"),
         ("scans = 7", "scans = 1", "robot 'tb3_1': look: scans: expected at least 2 in mode 'on_request'"),

@@ -15,9 +15,11 @@ from voa_ros.topics import (
     RmwAttachment,
     TopicKey,
     expressions,
+    met,
     parse_key,
     resolve,
     rmw_key,
+    type_name,
 )
 
 TYPES = [LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED]
@@ -38,19 +40,40 @@ def test_the_hashes_are_those_that_rosbags_computes(type_: MessageType) -> None:
 
 @given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232))
 def test_a_topic_is_met_in_all_its_forms_and_found_in_each(topic: str, type_: MessageType, domain: int) -> None:
-    bridge, rmw = expressions(topic, type_)
+    bridge, rmw = expressions(topic)
     humble = f"{domain}/{topic}/{type_.dds_name}/TypeHashNotSupported"
     assert bridge == topic
-    assert parse_key(topic) == TopicKey(topic)
+    assert parse_key(topic) == met(topic, topic) == TopicKey(topic)
     for key in (rmw_key(topic, type_, domain), humble):
         assert meets(rmw, key)
-        assert parse_key(key) == TopicKey(topic, type_.name, domain)
+        assert parse_key(key) == met(topic, key) == TopicKey(topic, type_.name, domain)
 
 
 def test_a_key_of_rmw_zenoh_as_it_was_seen() -> None:
     seen = f"0/tb3_1/scan/{DDS_SCAN}/RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
     assert rmw_key("tb3_1/scan", LASER_SCAN) == seen
-    assert expressions("tb3_1/scan", LASER_SCAN) == ("tb3_1/scan", f"*/tb3_1/scan/{DDS_SCAN}/*")
+    assert expressions("tb3_1/scan") == ("tb3_1/scan", "*/tb3_1/scan/*/*")
+
+
+def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> None:
+    told = met("scan", "0/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab")
+    assert told == TopicKey("scan", "sensor_msgs/msg/PointCloud2", 0)
+    for key in ("tb3_1/scan/front/filtered", "0/front/scan/sensor_msgs::msg::dds_::LaserScan_/x", "a/scan/b c/d"):
+        assert met("scan", key) is None
+
+
+@pytest.mark.parametrize(
+    ("told", "name"),
+    [
+        ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/LaserScan"),
+        ("sensor_msgs/LaserScan", "sensor_msgs/msg/LaserScan"),
+        (DDS_SCAN, "sensor_msgs/msg/LaserScan"),
+        ("", None),
+        ("charset=utf-8", None),
+    ],
+)
+def test_a_type_has_one_name_however_it_is_told(told: str, name: str | None) -> None:
+    assert type_name(told) == name
 
 
 @pytest.mark.parametrize(
@@ -69,7 +92,7 @@ def test_a_topic_is_resolved_as_ros_does(namespace: str, topic: str, resolved: s
 
 @pytest.mark.parametrize("topic", ["", "/", "a//b", "a/", "tb3-1/scan", "a.b", "*", "a/**", "sc an", "@ros2_lv/0", "ä"])
 def test_other_characters_are_refused(topic: str) -> None:
-    for wrong in (lambda: resolve("", f"/{topic}"), lambda: parse_key(topic), lambda: expressions(topic, LASER_SCAN)):
+    for wrong in (lambda: resolve("", f"/{topic}"), lambda: parse_key(topic), lambda: expressions(topic)):
         with pytest.raises(InvalidTopic, match="expected a topic"):
             wrong()
 

@@ -16,7 +16,7 @@ from voa_cli.doctor.over_zenoh import alive
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
 from voa_ros.robots import RobotMapping, Subscription
-from voa_ros.topics import LASER_SCAN, ODOMETRY, expressions
+from voa_ros.topics import LASER_SCAN, ODOMETRY, expressions, met
 
 _TRAVELS_S = 0.5
 """A scan is stamped at the beginning of its revolution of 0.2 s, or at its end, and travels."""
@@ -28,6 +28,8 @@ _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
 class _Sample:
     payload: bytes
     at_s: float
+    type_name: str | None
+    """As its key says; None: the key does not say."""
 
 
 class _First:
@@ -41,9 +43,10 @@ class _First:
         """A callback for one topic's subscribers."""
 
         def hear(sample: zenoh.Sample) -> None:
+            told = met(topic, str(sample.key_expr))
             with self._changed:
-                if topic not in self._samples:
-                    self._samples[topic] = _Sample(sample.payload.to_bytes(), time.time())
+                if told is not None and topic not in self._samples:
+                    self._samples[topic] = _Sample(sample.payload.to_bytes(), time.time(), told.type_name)
                     self._changed.notify_all()
 
         return hear
@@ -69,8 +72,8 @@ def check_topics(
     wanted = [(robot, each) for robot in robots for each in robot.subscriptions]
     first = _First()
     with ExitStack() as stack:
-        for topic, type_ in {each.topic: each.type for _, each in wanted}.items():
-            for expression in expressions(topic, type_):
+        for topic in {each.topic for _, each in wanted}:
+            for expression in expressions(topic):
                 hear = Callback(first.hearer(topic), indirect=False)
                 declared: Any = session.declare_subscriber(expression, hear)
                 stack.callback(declared.undeclare)
@@ -112,6 +115,9 @@ def _silent(check: str, each: Subscription, published: list[str], listen_s: floa
 
 
 def _heard(check: str, each: Subscription, sample: _Sample) -> Finding:
+    if sample.type_name not in (None, each.type.name):
+        found = f"found a {sample.type_name}"
+        return Finding(check, "wrong", found, f"expected {each.type.name}: is it the right topic?")
     try:
         message = _decoded(each, sample.payload)
     except InvalidCdr as error:

@@ -17,14 +17,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
 from voa_client.session_file import SessionFile
+from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import HistoryEntry, Session
 
 _TOPIC = re.compile(r"/voa/([^/]+)/([a-z_]+)")
+_KINDS: dict[str, type[BaseModel]] = {"scenario": Scenario, "history": HistoryEntry, "belief": Session}
 
 
 def topic_of(session: str, what: str) -> str:
@@ -73,9 +75,7 @@ def _note(known: _Heard, what: str, message: RecordedMessage) -> None:
             if session.version is not None:
                 known.beliefs[session.version] = session.belief
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise UnreadableRecording(f"{message.topic}: {where}: {first['msg']}") from error
+        raise UnreadableRecording(f"{message.topic}: {in_one_line(_KINDS[what], error)}") from error
 
 
 def _session(session: str, known: _Heard) -> RecordedSession:

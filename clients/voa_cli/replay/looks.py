@@ -13,9 +13,10 @@ from pydantic import ValidationError
 
 from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
 from voa_cli.recordings.reading import Recording
-from voa_cli.recordings.ros_types import LASER_SCAN
+from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY
 from voa_cli.scenario_file import load_scenario
 from voa_client import Client, ProblemError, VoaClientError
+from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
@@ -62,16 +63,26 @@ class Heard:
     def hear(self, message: RecordedMessage) -> Taken | None:
         """Take a message in that may be this robot's; the look, if there is one now."""
         topic = message.topic.removeprefix("/")
+        expected = next((each.type.name for each in self.mapping.subscriptions if each.topic == topic), None)
+        if expected is None:
+            return None
+        if message.type_name not in ("", expected) or message.encoding != "cdr":
+            found = f"{message.type_name or 'message of unknown type'} in {message.encoding or 'an unknown encoding'}"
+            self.unreadable = f"{message.topic}: expected a {expected} in cdr, found a {found}"
+            return None
         try:
-            if topic == self.mapping.scan_topic and message.type_name in ("", LASER_SCAN):
-                return self._scan(message)
-            if self._localisation is not None:
-                if topic == self.mapping.odometry_topic:
-                    self._localisation.hear_odometry(decode_odometry(message.data))
-                elif topic == self.mapping.amcl_topic:
-                    self._localisation.hear_amcl(decode_pose(message.data))
+            return self._heard(expected, message)
         except InvalidCdr as error:
             self.unreadable = f"{message.topic}: {error}"
+        return None
+
+    def _heard(self, type_name: str, message: RecordedMessage) -> Taken | None:
+        if type_name == LASER_SCAN:
+            return self._scan(message)
+        if self._localisation is not None and type_name == ODOMETRY:
+            self._localisation.hear_odometry(decode_odometry(message.data))
+        elif self._localisation is not None:
+            self._localisation.hear_amcl(decode_pose(message.data))
         return None
 
     def _scan(self, message: RecordedMessage) -> Taken | None:
@@ -119,8 +130,6 @@ def replay(client: Client, recording: Recording, options: argparse.Namespace) ->
     robots = [Heard(mapping, sessions[mapping.session or mapping.scenario or ""]) for mapping in mappings]
     found = Found(scenario, robots)
     for message in recording.messages():
-        if message.encoding != "cdr":
-            continue
         for robot in robots:
             taken = robot.hear(message)
             if taken is not None:
@@ -151,8 +160,10 @@ def _mappings(options: argparse.Namespace, scenario: Scenario, recording: Record
         mappings = (
             load(options.robots.read_text(encoding="utf-8")) if options.robots else (_simple(options, recording),)
         )
-    except (InvalidRobots, ValidationError) as error:
-        raise InvalidMapping(f"{options.robots or '--topic'}: {error}") from error
+    except InvalidRobots as error:
+        raise InvalidMapping(f"{options.robots}: {error}") from error
+    except ValidationError as error:
+        raise InvalidMapping(f"--topic or --sensor: {in_one_line(RobotMapping, error)}") from error
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidMapping(f"{options.robots}: {error}") from error
     if not mappings:

@@ -8,7 +8,7 @@ from rich.console import Console
 from voa_cli.recordings.reading import Recording
 from voa_cli.recordings.sessions import RecordedSession
 from voa_client import Client
-from voa_client.session_file import InvalidSessionFile, Replayed, replay_session
+from voa_client.session_file import InvalidSessionFile, Replayed, replay_session, stored_mesh
 
 
 class Again(NamedTuple):
@@ -31,7 +31,7 @@ def replay_sessions(client: Client, sessions: list[RecordedSession], mesh: Path 
         VoaClientError: the service cannot be reached, or refuses.
     """
     if mesh is not None:
-        stored = client.create_object(mesh).id
+        stored = stored_mesh(client, mesh)
         objects = sorted({told.file.scenario.object or "none" for told in sessions if told.file is not None})
         if stored not in objects:
             raise InvalidSessionFile(f"{mesh} is object {stored}, the sessions' is {', '.join(objects)}")

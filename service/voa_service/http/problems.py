@@ -17,6 +17,7 @@ from voa_service.failures import (
     Failure,
     Kind,
     document,
+    malformed,
     of_validation,
 )
 
@@ -36,9 +37,9 @@ def install(app: FastAPI) -> None:
         assert isinstance(error, Failure)  # noqa: S101 - as registered
         return problem_response(error)
 
-    async def on_invalid(_: Request, error: Exception) -> Response:
+    async def on_invalid(request: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)  # noqa: S101 - as registered
-        return problem_response(of_validation(error.errors()))
+        return problem_response(_of_invalid(request, error))
 
     async def on_http(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)  # noqa: S101 - as registered
@@ -55,6 +56,15 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, on_invalid)
     app.add_exception_handler(HTTPException, on_http)
     app.add_exception_handler(Exception, on_bug)
+
+
+def _of_invalid(request: Request, error: RequestValidationError) -> Failure:
+    errors = error.errors()
+    for each in errors:
+        if each["type"] == "json_invalid":
+            return malformed(each["ctx"]["error"], str(error.body), each["loc"][-1])
+    body = getattr(request.scope.get("route"), "body_field", None)
+    return of_validation(errors, None if body is None else body.field_info.annotation)
 
 
 def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:

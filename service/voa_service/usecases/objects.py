@@ -4,8 +4,10 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from voa_core.errors import VoaError
+from voa_core.objects import Object as Mesh
 from voa_core.stable_poses import propose_stable_poses
 from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses, UpAxis
+from voa_service.cache import Cache
 from voa_service.failures import INVALID_MESH, TOO_LARGE, Failure, not_found
 from voa_service.mapping import object_message
 from voa_service.meshes.mistakes import default_up, up_mistakes
@@ -14,6 +16,19 @@ from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
 _LONGEST_NAME = 128
+_BYTES_PER_POSE = 1_024
+
+
+@dataclass(frozen=True)
+class _Proposal:
+    """Stable poses as a `cache.Sized`."""
+
+    poses: StablePoses
+
+    @property
+    def nbytes(self) -> int:
+        """In bytes, roughly."""
+        return _BYTES_PER_POSE * (1 + len(self.poses.items))
 
 
 @dataclass(frozen=True)
@@ -22,6 +37,7 @@ class Objects:
 
     store: Store
     read: MeshReader
+    cache: Cache
     now: Clock
     limits: Limits
 
@@ -50,24 +66,29 @@ class Objects:
         return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
 
     def stable_poses(self, id_: str) -> StablePoses:
-        """How it can rest on the table."""
-        try:
-            proposed = propose_stable_poses(self._stored(id_).object)
-        except VoaError as error:
-            raise Failure(INVALID_MESH, str(error)) from error
-        return StablePoses(
-            items=[
-                StablePose(
-                    position=list(pose.position),
-                    quaternion_wxyz=list(pose.quaternion_wxyz),
-                    probability=pose.probability,
-                )
-                for pose in proposed
-            ]
-        )
+        """List how it can rest on the table, worked out once while the cache has room."""
+        mesh = self._stored(id_).object
+        return self.cache.get(("stable-poses", id_), lambda: _Proposal(_proposed(mesh))).poses
 
     def _stored(self, id_: str) -> StoredObject:
         stored = self.store.get_object(id_)
         if stored is None:
             raise not_found("object", id_)
         return stored
+
+
+def _proposed(mesh: Mesh) -> StablePoses:
+    try:
+        proposed = propose_stable_poses(mesh)
+    except VoaError as error:
+        raise Failure(INVALID_MESH, str(error)) from error
+    return StablePoses(
+        items=[
+            StablePose(
+                position=list(pose.position),
+                quaternion_wxyz=list(pose.quaternion_wxyz),
+                probability=pose.probability,
+            )
+            for pose in proposed
+        ]
+    )

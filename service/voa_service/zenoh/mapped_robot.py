@@ -75,7 +75,7 @@ class MappedRobot:
             try:
                 return self._heard(heard)
             except InvalidCdr as error:
-                raise Failure(INVALID, f"not a {heard.type.name}: {error}") from error
+                raise Failure(INVALID, str(error)) from error
 
     def _heard(self, heard: Heard) -> tuple[str, Taken] | None:
         if heard.type == ODOMETRY and self._localisation is not None:

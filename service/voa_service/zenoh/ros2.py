@@ -17,9 +17,9 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_ros.looks import Taken
-from voa_ros.robots import RobotMapping, load
-from voa_ros.topics import MessageType, expressions
-from voa_service.failures import INTERNAL, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure
+from voa_ros.robots import RobotMapping, Subscription, load
+from voa_ros.topics import expressions, met
+from voa_service.failures import INTERNAL, INVALID, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure
 from voa_service.ports import IdempotencyKey
 from voa_service.services import Services
 from voa_service.writes import idempotency_key, scope_of, write_of
@@ -115,8 +115,8 @@ class Ros2:
         robot = MappedRobot(mapping, self._services)
         stack = ExitStack()
         for subscription in mapping.subscriptions:
-            for expression in expressions(subscription.topic, subscription.type):
-                hear = Callback(partial(self._heard, robot, subscription.type), indirect=False)
+            for expression in expressions(subscription.topic):
+                hear = Callback(partial(self._heard, robot, subscription), indirect=False)
                 stack.enter_context(session.declare_subscriber(expression, hear))
         self._robots[mapping.name] = robot, stack
         self._services.robots.mapped(mapping.name, mapping.scan_topic, lambda: robot.waiting_for, robot.request)
@@ -126,11 +126,16 @@ class Ros2:
         stack.close()
         self._services.robots.unmapped(name)
 
-    def _heard(self, robot: MappedRobot, type_: MessageType, sample: zenoh.Sample) -> None:
+    def _heard(self, robot: MappedRobot, subscription: Subscription, sample: zenoh.Sample) -> None:
         """In a Zenoh thread: hand over, or refuse."""
-        if sample.kind != zenoh.SampleKind.PUT:
+        key, type_ = str(sample.key_expr), subscription.type
+        told = met(subscription.topic, key)
+        if sample.kind != zenoh.SampleKind.PUT or told is None:
             return
-        key = str(sample.key_expr)
+        if told.type_name not in (None, type_.name):
+            found = f"expected a {type_.name}, found a {told.type_name}: is it the right topic?"
+            self._refuse(robot, key, Failure(INVALID, found))
+            return
         size, most = len(sample.payload), self._services.limits.scan_bytes
         self._services.metrics.zenoh(f"{type_.name.rpartition('/')[2]} heard")
         if size > most:

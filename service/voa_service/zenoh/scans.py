@@ -20,6 +20,7 @@ from voa_msgs.keys import Keys
 from voa_msgs.sessions import ScanRequest
 from voa_ros.cdr import InvalidCdr, decode_laser_scan
 from voa_ros.scans import scan_message
+from voa_ros.topics import LASER_SCAN, type_name
 from voa_service.failures import INTERNAL, INVALID, OVERLOADED, TOO_LARGE, Failure
 from voa_service.reading import json_object, message
 from voa_service.rpc import attachment_of, place_in
@@ -158,14 +159,17 @@ def _fields(heard: Heard, services: Services) -> dict[str, Any]:
     Raises:
         Failure: it is neither the JSON nor the CDR of a scan.
     """
-    kind = heard.encoding.partition(";")[0]
+    kind, _, schema = heard.encoding.partition(";")
     bare = kind in ("zenoh/bytes", "zenoh/string", "")
     if kind in ("application/json", "text/json") or (bare and heard.payload.lstrip()[:1] == b"{"):
         return json_object(heard.payload, services.limits)
     if kind == "application/cdr" or (bare and heard.payload[:1] == b"\0"):
+        found = type_name(schema)
+        if found not in (None, LASER_SCAN.name):
+            raise Failure(INVALID, f"expected a {LASER_SCAN.name}, found a {found}")
         try:
             scan = scan_message(decode_laser_scan(heard.payload, services.limits.beams))
         except InvalidCdr as error:
-            raise Failure(INVALID, f"not a sensor_msgs/LaserScan: {error}") from error
+            raise Failure(INVALID, str(error)) from error
         return {"scan": scan.model_dump(exclude_unset=True)}
     raise Failure(INVALID, f"expected application/json or application/cdr, got {heard.encoding!r}")

@@ -210,7 +210,22 @@ def test_scans_that_cannot_be_read_are_told(capsys: pytest.CaptureFixture[str], 
     folder = bag(tmp_path / "bag", [("/scan", LASER_SCAN, START_NS, b"\0\1\0\0nonsense")], StoragePlugin.MCAP)
     command = ["replay", str(folder), "--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1", "--url", process]
     assert main(command) == 1
-    assert "expected a LaserScan" in capsys.readouterr().err
+    assert "expected a sensor_msgs/msg/LaserScan" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("storage", [StoragePlugin.SQLITE3, StoragePlugin.MCAP])
+@pytest.mark.parametrize("type_name", [ODOMETRY, "sensor_msgs/msg/PointCloud2"])
+def test_a_topic_of_another_type_is_told_with_the_type_that_it_should_have(
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, type_name: str, storage: StoragePlugin
+) -> None:
+    folder = bag(tmp_path / "bag", [("/scan", type_name, START_NS, bytes(4))], storage)
+    command = ["replay", str(folder), "--scenario", str(scenario_file(tmp_path)), "--url", process, "--sensor", "Q1"]
+    assert main([*command, "--topic", "/scan"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"voa replay: no {LASER_SCAN} on /scan")
+    assert f"/scan: expected a {LASER_SCAN} in cdr, found a {type_name}" in line
+    assert main(command) == 1
+    assert f"/scan ({type_name})" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("options", [["--scenario", "s"], ["--sensor", "Q1"], ["--robots", "x.toml"]])

@@ -11,7 +11,9 @@ import pytest
 from tests.bus import Problem, Sample, Silence, Stranger, bridged, stranger
 from tests.routers import Router, router
 from tests.serving import Json, Service, data_scenario, scan_of, serving
+from tests.voa_ros.ros_messages import odometry
 from tests.waiting import wait_for
+from voa_ros.cdr import encode_odometry
 from voa_service.failures import Failure
 from voa_service.settings import Limits
 
@@ -166,6 +168,18 @@ def test_a_scan_that_cannot_be_used_is_seen(
     told = wait_for(lambda: [each for each in heard if each.key == bus.keys.refused(session, name)], "the problem")
     assert told[0].json["type"] == f"urn:voa:problem:{kind}"
     assert f'event="scan refused: {kind}"' in service.http.get("/metrics").text
+    assert version(service, session) == 0
+
+
+@pytest.mark.parametrize("encoding", ["application/cdr", "application/cdr;nav_msgs/msg/Odometry"])
+def test_cdr_of_another_type_is_refused_with_both_types(
+    bus: Stranger, service: Service, session: str, encoding: str
+) -> None:
+    heard = bus.hear(bus.keys.refused("*", "*"))
+    wait_for(lambda: _can_hear(bus, heard), "the subscription")
+    bus.session.put(bus.keys.scan(session, "foreign"), encode_odometry(odometry(0.0, 0.0, 0.0)), encoding=encoding)
+    told = wait_for(lambda: [each for each in heard if each.key == bus.keys.refused(session, "foreign")], "the problem")
+    assert "expected a sensor_msgs/msg/LaserScan, found a nav_msgs/msg/Odometry" in told[0].json["detail"]
     assert version(service, session) == 0
 
 

@@ -14,7 +14,7 @@ from tests.bus import Problem, Stranger, bridged, stranger
 from tests.routers import Router, router
 from tests.serving import Json, Service, box_obj, data_scenario, mesh_scenario, serving
 from tests.waiting import wait_for
-from voa_ros.topics import LASER_SCAN, rmw_key
+from voa_ros.topics import LASER_SCAN, ODOMETRY, rmw_key
 from voa_service.settings import Limits
 
 ROS = get_typestore(Stores.ROS2_JAZZY)
@@ -188,6 +188,24 @@ def test_a_payload_that_is_no_scan_is_refused_and_seen(
     assert own.version(session) == 0
     own.put("tb3_1/scan", laser_scan(GOOD, 101.0))  # and it goes on
     wait_for(lambda: own.version(session) == 1, "the next scan")
+
+
+@pytest.mark.parametrize(
+    ("key", "payload", "found"),
+    [
+        ("0/tb3_1/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab", b"\0\1\0\0", "sensor_msgs/msg/PointCloud2"),
+        (rmw_key("tb3_1/scan", ODOMETRY), odometry(0.0, 0.0, 0.0, 100.0), ODOMETRY.name),
+        ("tb3_1/scan", odometry(0.0, 0.0, 0.0, 100.0), ODOMETRY.name),
+    ],
+)
+def test_a_message_of_another_type_is_refused_with_both_types(
+    own: Lab, session: str, key: str, payload: bytes, found: str
+) -> None:
+    own.map(robot(session))
+    own.put("0/tb3_1/scan/other_topic/below", b"")
+    own.put(key, payload)
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    assert own.report()["last_refusal"].startswith(f"invalid-request: expected a {LASER_SCAN.name}, found a {found}")
 
 
 def test_a_parked_robot_is_one_look_and_stays_one_over_a_restart(tmp_path: Path, own_router: Router) -> None:

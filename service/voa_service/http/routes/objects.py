@@ -52,7 +52,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.get("/{id}/stable-poses", response_model=StablePoses, responses=problems(404, 422, 503))
     async def get_stable_poses(id: str) -> Response:
-        """The physically distinct ways in which the object can rest on the table."""
-        return await answer(services.heavy, lambda: objects.stable_poses(id))
+        """List the ways in which the object rests on the table and withstands nine degrees of tilt in any direction."""
+        return await answer(services.rests, lambda: objects.stable_poses(id))
 
     return router
