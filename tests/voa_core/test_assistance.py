@@ -123,6 +123,36 @@ def test_float32_does_not_decide_between_grasps_that_it_cannot_tell_apart_when_e
     assert look.voa == pytest.approx(0.6)
 
 
+def test_float32_does_not_decide_by_its_own_rounding_when_executed() -> None:
+    # The second grasp is better by 2e-9, but its two shares are rounded down in float32 and the first's one is rounded
+    # up: there the first is better by 3e-8, a whole last place.
+    place = 2.0**-24  # between float32s at twice these shares
+    first, second = [0.75 + 0.6 * place, 0.0, 0.2], [0.5 + 0.45 * place, 0.25 + 0.2 * place, 0.8]
+    table = GraspTable.of_probabilities(["first", "second"], [first, second], 3)
+    halves = (0.5 * table.scores[:, :2]).astype(np.float32).sum(axis=1)
+    assert halves[0] > halves[1]
+    look = worth(
+        weigher_of([0.5, 0.5, 0.5], dtype=np.float32),
+        [0.5, 0.5, 0.0],
+        table=table,
+        definition="executed",
+        sensor_belief=Belief.of([0.0, 0.0, 1.0]),
+    )
+    assert look.best_grasps.tolist() == [1]
+    assert look.voa == 0.0
+
+
+@pytest.mark.parametrize(
+    ("dtype", "worse_by", "chosen"),
+    [(np.float64, 5e-13, 0), (np.float64, 2e-12, 1), (np.float32, 5e-7, 0), (np.float32, 2e-6, 1)],
+)
+def test_the_first_grasp_is_chosen_if_it_is_as_good_as_the_precision_can_tell(
+    dtype: type[np.floating], worse_by: float, chosen: int
+) -> None:
+    table = GraspTable.of_probabilities(["first", "second"], [[0.5 - worse_by] * 3, [0.5] * 3], 3)
+    assert worth(weigher_of(PAIR, dtype=dtype), [1.0, 0.0, 0.0], table=table).best_grasps.tolist() == [chosen]
+
+
 @pytest.mark.parametrize("definition", ["posterior", "executed"])
 def test_where_every_grasp_fails_a_look_is_worth_nothing(definition: Any) -> None:
     nothing = GraspTable.of_probabilities(["left", "right"], np.zeros((2, 3)), 3)

@@ -88,6 +88,8 @@ def test_no_grasp_is_chosen_where_every_grasp_scores_0() -> None:
 
 def test_grasps_are_ranked_best_first_and_equals_as_listed() -> None:
     assert ranked(np.array([0.1, 0.5, 0.5 + 1e-13, 0.9, 0.1])) == [3, 1, 2, 0, 4]
+    many = np.array([0.1, 0.9, 0.5] * 100)
+    assert ranked(many) == [*range(1, 300, 3), *range(2, 300, 3), *range(0, 300, 3)]
 
 
 def test_an_outcome_weighs_by_the_score_or_what_is_missing_to_1() -> None:

@@ -1,4 +1,6 @@
 import math
+from collections.abc import Callable, Hashable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -82,6 +84,41 @@ def test_the_sensors_own_height_wins_over_the_lidars() -> None:
     above = SensorConfiguration("a", -0.3, 0.1, 0.0, height_m=0.25)
     assert predictor.predict(AT).dense()[0, 0] == pytest.approx(0.3)
     assert predictor.predict(above).dense()[0, 0] == INF
+
+
+@pytest.mark.parametrize(
+    ("sensor", "grid", "listed"),
+    [
+        (AT, None, True),
+        (replace(AT, name="b"), None, True),
+        (replace(AT, x=-0.4), None, False),
+        (replace(AT, y=0.3), None, False),
+        (replace(AT, yaw_rad=0.3), None, False),
+        (replace(AT, height_m=0.25), None, False),
+        (AT, BeamGrid(3, 0.0, 0.01), False),
+        (AT, BeamGrid(4, 0.2, LIDAR.grid.angle_increment), False),
+    ],
+)
+def test_what_is_remembered_is_not_taken_for_another_prediction(
+    sensor: SensorConfiguration, grid: BeamGrid | None, listed: bool
+) -> None:
+    mesh = predictor_of_mesh(CUBE, standing((0.0, 0.0, 0.0)), LIDAR)
+    data = {"a": np.array([[0.7, INF, INF, INF]]), "b": np.array([[0.8, INF, INF, INF]])}
+    kept: dict[Hashable, Prediction] = {}
+
+    def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+        if key not in kept:
+            kept[key] = make()
+        return kept[key]
+
+    forgetful = ObservationPredictor(mesh.poses, LIDAR, data, mesh.contours_at)
+    keeping = replace(forgetful, remember=remember)
+    first = keeping.predict(AT)
+    assert keeping.predict(replace(AT, name="another", cost=0.5)) is first
+    found = keeping.predict(sensor, grid, listed=listed)
+    assert keeping.predict(sensor, grid, listed=listed) is found
+    np.testing.assert_array_equal(found.dense(), forgetful.predict(sensor, grid, listed=listed).dense())
+    assert found.dense().tolist() != first.dense().tolist()
 
 
 def test_someone_must_say_where_to_cut() -> None:

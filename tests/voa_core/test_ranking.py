@@ -54,6 +54,11 @@ def test_ties_stay_as_listed_and_a_rounding_does_not_break_them() -> None:
     assert names(ranked(("b", 1.0, 0.1), ("a", 1.0, 0.1), ("c", 1.0, 0.1 - 2e-12))) == ["c", "b", "a"]
 
 
+def test_many_looks_that_tie_stay_as_listed() -> None:
+    ranking = ranked(*((str(number), 1.0, 0.1 * (number % 3)) for number in range(300)))
+    assert names(ranking) == [str(number) for rest in range(3) for number in range(rest, 300, 3)]
+
+
 @pytest.mark.parametrize(("cost", "worth"), [(0.2449, True), (0.2451, False), (0.25, False), (0.5, False)])
 def test_a_look_is_worth_it_if_it_gains_more_than_half_a_percent(cost: float, worth: bool) -> None:
     assert ranked(("a", 1.0, cost)).worth_looking() is worth

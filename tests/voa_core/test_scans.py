@@ -123,6 +123,7 @@ def test_predicted_beams_are_never_missing() -> None:
     crossing = Workspace((-0.2, -0.2), (0.2, 0.2)).crossing(SensorConfiguration("a", -1.0, 0.0, 0.0), np.zeros(5))
     ranges = np.array([[0.05, 0.5, 1.0, 1.5, INF]])
     np.testing.assert_equal(restrict_prediction(ranges, 1.2, None), [[0.05, 0.5, 1.0, INF, INF]])
+    np.testing.assert_equal(restrict_prediction(ranges, 1.0, None), [[0.05, 0.5, 1.0, INF, INF]])
     np.testing.assert_equal(restrict_prediction(ranges, 2.0, crossing), [[INF, INF, 1.0, INF, INF]])
 
 

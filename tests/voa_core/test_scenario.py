@@ -1,4 +1,6 @@
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,6 +66,19 @@ def test_data_hold_where_the_scenarios_own_sensors_stand_and_nowhere_else() -> N
         scenario.evidence(scan, moved)
     with pytest.raises(NoMesh):
         scenario.weigher(moved, np.float64, keep=False)
+
+
+@pytest.mark.parametrize("moved", [{"name": "Q3"}, {"x": -0.31}, {"y": 0.11}, {"yaw_rad": 0.01}, {"height_m": 0.05}])
+def test_a_sensor_that_differs_in_where_it_stands_is_not_listed(moved: dict[str, Any]) -> None:
+    scenario = scenario_of(DATA)
+    elsewhere = replace(Q1, **moved)
+    assert not scenario.lists(elsewhere)
+    with pytest.raises(NoMesh):
+        scenario.weigher(elsewhere, np.float64, keep=False)
+
+
+def test_a_sensor_that_costs_something_else_is_listed() -> None:
+    assert scenario_of(DATA).lists(replace(Q1, cost=0.5))
 
 
 def test_evidence_takes_an_uncertain_sensor_pose() -> None:

@@ -40,6 +40,15 @@ def test_ranges_end_before_inside_or_beyond() -> None:
     assert crossing.inside(ranges).tolist() == [False, True, True, True, False]
 
 
+@pytest.mark.parametrize(("off_m", "counts"), [(0.0, True), (9e-10, True), (1.1e-9, False), (1e-6, False)])
+def test_a_range_that_misses_the_box_by_a_rounding_is_inside(off_m: float, counts: bool) -> None:
+    # A side of the object may lie in the side of the box, and a prediction is exact to some 1e-16 m.
+    crossing = SQUARE.crossing(SensorConfiguration("a", -1.0, 0.0, 0.0), np.zeros(2))
+    ranges = np.array([0.8 - off_m, 1.2 + off_m])
+    assert crossing.before(ranges).tolist() == [not counts, False]
+    assert crossing.inside(ranges).tolist() == [counts, counts]
+
+
 def test_nothing_ends_before_a_box_that_the_beam_never_enters() -> None:
     crossing = SQUARE.crossing(SensorConfiguration("a", -1.0, 0.0, math.pi), np.zeros(1))
     assert not crossing.before(np.array([0.5])).any()

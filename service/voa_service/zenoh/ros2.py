@@ -209,7 +209,8 @@ class Ros2:
         self._services.metrics.zenoh(f"ROS message refused: {failure.kind}")
         if self._services.robots.refused(robot.name, "ros2", key, why):
             structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
-        self._outbox.refused(robot.session or "none", robot.name, failure)
+        if self._replicas.owns(robot.name):  # else another replica says so to the robot
+            self._outbox.refused(robot.session or "none", robot.name, failure)
 
 
 def _seconds(stamp: object, which: str) -> float:

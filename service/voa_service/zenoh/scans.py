@@ -116,8 +116,7 @@ class Scans:
         try:
             self._apply(heard)
         except Failure as failure:
-            if not heard.second:  # else the replica that heard it first has said so
-                self._refuse(heard.session, heard.robot, heard.key, failure)
+            self._refuse(heard.session, heard.robot, heard.key, failure)
         except Exception as error:
             structlog.get_logger().exception("unexpected error", exc_info=error)
             defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")
@@ -140,7 +139,8 @@ class Scans:
         self._services.metrics.zenoh(f"scan refused: {failure.kind}")
         if self._services.robots.refused(robot, "scan", key, why):
             structlog.get_logger().warning("scan refused", key=key, why=why)
-        self._outbox.refused(session, robot, failure)
+        if self._replicas.owns(f"{session}/{robot}"):  # else another replica says so to the robot
+            self._outbox.refused(session, robot, failure)
 
 
 def name_of(sample: zenoh.Sample, payload: bytes) -> str | None:

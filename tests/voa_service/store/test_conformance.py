@@ -325,6 +325,9 @@ def test_history_ascends_and_keeps_what_was_received(store: Store) -> None:
     assert [entry.report for entry in entries] == [None, '"report 1"', '"report 2"', '"report 3"']
     assert [entry.state.updated_at for entry in entries] == [NOON + timedelta(seconds=n) for n in range(4)]
     assert {entry.state.created_at for entry in entries} == {NOON}
+    found = store.get_session("S")
+    assert found is not None
+    assert (found.created_at, found.updated_at) == (NOON, NOON + timedelta(seconds=3))
     assert [entry.state.version for entry in store.history("S", 0, 2)] == [1, 2]
     assert [entry.state.version for entry in store.history("S", 2, 2)] == [3]
     assert store.history("S", 3, 2) == []

@@ -1,0 +1,123 @@
+"""What a session says of itself beside its belief: when it moved last, and how well its last scan fitted."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from tests.serving import Json, Service, data_scenario, scan_of
+from voa_msgs.scenarios import ScenarioRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Session, SessionRequest
+from voa_service.bootstrap import services
+from voa_service.services import Services
+from voa_service.settings import Settings
+from voa_service.writes import write_of
+
+NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
+GOOD = scan_of([0.52, 0.5, None, 1.0])
+NOTHING = scan_of([None] * 4)
+OUTCOME: Json = {"grasp": "G1", "success": False}
+BELIEF: Json = {"belief": [0.2, 0.3, 0.5]}
+
+
+class Lab:
+    """The use cases with a clock that a test turns by hand, and a session that was opened at noon."""
+
+    def __init__(self, inside: Services, turn: Callable[[], None]) -> None:
+        self.inside = inside
+        self.turn = turn
+        scenario, _ = inside.scenarios.create(ScenarioRequest.model_validate(data_scenario()))
+        opened = inside.sessions.create(SessionRequest(scenario=scenario.id), write_of("prior", b"{}", None))
+        self.id = Session.model_validate_json(opened.body).id
+
+    @property
+    def session(self) -> Session:
+        """As it is read."""
+        return self.inside.sessions.get(self.id)
+
+    @property
+    def dates(self) -> list[datetime]:
+        """Of every version."""
+        return [entry.at for entry in self.inside.sessions.history(self.id, 100, None).items]
+
+    def scan(self, body: Json = GOOD) -> None:
+        request = ScanRequest.model_validate(body)
+        self.inside.sessions.apply_scan(self.id, request, write_of("scan", b"{}", None))
+
+    def outcome(self) -> None:
+        request = OutcomeRequest.model_validate(OUTCOME)
+        self.inside.sessions.report_outcome(self.id, request, write_of("outcome", b"{}", None))
+
+    def belief(self) -> None:
+        request = BeliefRequest.model_validate(BELIEF)
+        self.inside.sessions.put_belief(self.id, request, write_of("belief", b"{}", None))
+
+
+@contextmanager
+def opened(folder: Path) -> Iterator[Lab]:
+    hours = 0
+
+    def turn() -> None:
+        nonlocal hours
+        hours += 1
+
+    settings = Settings(database_url=f"sqlite:///{folder / 'voa.db'}", workers=1, cache_mebibytes=16)
+    with services(settings, lambda: NOON + timedelta(hours=hours)) as inside:
+        yield Lab(inside, turn)
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Lab]:
+    with opened(tmp_path) as own:
+        yield own
+
+
+@pytest.mark.parametrize("move", [Lab.scan, Lab.outcome, Lab.belief])
+def test_each_new_version_is_dated_by_when_it_was_made(lab: Lab, move: Callable[[Lab], None]) -> None:
+    for _ in range(2):
+        lab.turn()
+        move(lab)
+    assert lab.session.version == 2
+    assert (lab.session.created_at, lab.session.updated_at) == (NOON, NOON + timedelta(hours=2))
+    assert lab.dates == [NOON + timedelta(hours=hour) for hour in range(3)]
+
+
+def test_what_is_not_accepted_is_no_move(lab: Lab) -> None:
+    lab.turn()
+    lab.scan()
+    before = lab.session
+    lab.turn()
+    lab.scan(NOTHING)
+    assert lab.session == before
+
+
+def test_the_last_fit_is_that_of_the_last_scan_whatever_came_after_it(lab: Lab) -> None:
+    assert lab.session.last_fit_rmsd_mm is None
+    lab.outcome()
+    assert lab.session.last_fit_rmsd_mm is None
+    lab.scan()
+    fit = lab.session.last_fit_rmsd_mm
+    assert fit == pytest.approx(20.0 / 3**0.5)  # millimetres on one of three beams
+    for move in (lab.outcome, lab.belief, lambda: lab.scan(NOTHING)):
+        move()
+        assert lab.session.last_fit_rmsd_mm == fit
+    lab.scan(scan_of([0.5, 0.5, None, 1.0]))
+    assert lab.session.last_fit_rmsd_mm == 0.0
+    since = lab.inside.sessions.since(lab.id, 0)
+    assert since is not None
+    assert [session.last_fit_rmsd_mm for session in since] == [None, fit, fit, fit, 0.0]
+
+
+def test_an_answer_that_is_kept_moves_with_its_session(service: Service, data_id: str) -> None:
+    session = service.open(data_id)
+    path = f"/v1/sessions/{session}"
+    seen = [service.get(path)]
+    for call, body in (("scans", GOOD), ("grasp-outcomes", OUTCOME), ("scans", GOOD)):
+        answer = service.post(f"{path}/{call}", body)
+        del answer["update"]
+        seen.append(service.get(path))
+        assert seen[-1] == answer
+    assert sorted(each["updated_at"] for each in seen) == [each["updated_at"] for each in seen]
+    assert len({each["updated_at"] for each in seen}) == 4

@@ -1,0 +1,113 @@
+"""Every program and command of the README that runs on any machine is run, and prints what the README says."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.deploy.readme import README, REPOSITORY, Command, agrees, blocks, commands
+from tests.scale import scaled
+from tests.serving import as_scan
+from voa_cli.main import main
+from voa_cli.scenario_file import load_scenario
+from voa_client import Client
+from voa_msgs.scenarios import PredictionsRequest
+from voa_msgs.sessions import OutcomeRequest, Scan, SessionRequest
+
+HERE = "http://127.0.0.1:8000"
+MUG = Path("assets/voa_assets/mug/scenario.json")
+LOCAL = [command for command in commands() if command.is_local]
+
+
+@pytest.fixture(autouse=True)
+def _from_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(REPOSITORY)
+    monkeypatch.setenv("COLUMNS", "120")
+
+
+def _program(word: str) -> tuple[str, str]:
+    """The one program of the README with a word in it, and the text behind it."""
+    ((text, after),) = [(block.text, block.after) for block in blocks("python") if word in block.text]
+    return text, after
+
+
+def test_every_program_and_most_commands_are_run() -> None:
+    assert len(blocks("python")) == 2, "each is run below"
+    assert {command.words[1] for command in LOCAL} == {"rank", "fleet", "replay"}
+    assert len(LOCAL) >= 5
+
+
+def test_the_first_program_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
+    text, after = _program("load_scenario")
+    assert text.count(HERE) == 1
+    exec(compile(text.replace(HERE, process), "README.md", "exec"), {})  # noqa: S102 - our own text
+    stated = re.match(r"\s*It prints `([^`]+)`", after)
+    assert stated is not None, "README: expected what the program prints behind it: It prints `...`"
+    assert capsys.readouterr().out == stated[1] + "\n"
+
+
+def test_the_robots_program_looks_grasps_and_tells(process: str) -> None:
+    text, _ = _program("look_and_grasp")
+    namespace: dict[str, Any] = {}
+    exec(compile(text, "README.md", "exec"), namespace)  # noqa: S102 - our own text
+    look_and_grasp: Callable[..., None] = namespace["look_and_grasp"]
+    tried: list[str] = []
+    stands: list[str] = []
+    with Client(process) as client:
+        scenario = load_scenario(client, MUG)
+        session = client.create_session(SessionRequest(scenario=scenario.id)).id
+        predicted = client.predict(scenario.id, PredictionsRequest())
+        seen = {sensor: predicted.ranges[index][0] for index, sensor in enumerate(predicted.sensors)}
+
+        def grasp(name: str) -> bool:
+            tried.append(name)
+            return True
+
+        look_and_grasp(process, session, stands.append, lambda: Scan.model_validate(as_scan(seen[stands[-1]])), grasp)
+        kinds = [entry.kind for entry in client.history(session)]
+        outcome = OutcomeRequest.model_validate(list(client.history(session))[-1].request)
+    assert kinds == ["prior", *["scan"] * len(stands), "outcome"]
+    assert (len(stands) > 0, [outcome.grasp], outcome.success) == (True, tried, True)
+
+
+@pytest.mark.parametrize("command", LOCAL, ids=lambda command: command.line[:60])
+def test_a_command_ends_well_and_prints_what_is_stated(command: Command, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(command.words[1:]) == 0
+    printed = capfd.readouterr().out
+    assert printed.strip()
+    if command.output:
+        assert agrees(command.output, printed), printed
+
+
+@pytest.mark.parametrize("object_", scaled(("mallet",), ("mallet", "mug", "block")))
+def test_the_demo_tells_the_stated_story_and_counts_the_stated_grasps(
+    object_: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["demo", "--out", str(tmp_path), "--object", object_]) == 0
+    printed = capfd.readouterr().out
+    assert _counts(printed) == _stated_counts(object_)
+    if object_ == "mallet":
+        (story,) = [block.text for block in blocks("") if "look from" in block.text]
+        told = [line for line in printed.splitlines() if re.match(r" *\d+\.\d s  ", line)]
+        assert agrees([*story.splitlines(), "..."], "\n".join(told)), printed
+
+
+def _stated_counts(object_: str) -> tuple[int, ...]:
+    """Of the grasps that succeed without looks, and with them."""
+    words = {
+        "mallet": r"without a look (\d+) of 20 grasps succeed, with three looks (\d+) of 20",
+        "mug": r"`voa demo --object mug` it is (\d+) and (\d+) of 20",
+        "block": r"with the block (\d+) and (\d+)\b",
+    }
+    stated = re.search(words[object_], " ".join(README.split()))
+    assert stated is not None, f"README: expected how many grasps of the {object_} succeed, as {words[object_]!r}"
+    return tuple(map(int, stated.groups()))
+
+
+def _counts(printed: str) -> tuple[int, ...]:
+    """Of the grasps that succeeded without looks, and with them."""
+    failed = re.search(r"without a look (\d+) of (\d+) grasps failed, .*? (\d+) of \2\.", " ".join(printed.split()))
+    assert failed is not None
+    return int(failed[2]) - int(failed[1]), int(failed[2]) - int(failed[3])

@@ -1,0 +1,216 @@
+"""Two replicas hear every sample: each counts once, and a robot is told once what could not be used."""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+
+from tests.bus import Stranger, bridged, stranger
+from tests.routers import Router, router
+from tests.serving import Json, Service, data_scenario, scan_of, serving
+from tests.voa_service.zenoh.test_ros2 import laser_scan
+from tests.waiting import wait_for
+from voa_service.settings import Limits
+
+GRACE_SECONDS = 0.2
+MOST_BYTES = 20_000
+ROBOTS = [f"r{number}" for number in range(8)]
+"""Enough that each replica owns some of them."""
+MAPPING = """
+[[robot]]
+name = "{robot}"
+session = "{session}"
+look = {{ mode = "every" }}
+place = {{ from = "sensor", sensor = "{sensor}" }}
+"""
+
+
+class Pair:
+    """Two services on one database and one router, and a robot that may put anything."""
+
+    def __init__(self, services: list[Service], bus: Stranger, mapping: Path) -> None:
+        self.services = services
+        self.bus = bus
+        self.scenario = services[0].create(data_scenario())
+        self._mapping = mapping
+        self._beliefs = bus.hear(bus.keys.belief("*"))
+        wait_for(self._both_are_heard, "the subscription")
+
+    def open(self) -> str:
+        return self.services[0].open(self.scenario)
+
+    def map(self, session: str, sensor: str) -> None:
+        """Write the mapping of all robots; returns when both services follow it."""
+        self._mapping.write_text("".join(MAPPING.format(robot=r, session=session, sensor=sensor) for r in ROBOTS))
+        wait_for(lambda: all(len(self.reports(service, "ros2")) == len(ROBOTS) for service in self.services), "it")
+        for robot in ROBOTS:
+            with self.bus.session.declare_publisher(f"{robot}/scan") as publisher:
+                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined]
+
+    def reports(self, service: Service, source: str) -> dict[str, Json]:
+        items = service.get("/v1/robots")["items"]
+        return {each["robot"]: each for each in items if each["source"] == source and each["robot"] in ROBOTS}
+
+    def wait_until_each_robot(self, said: Callable[[Json], bool], source: str) -> None:
+        """Returns when both services say so of every robot."""
+
+        def all_do() -> bool:
+            reports = [self.reports(service, source) for service in self.services]
+            return all(len(each) == len(ROBOTS) and all(map(said, each.values())) for each in reports)
+
+        wait_for(all_do, "both services to say so of each robot")
+
+    def stamps(self, session: str) -> list[Any]:
+        """Of the scans in the history of a session."""
+        items = self.services[0].get(f"/v1/sessions/{session}/history?limit=1000")["items"]
+        return [entry["request"]["scan"].get("stamp") for entry in items if entry["kind"] == "scan"]
+
+    def applied(self, session: str, robot: str = ROBOTS[0]) -> list[Any]:
+        """The same when whatever the robot put before was worked on: its scans are taken in order."""
+        put(self, session, robot, stamped("last"))
+        wait_for(lambda: "last" in self.stamps(session), "the last scan")
+        return self.stamps(session)[:-1]
+
+    def count(self, event: str) -> list[int]:
+        """How often each service counted what happened on Zenoh."""
+        lines = [service.http.get("/metrics").text.splitlines() for service in self.services]
+        found = [[line for line in each if f'event="{event}"' in line and "_total" in line] for each in lines]
+        return [int(float(each[0].split()[-1])) if each else 0 for each in found]
+
+    def flush(self) -> None:
+        """Returns when whatever either service has put so far was heard: what it put later was heard too."""
+        wait_for(lambda: not any(service.inside.health.link.state != "connected" for service in self.services), "both")
+        opened = {service.open(self.scenario) for service in self.services}
+        wait_for(lambda: opened <= {sample.key.rpartition("/")[2] for sample in self._beliefs}, "both")
+
+    def _both_are_heard(self) -> bool:
+        for service in self.services:
+            service.open(self.scenario)
+        return len(self._beliefs) >= 2
+
+
+@contextmanager
+def paired(folder: Path, own: Router) -> Iterator[Pair]:
+    mapping = folder / "robots.toml"
+    mapping.write_text("")
+    with ExitStack() as stack:
+        limits = Limits(scan_bytes=MOST_BYTES)
+        services = [stack.enter_context(serving(folder, limits=limits)) for _ in range(2)]
+        for service in services:
+            stack.enter_context(bridged(service, own, robots=mapping, grace_seconds=GRACE_SECONDS))
+        bus = stack.enter_context(stranger(own.endpoint))
+        wait_for(lambda: len(list(bus.session.liveliness().get(bus.keys.replica("*")))) == 2, "both tokens")
+        yield Pair(services, bus, mapping)
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
+    with router() as own, paired(tmp_path_factory.mktemp("pair"), own) as found:
+        yield found
+
+
+def put(pair: Pair, session: str, robot: str, body: Any, **how: Any) -> None:
+    payload = body if isinstance(body, bytes) else json.dumps(body)
+    pair.bus.session.put(
+        pair.bus.keys.scan(session, robot),
+        payload,
+        encoding="application/json",
+        congestion_control=zenoh.CongestionControl.BLOCK,
+        **how,
+    )
+
+
+def stamped(stamp: Any) -> Json:
+    """A good scan."""
+    return scan_of([0.5, 0.5, None, 1.0], stamp=stamp)
+
+
+def test_of_samples_at_one_time_those_that_say_the_same_count_once(pair: Pair) -> None:
+    session, at = pair.open(), pair.bus.session.new_timestamp()
+    for stamp in ("a", "b", "a", "c", "b"):  # as of robots whose clocks agree
+        put(pair, session, ROBOTS[0], stamped(stamp), timestamp=at)
+    assert pair.applied(session) == ["a", "b", "c"]
+
+
+def test_samples_that_say_the_same_at_two_times_count_twice(pair: Pair) -> None:
+    session = pair.open()
+    for at in [pair.bus.session.new_timestamp() for _ in range(2)] * 2:
+        put(pair, session, ROBOTS[0], stamped("a"), timestamp=at)
+    assert pair.applied(session) == ["a", "a"]
+
+
+def test_a_numbered_sample_is_named_by_its_publisher_and_number(pair: Pair) -> None:
+    session, key = pair.open(), pair.bus.keys.scan("none", "none")
+    with (
+        pair.bus.session.declare_publisher(key) as one,
+        pair.bus.session.declare_publisher(key) as other,
+    ):
+        for publisher, number, stamp in ((one, 1, "a"), (other, 1, "b"), (one, 2, "c"), (other, 1, "b"), (one, 1, "a")):
+            source = zenoh.SourceInfo(publisher.id, number)
+            put(pair, session, ROBOTS[0], stamped(stamp), source_info=source)
+    assert pair.applied(session) == ["a", "b", "c"]
+
+
+def test_scans_of_every_robot_count_once_whichever_replica_owns_it(pair: Pair) -> None:
+    session = pair.open()
+    for robot in ROBOTS:
+        put(pair, session, robot, stamped(robot))
+    wait_for(lambda: len(pair.stamps(session)) >= len(ROBOTS), "a scan of each robot")
+    looks = [[report["looks"] for report in pair.reports(service, "scan").values()] for service in pair.services]
+    assert all(sum(of_service) for of_service in looks), "each replica owns some"
+    assert sorted(pair.stamps(session)) == ROBOTS
+
+
+def test_scans_without_a_name_count_once(tmp_path: Path) -> None:
+    with router({"timestamping/enabled": False}) as own, paired(tmp_path, own) as pair:
+        session = pair.open()
+        for robot in ROBOTS:
+            put(pair, session, robot, stamped(robot))
+        left = "scan without a name left to another replica"
+        wait_for(lambda: sum(pair.count(left)) == len(ROBOTS), "each scan to be left to its owner")
+        assert all(pair.count(left)), "each replica owns some"
+        wait_for(lambda: len(pair.stamps(session)) >= len(ROBOTS), "a scan of each robot")
+        assert sorted(pair.stamps(session)) == ROBOTS
+
+
+@pytest.mark.parametrize(
+    ("payload", "kind"),
+    [
+        (json.dumps(scan_of([0.5] * 4, "Q9")).encode(), "unknown-name"),
+        (b'{"sensor": "Q1", "sc', "malformed-json"),
+        (b'{"sensor": "' + b"a" * MOST_BYTES, "too-large"),
+    ],
+)
+def test_a_robot_is_told_once_that_its_scan_was_refused_and_both_replicas_know(
+    pair: Pair, payload: bytes, kind: str
+) -> None:
+    session = pair.open()
+    heard = pair.bus.hear(pair.bus.keys.refused(session, "*"))
+    for robot in ROBOTS:
+        put(pair, session, robot, payload)
+
+    pair.wait_until_each_robot(lambda report: str(report["last_refusal"]).startswith(f"{kind}: "), "scan")
+    wait_for(lambda: {sample.key.rpartition("/")[2] for sample in heard} == set(ROBOTS), "every robot's problem")
+    pair.flush()
+    assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS)
+    assert {sample.json["type"] for sample in heard} == {f"urn:voa:problem:{kind}"}
+
+
+def test_a_mapped_robot_is_told_once_of_each_refusal_and_both_replicas_know(pair: Pair) -> None:
+    session = pair.open()
+    heard = pair.bus.hear(pair.bus.keys.refused(session, "*"))
+    pair.map(session, "Q9")
+    unreadable, of_an_unknown_place = b"\0\1\0\0 no scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0)
+    for number, payload in enumerate((unreadable, of_an_unknown_place), start=1):
+        for robot in ROBOTS:
+            pair.bus.session.put(f"{robot}/scan", payload)
+        pair.wait_until_each_robot(lambda report, number=number: report["refused"] == number, "ros2")  # type: ignore[misc]
+        wait_for(lambda number=number: len(heard) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc]
+        pair.flush()
+        assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS * number)
