@@ -94,6 +94,7 @@ PACKAGES = {
         "alembic",
         "fastapi",
         "fastapi_offline",
+        "mapbox_earcut",
         "numpy",
         "prometheus_client",
         *PYDANTIC,

@@ -8,10 +8,12 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from tests.contract.test_bad_input import check_problem
 from tests.serving import Service, box_obj, serving
+from tests.voa_service.meshes.files import POINTS, ascii_ply, binary_stl, obj
 from voa_service.settings import Limits
 
 BOX = box_obj()
@@ -88,6 +90,7 @@ class Case(NamedTuple):
     kind: str = INVALID
     says: str = ""
     scale: str = "1"
+    up: str = "+Z"
 
 
 CASES = [
@@ -102,6 +105,7 @@ CASES = [
     Case("an index before the first vertex", "box.obj", BOX.replace(FIRST_FACE, "f -99 3 4\n")),
     Case("an index of 20 digits", "box.obj", BOX.replace(FIRST_FACE, f"f {'9' * 20} 3 4\n")),
     Case("words for indices", "box.obj", BOX.replace(FIRST_FACE, "f a b c\n")),
+    Case("index 0", "box.obj", BOX.replace(FIRST_FACE, "f 0 2 3\n"), says="OBJ has no index 0"),
     Case("NaN as coordinate", "box.obj", BOX.replace("v -0.02 -0.03 0.0\n", "v nan 0 0\n"), says="finite"),
     Case("infinity as coordinate", "box.obj", BOX.replace("v -0.02 -0.03 0.0\n", "v 1e999 0 0\n"), says="finite"),
     Case("NaN in an STL", "box.stl", stl([float("nan"), *TRIANGLES[1:]]), says="finite"),
@@ -109,7 +113,15 @@ CASES = [
     Case("an STL that claims 5e7 faces", "box.stl", stl(TRIANGLES, claimed=50_000_000)),
     Case("a GLB that claims 5e7 elements", "box.glb", glb_claiming(50_000_000, bytes(12))),
     Case("a GLB that claims 5e8 elements of nothing", "box.glb", glb_claiming(500_000_000, b"")),
-    Case("a GLB without a scene", "box.glb", glb({})),
+    Case("a GLB without a scene", "box.glb", glb({}), says="scenes"),
+    Case("Draco", "box.glb", glb({"extensionsRequired": ["KHR_draco_mesh_compression"]}), says="Draco compression"),
+    Case("an unknown extension", "box.glb", glb({"extensionsRequired": ["ACME_gears"]}), says="'ACME_gears'"),
+    Case("a PLY with fewer faces than it says", "box.ply", ascii_ply(faces=30), says="the header says 30 of 'face'"),
+    Case("a PLY with more faces than it says", "box.ply", ascii_ply(faces=7), says="the file has more"),
+    Case("an STL with more faces than it says", "box.stl", binary_stl(claimed=7), says="the file has more"),
+    Case("a polygon that crosses itself", "box.obj", BOX + "f 1 2 4 3\nf 1 4 2 3\n", says="line 22: the sides"),
+    Case("map coordinates", "box.obj", obj(points=POINTS + np.array([6.9e5, 5.3e6, 0.0])), says="within 1000 m"),
+    Case("a place far away after scale", "box.obj", obj(points=POINTS * 1e3 + 2e6), says="1000 m", scale="0.001"),
     Case("a PLY that claims 5e8 vertices", "box.ply", PLY_CLAIMS.encode() + bytes(100)),
     Case("a compressed bomb named .obj", "box.obj", BOMB),
     Case("a compressed bomb named .stl", "box.stl", BOMB),
@@ -120,8 +132,11 @@ CASES = [
     Case("too many faces", "box.obj", strip(101), 413, LARGE, "at most 100 faces, got 101"),
     Case("a file that is too large", "box.obj", BOX + "#" * 400_000, 413, LARGE, "at most 400000 bytes"),
     Case("a request that is much too large", "box.obj", BOX + "#" * 500_000, 413, LARGE, "bytes"),
-    Case("millimetres without a scale", "box.obj", box_obj(40, 60, 50), says="scale=0.001"),
-    Case("metres with the scale of millimetres", "box.obj", BOX, says="is `scale` right?", scale="0.001"),
+    Case("millimetres without a scale", "box.obj", box_obj(40, 60, 50), says="millimetres (scale=0.001)"),
+    Case("metres with the scale of millimetres", "box.obj", BOX, says="metres (scale=1)", scale="0.001"),
+    Case("a size that no unit explains", "box.obj", box_obj(4e7, 6e7, 5e7), says="metres per unit of the file"),
+    Case("up sideways", "box.obj", BOX, kind="invalid-request", says="'+Y' or '+Z'", up="+X"),
+    Case("up as a letter", "box.obj", BOX, kind="invalid-request", says="'+Y' or '+Z'", up="y"),
     Case("a scale of 0", "box.obj", BOX, kind="invalid-request", says="greater than 0", scale="0"),
     Case("a negative scale", "box.obj", BOX, kind="invalid-request", says="greater than 0", scale="-1"),
     Case("NaN as scale", "box.obj", BOX, kind="invalid-request", says="finite", scale="nan"),
@@ -136,7 +151,7 @@ CASES = [
 def test_a_bad_mesh_gets_its_problem_and_is_not_stored(service: Service, case: Case) -> None:
     before = service.stored()
     files = {"file": (case.file, case.content)}
-    answer = service.http.post("/v1/objects", files=files, data={"scale": case.scale})
+    answer = service.http.post("/v1/objects", files=files, data={"scale": case.scale, "up": case.up})
     check_problem(answer, case.status, case.kind, case.says)
     assert service.stored() == before
 

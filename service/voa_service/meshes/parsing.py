@@ -1,17 +1,18 @@
 """The mesh types that this service reads."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from importlib import import_module
 
-from voa_service.meshes.glb import read_glb
-from voa_service.meshes.obj import read_obj
-from voa_service.meshes.ply import read_ply
-from voa_service.meshes.stl import read_stl
 from voa_service.meshes.triangles import Triangles
 
-PARSERS: Mapping[str, Callable[[bytes], Triangles]] = {
-    "obj": read_obj,
-    "stl": read_stl,
-    "ply": read_ply,
-    "glb": read_glb,
-}
-"""Reads a file of a type, by its ending; each raises `triangles.Unreadable` and nothing else."""
+MESH_TYPES = ("obj", "stl", "ply", "glb")
+
+
+def parser(mesh_type: str) -> Callable[[bytes], Triangles]:
+    """Return what reads a file of a type; it raises `triangles.Unreadable` and nothing else.
+
+    Only this type's module is imported: every upload pays for what its process imports.
+    """
+    module = import_module(f"voa_service.meshes.{MESH_TYPES[MESH_TYPES.index(mesh_type)]}")
+    read: Callable[[bytes], Triangles] = getattr(module, f"read_{mesh_type}")
+    return read

@@ -13,9 +13,9 @@ from voa_core.errors import InvalidInput
 from voa_core.objects import Object
 from voa_msgs.objects import UpAxis
 from voa_service.failures import INVALID_MESH, MESH_TYPE, TOO_LARGE, Failure
+from voa_service.meshes.parsing import MESH_TYPES
 from voa_service.meshes.units import unit_hint
 
-MESH_TYPES = ("obj", "stl", "ply", "glb")
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
 """From the file's origin: beyond it coordinates lose what the mathematics promises, and 32 bits of a file lose all."""

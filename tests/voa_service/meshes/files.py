@@ -22,6 +22,7 @@ POLYGONS: Polygons = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11]] + [
 CUT: Polygons = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]
 TRIANGLES: Polygons = [face[::-1] for face in CUT] + [[a + 6, b + 6, c + 6] for a, b, c in CUT]
 TRIANGLES += [half for a, b, c, d in POLYGONS[2:] for half in ([a, b, c], [a, c, d])]
+CORNERS = POINTS[np.array(TRIANGLES)]
 
 
 def measures(mesh: Triangles) -> NDArray[np.float64]:
@@ -51,7 +52,7 @@ def obj(polygons: Polygons = POLYGONS, points: ArrayLike = POINTS) -> str:
     return "\n".join(lines + ["f " + " ".join(str(index + 1) for index in polygon) for polygon in polygons]) + "\n"
 
 
-def ascii_stl(corners: ArrayLike = POINTS[np.array(TRIANGLES)], name: str = "step") -> str:
+def ascii_stl(corners: ArrayLike = CORNERS, name: str = "step") -> str:
     facets = [
         "facet normal 0 0 0\n outer loop\n"
         + "".join(f"  vertex {numbers(corner)}\n" for corner in facet)
@@ -61,9 +62,7 @@ def ascii_stl(corners: ArrayLike = POINTS[np.array(TRIANGLES)], name: str = "ste
     return f"solid {name}\n" + "".join(facets) + f"endsolid {name}\n"
 
 
-def binary_stl(
-    corners: ArrayLike = POINTS[np.array(TRIANGLES)], claimed: int | None = None, head: bytes = b""
-) -> bytes:
+def binary_stl(corners: ArrayLike = CORNERS, claimed: int | None = None, head: bytes = b"") -> bytes:
     facets = np.asarray(corners, dtype=np.float64)
     body = b"".join(struct.pack("<12fH", 0.0, 0.0, 1.0, *facet.reshape(-1), 0) for facet in facets)
     return head.ljust(80, b" ") + struct.pack("<I", len(facets) if claimed is None else claimed) + body
@@ -73,7 +72,7 @@ def ply_header(
     format_: str, vertices: int = len(POINTS), faces: int = len(POLYGONS), coordinate: str = "double"
 ) -> str:
     lines = ["ply", f"format {format_} 1.0", "comment a step", f"element vertex {vertices}"]
-    lines += [f"property {coordinate} {axis}" for axis in "xyz"]
+    lines += [f"property double {axis}" for axis in "xyz"]
     return "\n".join([*lines, f"element face {faces}", "property list uchar int vertex_indices", "end_header"]) + "\n"
 
 
@@ -81,12 +80,14 @@ def ascii_ply(polygons: Polygons = POLYGONS, points: ArrayLike = POINTS, **count
     said = {"vertices": len(np.asarray(points)), "faces": len(polygons)} | counts
     rows = [numbers(point) for point in np.asarray(points)]
     rows += [" ".join(map(str, [len(polygon), *polygon])) for polygon in polygons]
-    return ply_header("ascii", **said) + "\n".join(rows) + "\n"
+    return ply_header("ascii", said["vertices"], said["faces"]) + "\n".join(rows) + "\n"
 
 
 def binary_ply(polygons: Polygons = POLYGONS, points: ArrayLike = POINTS, order: str = "<", **counts: int) -> bytes:
     said = {"vertices": len(np.asarray(points)), "faces": len(polygons)} | counts
-    header = ply_header("binary_little_endian" if order == "<" else "binary_big_endian", **said)
+    header = ply_header(
+        "binary_little_endian" if order == "<" else "binary_big_endian", said["vertices"], said["faces"]
+    )
     body = b"".join(struct.pack(f"{order}3d", *point) for point in np.asarray(points))
     return header.encode() + body + b"".join(struct.pack(f"{order}B{len(p)}i", len(p), *p) for p in polygons)
 

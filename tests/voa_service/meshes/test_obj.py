@@ -3,6 +3,7 @@
 import codecs
 from itertools import count
 
+import numpy as np
 import pytest
 
 from tests.voa_service.meshes.files import POINTS, POLYGONS, SOLID, TRIANGLES, assert_solid, changed, measures, obj
@@ -79,7 +80,7 @@ def test_text_in_16_bits_of_either_order_and_padding_are_read() -> None:
 
 
 def test_two_solids_with_relative_indices_are_two() -> None:
-    upper = POINTS + [0.0, 0.0, 0.1]
+    upper = POINTS + np.array([0.0, 0.0, 0.1])
     moved = iter(f"v {x!r} {y!r} {z!r}" for x, y, z in upper.tolist())
     text = relative() + "\n".join(next(moved) if line.startswith("v") else line for line in relative().splitlines())
     found = measures(read_obj(text.encode()))

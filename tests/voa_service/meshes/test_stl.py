@@ -2,14 +2,12 @@
 
 import struct
 
-import numpy as np
 import pytest
 
-from tests.voa_service.meshes.files import POINTS, TRIANGLES, ascii_stl, assert_solid, binary_stl, changed
+from tests.voa_service.meshes.files import CORNERS, ascii_stl, assert_solid, binary_stl, changed
 from voa_service.meshes.stl import read_stl
 from voa_service.meshes.triangles import Unreadable
 
-CORNERS = POINTS[np.array(TRIANGLES)]
 TEXT, BYTES = ascii_stl(), binary_stl()
 FLOAT32 = 1e-8  # what single precision leaves of 5 cm
 
