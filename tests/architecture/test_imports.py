@@ -94,7 +94,6 @@ PACKAGES = {
         "alembic",
         "fastapi",
         "fastapi_offline",
-        "mapbox_earcut",
         "numpy",
         "prometheus_client",
         *PYDANTIC,
@@ -105,7 +104,7 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
-        only_in={"trimesh": "worker.py", "psycopg": "listening.py"},
+        only_in={"mapbox_earcut": "polygons.py", "psycopg": "listening.py"},
     ),
 }
 SHADOWED = {

@@ -3,16 +3,22 @@
 from collections.abc import Callable
 from importlib import import_module
 
+import numpy as np
+
 from voa_service.meshes.triangles import Triangles
 
 MESH_TYPES = ("obj", "stl", "ply", "glb")
 
 
-def parser(mesh_type: str) -> Callable[[bytes], Triangles]:
-    """Return what reads a file of a type; it raises `triangles.Unreadable` and nothing else.
+def parse(mesh_type: str, content: bytes) -> Triangles:
+    """Read a file of one of `MESH_TYPES`; only its module is imported, for every upload pays for what it imports.
 
-    Only this type's module is imported: every upload pays for what its process imports.
+    Numbers that are not finite are read as they are: the next step knows whether a face uses them.
+
+    Raises:
+        Unreadable: the file cannot be read as it is meant.
     """
     module = import_module(f"voa_service.meshes.{MESH_TYPES[MESH_TYPES.index(mesh_type)]}")
     read: Callable[[bytes], Triangles] = getattr(module, f"read_{mesh_type}")
-    return read
+    with np.errstate(all="ignore"):
+        return read(content)

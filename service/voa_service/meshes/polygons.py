@@ -68,7 +68,7 @@ def _flat(points: Floats) -> Floats:
     """Polygons (p, n, 3) seen against their Newell normal, (p, n, 2): there they turn counter-clockwise."""
     arms = points - points[:, :1]
     normals = np.cross(arms[:, 1:-1], arms[:, 2:]).sum(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):  # no area: not a number, and so no fan
+    with np.errstate(divide="ignore", invalid="ignore"):  # without an area: not a number
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     across = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     across -= (across * normals).sum(axis=1, keepdims=True) * normals
@@ -85,11 +85,12 @@ def _clipped(points: Floats, name: str) -> Indices:
     """Cut one polygon (n, 3) by ear clipping; triangles of its corners."""
     kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))  # a corner said twice is one
     corners = points[kept]
-    if len(kept) < 3 or not np.isfinite(corners).all():  # what is not finite is refused later
-        return kept[[*_fan(len(kept))]].reshape(-1, 3)
+    if len(kept) <= 3 or not np.isfinite(corners).all():  # what is not finite is refused later
+        return kept[np.array(_fan(len(kept)), dtype=np.int64).reshape(-1, 3)]
+    corners = corners / np.abs(corners).max()
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
-    if len(kept) == 3 or spread[1] <= 1e-9 * spread[0]:  # all on a line: triangles without an area
-        return kept[[*_fan(len(kept))]]
+    if spread[1] <= 1e-9 * spread[0]:  # all on a line: triangles without an area
+        return kept[_fan(len(kept))]
     flat = _flat(corners[None])[0]
     flat /= np.abs(flat).max()
     cut = _ears(flat) if np.isfinite(flat).all() else []

@@ -20,11 +20,11 @@ def main(mesh_type: str, mebibytes: int, seconds: int) -> None:
 
     import numpy as np  # noqa: PLC0415 - after the limits
 
-    from voa_service.meshes.parsing import parser  # noqa: PLC0415
+    from voa_service.meshes.parsing import parse  # noqa: PLC0415
     from voa_service.meshes.triangles import Unreadable  # noqa: PLC0415
 
     try:
-        found = parser(mesh_type)(sys.stdin.buffer.read())
+        found = parse(mesh_type, sys.stdin.buffer.read())
     except Unreadable as error:
         sys.exit(str(error))
     except MemoryError:
