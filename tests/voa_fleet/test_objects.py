@@ -97,7 +97,13 @@ def test_obj_files_may_have_polygons_and_relative_indices(tmp_path: Path) -> Non
     assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
-@pytest.mark.parametrize("text", ["", "v 0 0\nf 1 1 1\n", "v 0 0 zero\n", "v 0 0 0\nf 1 2 3\n"])
+ARROW = "v 0 0 0\nv 2 1 0\nv 0 2 0\nv 0.5 1 0\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "v 0 0\nf 1 1 1\n", "v 0 0 zero\n", "v 0 0 0\nf 1 2 3\n", f"{ARROW}f 0 1 2\n", f"{ARROW}f 1 2 3 4\n"],
+)
 def test_a_file_without_a_mesh_is_refused(tmp_path: Path, text: str) -> None:
     file = tmp_path / "wrong.obj"
     file.write_text(text, encoding="utf-8")

@@ -49,12 +49,12 @@ class SubprocessMeshReader:
         vertices, faces = self._parse(content, mesh_type)
         if len(faces) > self.faces:
             raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {len(faces)}: simplify the mesh")
-        if len(faces) < _FEWEST_FACES:
-            raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {len(faces)}: is it cut off?")
+        _check_count(len(faces))
         try:
             object_ = Object.from_arrays(turned_up(vertices, up), faces, scale)
         except InvalidInput as error:
             raise Failure(INVALID_MESH, str(error)) from error
+        _check_count(len(object_.faces))
         _check_place(object_, scale)
         return object_
 
@@ -80,6 +80,12 @@ class SubprocessMeshReader:
 def turned_up(vertices: NDArray[np.float64], up: UpAxis) -> NDArray[np.float64]:
     """Vertices (v, 3) with the axis that is up in the file turned to z."""
     return vertices if up == "+Z" else vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def _check_count(faces: int) -> None:
+    """Refuse what has too few faces to be a body."""
+    if faces < _FEWEST_FACES:
+        raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {faces}: is it cut off?")
 
 
 def _check_place(object_: Object, scale: float) -> None:
