@@ -59,8 +59,10 @@ def _of_text(text: bytes) -> Triangles:
         raise Unreadable("expected lines 'solid' and 'endsolid' in turn: is the file cut off?")
     outside = [text[a.end() : b.start()] for a, b in zip(bounds[1::2], bounds[2::2], strict=False)]
     outside.append(text[bounds[-1].end() :])
-    names = [bound[0].lower().split() for bound in bounds]
-    if any(_PARTS.intersection(part.lower().split()) for part in outside) or any(b"normal" in name for name in names):
+    names = [set(bound[0].lower().split()) for bound in bounds]
+    if any(_PARTS & set(part.lower().split()) for part in outside) or any(
+        {b"facet", b"normal"} <= name for name in names
+    ):
         raise Unreadable("a part of a facet stands outside of 'solid' and 'endsolid'")
     inside = [text[a.end() : b.start()] for a, b in zip(bounds[::2], bounds[1::2], strict=True)]
     return _soup(np.concatenate([_facets(part.split()) for part in inside]))
