@@ -9,6 +9,7 @@ import pytest
 
 from tests.serving import Json, Service, box_obj, mesh_scenario, serving
 from tests.voa_service.meshes.files import CORNERS, POINTS, TRIANGLES, Gltf, ascii_ply, ascii_stl, obj
+from voa_assets import path as asset_path
 from voa_service.rpc import Rpc
 
 Y_UP = POINTS[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
@@ -134,3 +135,9 @@ def test_a_mesh_far_from_its_origin_rests_as_one_at_it(service: Service) -> None
     both = [service.get(f"/v1/objects/{id_}/stable-poses")["items"] for id_ in (near, far)]
     chances = [sorted(pose["probability"] for pose in poses) for poses in both]
     assert chances[0] == pytest.approx(chances[1], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["block", "mallet", "mug"])
+def test_the_shipped_objects_cause_no_warning(service: Service, name: str) -> None:
+    file = asset_path(name) / f"{name}.obj"
+    assert upload(service, file.read_bytes(), file.name)["warnings"] == []

@@ -70,6 +70,9 @@ def test_objects_and_scenarios(client: Client, box: Path) -> None:
     assert stored.name == "crate"
     assert stored.extents == pytest.approx([0.08, 0.12, 0.10])
     assert client.create_object(box, scale=2.0).id == stored.id
+    turned = client.create_object(box, "crate", 2.0, "+Y")
+    assert (stored.up, turned.up) == ("+Z", "+Y")
+    assert turned.extents == pytest.approx([0.08, 0.10, 0.12])
     assert client.get_object(stored.id) == stored
     assert stored in list(client.list_objects())
     assert client.stable_poses(stored.id).items

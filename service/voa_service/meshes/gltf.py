@@ -19,21 +19,21 @@ class _Part(BaseModel):
 
 
 class Asset(_Part):
-    """The version of glTF."""
+    """The version of glTF that a file is written in."""
 
     version: str
     min_version: str | None = None
 
 
 class Buffer(_Part):
-    """Bytes: at an address, or, where there is none, the file's own."""
+    """A buffer of bytes: at an address, or, where there is none, in the file itself."""
 
     byte_length: Count
     uri: str | None = None
 
 
 class BufferView(_Part):
-    """A part of a buffer."""
+    """A part of a buffer, in bytes."""
 
     buffer: Index
     byte_offset: Count = 0
@@ -42,7 +42,7 @@ class BufferView(_Part):
 
 
 class SparseIndices(_Part):
-    """Which elements differ."""
+    """Indices of the elements of a sparse accessor that differ from its buffer view's."""
 
     buffer_view: Index
     byte_offset: Count = 0
@@ -50,14 +50,14 @@ class SparseIndices(_Part):
 
 
 class SparseValues(_Part):
-    """What they are instead."""
+    """Values of the elements of a sparse accessor that differ from its buffer view's."""
 
     buffer_view: Index
     byte_offset: Count = 0
 
 
 class Sparse(_Part):
-    """Elements of an accessor that differ from its buffer view's."""
+    """The sparse part of an accessor: elements that differ from its buffer view's."""
 
     count: Count
     indices: SparseIndices
@@ -65,7 +65,7 @@ class Sparse(_Part):
 
 
 class Accessor(_Part):
-    """Numbers in a buffer view; without one all are 0."""
+    """An accessor: numbers in a buffer view; without a view all are 0."""
 
     buffer_view: Index | None = None
     byte_offset: Count = 0
@@ -77,7 +77,7 @@ class Accessor(_Part):
 
 
 class Primitive(_Part):
-    """Triangles, or something else."""
+    """A primitive: triangles, or points or lines, over the positions of vertices."""
 
     attributes: dict[str, Index]
     indices: Index | None = None
@@ -86,14 +86,14 @@ class Primitive(_Part):
 
 
 class Mesh(_Part):
-    """Primitives that belong together, and how much of each morph target they have."""
+    """A mesh: primitives, and how much of each morph target is added to them."""
 
     primitives: list[Primitive]
     weights: list[Number] = []
 
 
 class Node(_Part):
-    """A place in the scene, relative to its parent's."""
+    """A node of a scene: a frame relative to its parent's, and the mesh in it."""
 
     children: list[Index] = []
     mesh: Index | None = None
@@ -106,13 +106,13 @@ class Node(_Part):
 
 
 class Scene(_Part):
-    """The nodes at the root of a scene."""
+    """A scene: the nodes at its root."""
 
     nodes: list[Index] = []
 
 
 class Document(_Part):
-    """A glTF file."""
+    """The document of a glTF file."""
 
     asset: Asset
     extensions_required: list[str] = []

@@ -35,7 +35,7 @@ class Buffers:
     binary: bytes | None
 
     def vectors(self, index: int, type_: str) -> Floats:
-        """The elements of an accessor as numbers (n, width); normalised integers are 0 to 1, or -1 to 1.
+        """Return the elements of an accessor as numbers (n, width); normalised integers are 0 to 1, or -1 to 1.
 
         Raises:
             Unreadable: it has another type, or its bytes are not there.
@@ -52,7 +52,7 @@ class Buffers:
         return np.maximum(values / np.iinfo(found.dtype).max, -1.0)
 
     def indices(self, index: int) -> Indices:
-        """The elements of an accessor as indices (n,); raises as `vectors`."""
+        """Return the elements of an accessor as indices (n,); raises as `vectors`."""
         accessor = item(self.document.accessors, index, "accessor")
         if accessor.type != "SCALAR" or accessor.component_type not in _UNSIGNED or accessor.normalized:
             raise Unreadable(f"accessor {index}: expected unsigned whole numbers for indices")

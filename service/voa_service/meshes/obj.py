@@ -15,13 +15,14 @@ _NAMES = frozenset(b"g o usemtl usemap mtllib maplib shadow_obj trace_obj".split
 """Statements whose words are free text: a backslash at their end may belong to a path."""
 _HARMLESS = _NAMES | frozenset(
     b"vt vn vp p l s mg bevel c_interp d_interp lod ctech stech cstype deg bmat step curv curv2 parm trim hole scrv sp "
-    b"end con".split()
+    b"end con cdc res".split()
 )
 """Statements that say nothing about the polygons."""
 _REFUSED = {
     b"surf": "a free-form surface",
     b"bsp": "a B-spline patch",
     b"bzp": "a Bezier patch",
+    b"cdp": "a Cardinal patch",
     b"call": "a call of another file",
     b"csh": "a command for a shell",
 }

@@ -18,7 +18,7 @@ _END = re.compile(rb"[\r\n][ \t]*end_header[ \t]*(?=[\r\n]|$)")
 
 @dataclass(frozen=True)
 class Property:
-    """One value of a record, or a list of values.
+    """A property of an element: one value of each record, or a list of values.
 
     Attributes:
         name: what it says of the element.
@@ -33,7 +33,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """Records of one kind, `count` of them."""
+    """An element: `count` records with the same properties."""
 
     name: str
     count: int
@@ -42,7 +42,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What is said of the data.
+    """The header of a PLY file.
 
     Attributes:
         order: numpy's sign of the byte order; None for text.
@@ -55,7 +55,7 @@ class Header:
     data_at: int
 
     def element(self, name: str) -> Element | None:
-        """The element of a name, if there is one."""
+        """Return the element of a name, or None."""
         return next((element for element in self.elements if element.name == name), None)
 
 

@@ -15,7 +15,7 @@ _PADDING = b"\0\x1a \t\r\n"
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """The records of an element.
+    """The values of an element's records, by property.
 
     Attributes:
         single: by property, its values (n,).
@@ -27,14 +27,14 @@ class Records:
 
 
 class TextRecords:
-    """Records as text, a line for each."""
+    """Reads records from text, one from each line."""
 
     def __init__(self, data: bytes) -> None:
         self._lines = [line for line in with_newlines(data).split(b"\n") if line and not line.isspace()]
         self._at = 0
 
     def take(self, element: Element) -> Records:
-        """The records of the next element."""
+        """Read the records of the next element; raises Unreadable if there are fewer."""
         rows = self._lines[self._at : self._at + element.count]
         if len(rows) < element.count:
             raise _too_few(element, len(rows))
@@ -48,7 +48,7 @@ class TextRecords:
         return columns.records()
 
     def one_more(self, element: Element) -> Records | None:
-        """What stands behind the last record, if it is one too."""
+        """Read what stands behind the last record, if it is one more; None if not."""
         columns = _Columns(element)
         try:
             for line in self._lines[self._at : self._at + 1]:
@@ -93,18 +93,18 @@ class _Columns:
 
 
 class BytesRecords:
-    """Records as bytes, in a byte order of numpy."""
+    """Reads records from bytes in a byte order of numpy's."""
 
     def __init__(self, data: bytes, order: str) -> None:
         self._data, self._order, self._at = data, order, 0
 
     def take(self, element: Element) -> Records:
-        """The records of the next element."""
+        """Read the records of the next element; raises Unreadable if there are fewer."""
         alike = self._alike(element) if element.count > 1 else None
         return self._walked(element) if alike is None else alike
 
     def one_more(self, element: Element) -> Records | None:
-        """What stands behind the last record, if it is one too; padding is none."""
+        """Read what stands behind the last record, if it is one more; None if not, as for padding."""
         if not self._data[self._at :].strip(_PADDING):
             return None
         try:

@@ -81,6 +81,11 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
+def _areas(triangles: Floats) -> Floats:
+    """Twice the area of triangles (f, 3, 2) that turn counter-clockwise; of others less than 0."""
+    return _cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+
+
 def _clipped(points: Floats, name: str) -> Indices:
     """Cut one polygon (n, 3) by ear clipping; triangles of its corners."""
     kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))  # a corner said twice is one
@@ -109,8 +114,8 @@ def _ears(flat: Floats) -> list[Triangle]:
 
     ends = np.array([len(flat)], dtype=np.uint32)
     found = mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
-    turned = _cross(flat[found[:, 1]] - flat[found[:, 0]], flat[found[:, 2]] - flat[found[:, 0]]) < 0.0
-    found[turned] = found[turned][:, ::-1]
+    if _areas(flat[found]).sum() < 0.0:
+        found = found[:, ::-1]
     triangles = [(int(a), int(b), int(c)) for a, b, c in found]
     return _with_corners_on_sides(triangles, len(flat))
 
@@ -153,7 +158,6 @@ def _is_cut(flat: Floats, cut: list[Triangle]) -> bool:
     paired = all((b, a) in sides for a, b in sides - around)
     if len(sides) != 3 * len(cut) or not around <= sides or not paired:
         return False
-    corners = flat[np.array(cut)]
-    areas = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = _areas(flat[np.array(cut)])
     whole = float(_cross(flat, np.roll(flat, -1, axis=0)).sum())
     return bool((areas >= -_STRAIGHT).all()) and abs(float(areas.sum()) - whole) <= _SAME_AREA * whole

@@ -11,6 +11,7 @@ _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _PATTERN = [b"facet", b"normal", None, None, None, b"outer", b"loop"]
 _PATTERN += 3 * [b"vertex", None, None, None] + [b"endloop", b"endfacet"]
+_PARTS = {b"facet", b"vertex", b"endloop", b"endfacet"}
 _BOUNDARY = re.compile(rb"^[ \t]*(solid|endsolid)(?:[ \t][^\n]*)?$", re.MULTILINE | re.IGNORECASE)
 
 
@@ -57,8 +58,12 @@ def _of_text(text: bytes) -> Triangles:
     if kinds != [b"solid", b"endsolid"] * (len(kinds) // 2) or not kinds:
         raise Unreadable("expected lines 'solid' and 'endsolid' in turn: is the file cut off?")
     outside = [text[a.end() : b.start()] for a, b in zip(bounds[1::2], bounds[2::2], strict=False)]
-    if any(b"facet" in part.lower() for part in [*outside, text[bounds[-1].end() :], *(bound[0] for bound in bounds)]):
-        raise Unreadable("a facet stands outside of 'solid' and 'endsolid'")
+    outside.append(text[bounds[-1].end() :])
+    names = [set(bound[0].lower().split()) for bound in bounds]
+    if any(_PARTS & set(part.lower().split()) for part in outside) or any(
+        {b"facet", b"normal"} <= name for name in names
+    ):
+        raise Unreadable("a part of a facet stands outside of 'solid' and 'endsolid'")
     inside = [text[a.end() : b.start()] for a, b in zip(bounds[::2], bounds[1::2], strict=True)]
     return _soup(np.concatenate([_facets(part.split()) for part in inside]))
 

@@ -24,16 +24,3 @@ class Triangles:
 
     vertices: Floats
     faces: Indices
-
-
-def checked_indices(indices: Indices, vertices: int, noun: str) -> Indices:
-    """Return indices (f, n), one row per face, if all are those of vertices.
-
-    Raises:
-        Unreadable: an index is negative, or beyond the last vertex.
-    """
-    outside = (indices < 0) | (indices >= vertices)
-    if outside.any():
-        row, column = np.argwhere(outside)[0]
-        raise Unreadable(f"{noun} {row + 1} refers to vertex {indices[row, column]}, of vertices 0 to {vertices - 1}")
-    return indices

@@ -75,6 +75,19 @@ def test_corners_on_a_straight_side_stay() -> None:
     assert areas(comb, faces)[:, 2].sum() == pytest.approx(4.5)
 
 
+@given(st.lists(st.floats(0.2, 1.0), min_size=3, max_size=9), st.integers(1, 5), st.integers(0, 2**32 - 1))
+def test_corners_that_rounding_moves_off_a_straight_side_stay(radii: list[float], between: int, seed: int) -> None:
+    angles = np.arange(len(radii)) * 2.0 * np.pi / len(radii)
+    ring = np.stack([radii * np.cos(angles), radii * np.sin(angles), 0.0 * angles], axis=1)
+    steps = np.linspace(0.0, 1.0, between, endpoint=False)[:, None]
+    sides = [a + steps * (b - a) for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    points = (np.concatenate(sides) @ turn.T + [0.3, 0.7, -0.2]).astype(np.float32).astype(np.float64)
+    faces = cut(points)
+    assert len(faces) == len(points) - 2
+    assert around(faces) == {(k, (k + 1) % len(points)) for k in range(len(points))}
+
+
 def test_a_polygon_that_is_not_planar_is_cut_in_its_best_plane() -> None:
     saddle = [(0.0, 0.0, 0.1), (1.0, 0.0, -0.1), (1.0, 1.0, 0.1), (0.6, 0.4, 0.0), (0.0, 1.0, -0.1)]
     faces = cut(saddle)
