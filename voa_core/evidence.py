@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.jit import kernel
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.prediction import ObservationPredictor, Prediction
 from voa_core.rules import UpdateRule, coded, squared_distance
@@ -48,8 +49,7 @@ class Sight:
         fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
         if fewest < _FEWEST_RETURNS:
             return False
-        reach = self.reach.max(axis=0, where=possible[:, None], initial=-np.inf)
-        seen = (self.measured <= reach + _SLACK_M) & np.isfinite(self.measured)
+        seen = (self.measured <= _farthest(self.reach, possible) + _SLACK_M) & np.isfinite(self.measured)
         return 3 * int(np.count_nonzero(seen)) < fewest
 
 
@@ -211,16 +211,43 @@ def _sight(beams: Floats, predictions: Sequence[Prediction], behind_m: float) ->
 
     A return at most `behind_m` behind the farthest prediction of its beam sees the object.
     """
-    known = ~np.isnan(beams)
-    columns = np.unique(np.concatenate([prediction.columns[known[prediction.columns]] for prediction in predictions]))
-    poses = len(predictions[0].ranges)
-    reach = np.full((poses, len(columns)), -np.inf)
-    fewest = np.full(poses, len(beams), dtype=np.intp)
+    could_see = np.zeros(len(beams), dtype=bool)
     for prediction in predictions:
-        kept = known[prediction.columns]
-        predicted = prediction.ranges[:, kept]
-        returns = predicted < NO_RETURN
-        where = np.searchsorted(columns, prediction.columns[kept])
-        reach[:, where] = np.maximum(reach[:, where], np.where(returns, predicted + behind_m, -np.inf))
-        fewest = np.minimum(fewest, np.count_nonzero(returns, axis=1))
+        could_see[prediction.columns] = True
+    columns = np.flatnonzero(could_see & ~np.isnan(beams))
+    entry = np.full(len(beams), -1)
+    entry[columns] = np.arange(len(columns))
+    poses = len(predictions[0].ranges)
+    reach, fewest = np.full((poses, len(columns)), -np.inf), np.full(poses, len(beams))
+    for prediction in predictions:
+        _enter_copy(prediction.ranges, entry[prediction.columns], behind_m, reach, fewest)
     return Sight(beams[columns], reach, fewest)
+
+
+@kernel
+def _enter_copy(
+    ranges: Floats, entry: NDArray[np.intp], behind_m: float, reach: Floats, fewest: NDArray[np.intp]
+) -> None:
+    """Enter the predictions (n, c) of one displaced copy of every pose into `reach` (n, u) and `fewest` (n,).
+
+    `entry` (c,) says which of the u beams a column is; -1 for one that is not compared.
+    """
+    for pose in range(len(ranges)):
+        returns = 0
+        for column in range(len(entry)):
+            if entry[column] >= 0 and ranges[pose, column] < np.inf:
+                returns += 1
+                beam = entry[column]
+                reach[pose, beam] = max(reach[pose, beam], ranges[pose, column] + behind_m)
+        fewest[pose] = min(fewest[pose], returns)
+
+
+@kernel
+def _farthest(reach: Floats, possible: NDArray[np.bool_]) -> Floats:
+    """The greatest of `reach` (n, u) over the possible poses (n,), for each beam, (u,)."""
+    farthest = np.full(reach.shape[1], -np.inf)
+    for pose in range(len(reach)):
+        if possible[pose]:
+            for beam in range(len(farthest)):
+                farthest[beam] = max(farthest[beam], reach[pose, beam])
+    return farthest

@@ -32,9 +32,10 @@ def warm_up() -> None:
     scan = Scan(prediction.dense()[0], lidar.grid)
     table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
     Surface(object_).holds(corners, 1e-4)
+    possible = np.ones(len(poses), dtype=bool)
     for name in RULES:
         rule = rule_of(name, lidar)
-        evidence_of_scan(scan, sensor, predictor, rule)
+        evidence_of_scan(scan, sensor, predictor, rule).sight.misses_object(possible)
         for dtype in (np.float32, np.float64):
             for keep in (False, True):
                 weigher = Weigher.of(rule, prediction, dtype, keep=keep)

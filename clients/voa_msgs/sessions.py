@@ -40,7 +40,7 @@ class Estimate(Message):
     last_fit_rmsd_mm: float | None
     """Fit of the newest accepted scan."""
     warnings: list[ProbableMistake] = Field(default=[])
-    """Those of the scenario; in the answer to a scan, those of the scan."""
+    """What is probably wrong with the scenario; in the answer to a scan, also with the scan."""
 
 
 class Session(Estimate):

@@ -123,7 +123,8 @@ class Sessions:
         if state is None:
             return self._answered_before(id_, write)
         scenario = self.scenario_of(state)
-        evidence, warnings = evidence_of(scenario, request)
+        evidence, of_scan = evidence_of(scenario, request)
+        warnings = self._warnings(state.scenario) + of_scan
 
         def step(state: SessionState) -> Step:
             done = update(state.belief, evidence, scenario.policy)
@@ -143,11 +144,13 @@ class Sessions:
             raise of_core(UnknownName("grasp", request.grasp, scenario.table.names))
         scores = scenario.table.scores[scenario.table.names.index(request.grasp)]
         log_weights = log_outcome_weights(scores, request.success, scenario.policy.score_floor)
+        warnings = self._warnings(state.scenario)
 
         def step(state: SessionState) -> Step:
             done = update_by_outcome(state.belief, log_weights)
             self.observed("outcome", done.reason or "accepted")
-            return self._observed(state, scenario, done, report_of(scenario, done), state.last_fit_rmsd_mm)
+            report = report_of(scenario, done)
+            return self._observed(state, scenario, done, report, state.last_fit_rmsd_mm, warnings)
 
         return self._change(id_, write, step)
 
@@ -161,12 +164,12 @@ class Sessions:
             given = None if request.belief is None else Belief.of(request.belief, "belief", len(scenario.poses))
         except VoaError as error:
             raise of_core(error) from error
-        self.models.mistakes(state.scenario)  # found before the transaction, and kept for it
+        warnings = self._warnings(state.scenario)
 
         def step(state: SessionState) -> Step:
             belief = state.prior if given is None else given
             after = replace(state, version=state.version + 1, belief=belief, updated_at=self.now())
-            answer = self._session(after, scenario)
+            answer = Session(**session_fields(after, scenario), warnings=warnings)
             return Step(after, Answered(answer.model_dump_json(), after.version), None)
 
         return self._change(id_, write, step)
@@ -206,8 +209,11 @@ class Sessions:
         return self._session(state, self.scenario_of(state))
 
     def _session(self, state: SessionState, scenario: Scenario) -> Session:
-        warnings = warning_messages(self.models.mistakes(state.scenario))
-        return Session(**session_fields(state, scenario), warnings=warnings)
+        return Session(**session_fields(state, scenario), warnings=self._warnings(state.scenario))
+
+    def _warnings(self, scenario: str) -> list[ProbableMistake]:
+        """What is probably wrong with a scenario, which its sessions carry too."""
+        return warning_messages(self.models.mistakes(scenario))
 
     def has_answered(self, key: IdempotencyKey) -> bool:
         """Whether a call with that key was answered, by whichever process."""
@@ -247,7 +253,7 @@ class Sessions:
         done: Update,
         report: UpdateReport,
         fit_rmsd_mm: float | None,
-        warnings: Sequence[ProbableMistake] = (),
+        warnings: list[ProbableMistake],
     ) -> Step:
         """The effect of an observation: a new version, or an answer that says why not."""
         after = None
@@ -260,13 +266,13 @@ class Sessions:
                 updated_at=self.now(),
             )
         now = after or state
-        answer = UpdatedSession(**session_fields(now, scenario), warnings=list(warnings), update=report)
+        answer = UpdatedSession(**session_fields(now, scenario), warnings=warnings, update=report)
         return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """The same for a belief in the request; nothing is stored."""
         scenario = scenario_in_body(self.models, request.scenario)
-        evidence, warnings = evidence_of(scenario, request)
+        evidence, of_scan = evidence_of(scenario, request)
         try:
             belief = Belief.of(request.belief, "belief", len(scenario.poses))
         except VoaError as error:
@@ -277,7 +283,7 @@ class Sessions:
             scenario=request.scenario,
             version=None,
             last_fit_rmsd_mm=evidence.fit_rmsd_mm if done.accepted else None,
-            warnings=warnings,
+            warnings=self._warnings(request.scenario) + of_scan,
             update=report_of(scenario, done, evidence),
         )
 
