@@ -18,9 +18,10 @@ fail() { printf 'make image: %s\n' "$*" >&2; exit 1; }
 
 need() {  # need COMMAND...: install what is missing, or say how; each command is named like its Debian package
   local missing=() command
-  for command in "$@"; do command -v "$command" >/dev/null || missing+=("$command"); done
+  # Files alone: `command -v` would find the functions below, which have the names of two commands.
+  for command in "$@"; do type -P "$command" >/dev/null || missing+=("$command"); done
   [ ${#missing[@]} -eq 0 ] && return
-  if [ "$(id -u)" -ne 0 ] || ! command -v apt-get >/dev/null; then
+  if [ "$(id -u)" -ne 0 ] || ! type -P apt-get >/dev/null; then
     fail "${missing[*]} missing; on Debian: sudo apt-get install --no-install-recommends ${missing[*]}"
   fi
   say "installing ${missing[*]}"
@@ -54,7 +55,7 @@ make_base() {  # Debian with Python, from the mirror that this machine uses; no 
     need debootstrap
     say "no container registry answers: making a base image with debootstrap (make clean forgets it)"
     local mirror=""
-    if command -v apt-get >/dev/null; then
+    if type -P apt-get >/dev/null; then
       # shellcheck disable=SC2016  # apt fills this in
       mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' \
         'Component: main' | sed 1q)

@@ -95,7 +95,12 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa rank", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scenario", type=Path, nargs="?", help="scenario file; its `object` may be a mesh beside it")
+    parser.add_argument(
+        "scenario",
+        type=Path,
+        nargs="?",
+        help="scenario file; its `object` may be a mesh beside it, read with its `scale` and `up`",
+    )
     parser.add_argument("--session", help="id of a session instead")
     parser.add_argument("--belief", help="probabilities over the poses, or a file with them")
     parser.add_argument("--definition", choices=["posterior", "executed"], default="posterior", help="of VOA")
