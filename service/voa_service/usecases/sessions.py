@@ -124,7 +124,7 @@ class Sessions:
             return self._answered_before(id_, write)
         scenario = self.scenario_of(state)
         evidence, of_scan = evidence_of(scenario, request)
-        warnings = self._warnings(state.scenario) + of_scan
+        warnings = [*self._warnings(state.scenario), *of_scan]
 
         def step(state: SessionState) -> Step:
             done = update(state.belief, evidence, scenario.policy)
@@ -169,7 +169,7 @@ class Sessions:
         def step(state: SessionState) -> Step:
             belief = state.prior if given is None else given
             after = replace(state, version=state.version + 1, belief=belief, updated_at=self.now())
-            answer = Session(**session_fields(after, scenario), warnings=warnings)
+            answer = Session(**session_fields(after, scenario), warnings=list(warnings))
             return Step(after, Answered(answer.model_dump_json(), after.version), None)
 
         return self._change(id_, write, step)
@@ -209,9 +209,9 @@ class Sessions:
         return self._session(state, self.scenario_of(state))
 
     def _session(self, state: SessionState, scenario: Scenario) -> Session:
-        return Session(**session_fields(state, scenario), warnings=self._warnings(state.scenario))
+        return Session(**session_fields(state, scenario), warnings=list(self._warnings(state.scenario)))
 
-    def _warnings(self, scenario: str) -> list[ProbableMistake]:
+    def _warnings(self, scenario: str) -> Sequence[ProbableMistake]:
         """What is probably wrong with a scenario, which its sessions carry too."""
         return warning_messages(self.models.mistakes(scenario))
 
@@ -253,7 +253,7 @@ class Sessions:
         done: Update,
         report: UpdateReport,
         fit_rmsd_mm: float | None,
-        warnings: list[ProbableMistake],
+        warnings: Sequence[ProbableMistake],
     ) -> Step:
         """The effect of an observation: a new version, or an answer that says why not."""
         after = None
@@ -266,7 +266,7 @@ class Sessions:
                 updated_at=self.now(),
             )
         now = after or state
-        answer = UpdatedSession(**session_fields(now, scenario), warnings=warnings, update=report)
+        answer = UpdatedSession(**session_fields(now, scenario), warnings=list(warnings), update=report)
         return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
@@ -283,7 +283,7 @@ class Sessions:
             scenario=request.scenario,
             version=None,
             last_fit_rmsd_mm=evidence.fit_rmsd_mm if done.accepted else None,
-            warnings=self._warnings(request.scenario) + of_scan,
+            warnings=[*self._warnings(request.scenario), *of_scan],
             update=report_of(scenario, done, evidence),
         )
 
