@@ -248,8 +248,9 @@ def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
     """A raw scan; what it does not say of its beams is the lidar's.
 
     Raises:
-        BeamGridMismatch: there are more or fewer ranges than the lidar has beams, and no angles of their own.
-        InvalidInput: the beams span more than a turn, or the range limits contradict each other.
+        BeamGridMismatch: there are more or fewer ranges than the lidar has beams, and no angles of their own; or the
+            beams span more than a turn.
+        InvalidInput: the range limits contradict each other.
     """
     own = lidar.grid
     if len(scan.ranges) != own.beams and (scan.angle_min is None or scan.angle_increment is None):
@@ -265,10 +266,9 @@ def scan_of(scan: sessions.Scan, lidar: LidarModel) -> Scan:
     )
     if grid.beams * abs(grid.angle_increment) > _MOST_TURN + 1.5 * abs(grid.angle_increment):
         turns = grid.beams * abs(grid.angle_increment) / _MOST_TURN
-        raise InvalidInput(
-            "angle_increment",
-            f"at most one turn, in radians, over the {grid.beams} beams",
-            f"{grid.angle_increment:g} rad a beam, which is {turns:.3g} turns: is it in degrees?",
+        raise BeamGridMismatch(
+            f"expected the {grid.beams} beams to span at most one turn, got an angle_increment of "
+            f"{grid.angle_increment:g} rad, which makes {turns:.3g} turns: is it in degrees?"
         )
     ranges = np.array(_floats(scan.ranges, MISSING))
     found = Scan(ranges, grid, tuple(scan.no_return), scan.range_min, scan.range_max)

@@ -35,7 +35,7 @@ def _program(word: str) -> tuple[str, str]:
 
 def test_every_program_and_most_commands_are_run() -> None:
     assert len(blocks("python")) == 2, "each is run below"
-    assert {command.words[1] for command in LOCAL} == {"rank", "fleet", "replay"}
+    assert {command.words[1] for command in LOCAL} == {"check", "rank", "fleet", "replay"}
     assert len(LOCAL) >= 5
 
 

@@ -29,6 +29,7 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
         "POST /v1/scenarios/c/predictions",
         {"id": "c", "sensors": ["Q1"]},
     ),
+    (calls.warnings("c"), "scenario.warnings", "GET /v1/scenarios/c/warnings", {"id": "c"}),
     (calls.create_session(SessionRequest(scenario="c")), "session.create", "POST /v1/sessions", {"scenario": "c"}),
     (calls.get_session("s"), "session.get", "GET /v1/sessions/s", NAMED),
     (calls.delete_session("s", None), "session.delete", "DELETE /v1/sessions/s", NAMED),
@@ -80,11 +81,11 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 24
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 25
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}
-    assert heavy == {"object.stable_poses", "scenario.predict", "voa.rank"}
+    assert heavy == {"object.stable_poses", "scenario.predict", "scenario.warnings", "voa.rank"}
 
 
 def test_an_upload_is_a_form_or_base64() -> None:

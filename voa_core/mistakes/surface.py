@@ -34,6 +34,7 @@ class Surface:
         corners = self.object_.vertices[self.object_.faces]
         sides = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        areas = np.maximum(areas, np.finfo(np.float64).tiny)  # a needle has no area, yet a middle
         shares = areas / areas.sum()
         middle = shares @ corners.mean(axis=1)
         offsets = corners - middle
