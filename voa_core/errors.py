@@ -46,4 +46,4 @@ class NoMesh(VoaError):
 
 
 class BeamGridMismatch(VoaError):
-    """The scan's beams are not the lidar's, and are impossible, or nothing says where they point or can predict them."""
+    """The scan's beams are not the lidar's, and cannot be, or point nobody knows where, or have no predictions."""

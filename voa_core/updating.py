@@ -68,7 +68,7 @@ def update(belief: Belief, evidence: Evidence, policy: UpdatePolicy) -> Update:
     """
     if evidence.beams_compared == 0:
         return Update(belief, False, "no_beams", None)
-    if policy.on_nothing_seen == "reject" and evidence.sight.misses_object(belief.log_p > -np.inf):
+    if policy.on_nothing_seen == "reject" and evidence.sight.misses_object(belief.p > 0.0):
         return Update(belief, False, "nothing_seen", None)
     fit, limit = evidence.fit_rmsd_mm, policy.reject_above_rmsd_mm
     if limit is not None and fit is not None and fit > limit:

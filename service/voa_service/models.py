@@ -5,11 +5,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import structlog
 
 from voa_core.cutting import Contours, cut_poses
 from voa_core.lidars import SensorConfiguration
+from voa_core.mistakes.effort import QUICK, Effort
 from voa_core.mistakes.found import Mistake
-from voa_core.mistakes.scenarios import MOST_PAIRS, mistakes_of_scenario
+from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction
@@ -23,6 +26,7 @@ from voa_service.ports import Store
 
 Precision = Literal["float64", "float32"]
 
+_MISTAKES_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that fills it to the brim would push its own weights out
 
 
@@ -31,8 +35,8 @@ class Model:
     """One scenario as mathematics."""
 
     scenario: Scenario
-    object_: Object | None
-    """Its mesh; None where all predictions are data."""
+    mesh: Mesh | None
+    """Its object; None where all predictions are data."""
     weigher: Callable[[SensorConfiguration, Precision, bool], Weigher]
     """The weights of a sensor configuration, in a precision; True: kept."""
 
@@ -60,6 +64,7 @@ class Models:
     def __init__(self, store: Store, cache: Cache) -> None:
         self._store = store
         self._cache = cache
+        self._mistakes = Cache(_MISTAKES_BYTES)  # of their own: a large ranking must not push them out
 
     def get(self, id_: str) -> Model | None:
         """The model of a stored scenario; None: there is none."""
@@ -82,13 +87,13 @@ class Models:
             Failure: its object does not exist.
             VoaError: what it says cannot be.
         """
-        object_, contours_at = None, None
+        mesh, contours_at = None, None
         if request.object is not None:
             stored = self._store.get_object(request.object)
             if stored is None:
                 raise Failure(UNKNOWN, f"there is no object {request.object!r}: upload it with POST /v1/objects")
-            object_ = stored.object
-            contours_at = self._contours_at(id_, object_)
+            mesh = Mesh(stored.object, stored.up)
+            contours_at = self._contours_at(id_, stored.object)
 
         def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
             return self._cache.get(("prediction", id_, key), make)
@@ -101,18 +106,27 @@ class Models:
 
             return self._cache.get(("weigher", id_, sensor, precision, keep), make)
 
-        return Model(scenario, object_, weigher)
+        return Model(scenario, mesh, weigher)
 
     def mistakes(self, id_: str) -> tuple[Mistake, ...]:
-        """What is probably wrong with a stored scenario, by a look of bounded cost; kept."""
+        """What is probably wrong with a stored scenario, by a search of bounded cost; kept.
+
+        A search that fails is logged and finds nothing: no answer about a scenario depends on it.
+        """
 
         def make() -> _Mistakes:
-            return _Mistakes(self.find_mistakes(id_, MOST_PAIRS))
+            try:
+                return _Mistakes(self.find_mistakes(id_, QUICK))
+            except Failure:
+                raise
+            except Exception:
+                structlog.get_logger().exception("mistakes_not_found", scenario=id_)
+                return _Mistakes(())
 
-        return self._cache.get(("mistakes", id_), make).found
+        return self._mistakes.get(id_, make).found
 
-    def find_mistakes(self, id_: str, most_pairs: int | None) -> tuple[Mistake, ...]:
-        """What is probably wrong with a stored scenario, by a look at so many pairs of pose and place; None: at all.
+    def find_mistakes(self, id_: str, effort: Effort) -> tuple[Mistake, ...]:
+        """What is probably wrong with a stored scenario.
 
         Raises:
             Failure: there is no such scenario.
@@ -120,7 +134,7 @@ class Models:
         model = self.get(id_)
         if model is None:
             raise not_found("scenario", id_)
-        return mistakes_of_scenario(model.scenario, model.object_, most_pairs)
+        return mistakes_of_scenario(model.scenario, model.mesh, effort)
 
     def _contours_at(self, id_: str, object_: Object) -> Callable[[PoseSet, float], Contours]:
         def contours_at(poses: PoseSet, height_m: float) -> Contours:

@@ -6,6 +6,7 @@ import pytest
 
 from tests.serving import Json, Service, as_scan, box_obj, data_scenario, mesh_scenario
 from voa_msgs.warnings import Warnings
+from voa_service import models
 
 TABLE = {"min": [-0.1, -0.1], "max": [0.1, 0.1]}
 FLOATING = [
@@ -67,6 +68,16 @@ def test_a_scan_carries_its_own_warnings_and_keeps_them_when_it_is_asked_for_aga
     assert service.post(path, {"sensor": "E", "scan": as_scan(ranges)})["warnings"] == []
     history = service.get(f"/v1/sessions/{session}/history")["items"]
     assert all("warnings" not in (entry["update"] or {}) for entry in history)
+
+
+def test_a_search_that_fails_hides_no_scenario(service: Service, box: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise FloatingPointError("nobody thought of this")
+
+    monkeypatch.setattr(models, "mistakes_of_scenario", fails)
+    created = service.post("/v1/scenarios", good(box, name="unsearchable", workspace=None))
+    assert created["warnings"] == []
+    assert service.get(f"/v1/sessions/{service.open(created['id'])}")["warnings"] == []
 
 
 def test_a_later_field_that_has_its_default_changes_no_digest(service: Service) -> None:

@@ -43,6 +43,11 @@ class Mistake:
     sensors: tuple[str, ...] = ()
 
 
+def length(metres: float) -> str:
+    """Write a length as a person reads it: in millimetres below a metre, else in metres."""
+    return f"{1e3 * metres:.4g} mm" if metres < 1.0 else f"{metres:.4g} m"
+
+
 def listed(what: str, names: Sequence[str]) -> str:
     """Name the first few, quoted, and count the others: "pose 'A'", or "poses 'A', 'B' and 3 more"."""
     named = ", ".join(map(repr, names[:_LISTED]))

@@ -1,37 +1,50 @@
 """Poses at which the object does not rest on the table: it floats over it, or is sunk into it."""
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 
 from voa_core.checks import Floats
-from voa_core.mistakes.found import Mistake, listed
+from voa_core.mistakes.effort import Effort
+from voa_core.mistakes.found import Mistake, length, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 
 REST_M = 0.002
-_MOST_PRODUCTS = 20_000_000  # heights of corners that are computed where the cost is bounded
 _BLOCK = 4_000_000
-_UPRIGHT = {
-    "+Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-    "+Z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+
+Up = Literal["+Z", "+Y"]
+"""The axis of a mesh file that was taken for up."""
+
+_OTHER: dict[Up, tuple[Up, Floats]] = {
+    "+Z": ("+Y", np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])),
+    "+Y": ("+Z", np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])),
 }
-"""The turn of the mesh that it should have had, if its file's `up` was this one; `+Z` undoes the turn of `+Y`."""
+"""The other axis that can be said to be up, and how a mesh that was read with this one would then have been turned."""
 
 
-def mistakes_of_heights(poses: PoseSet, object_: Object, most: int | None) -> list[Mistake]:
+@dataclass(frozen=True)
+class Mesh:
+    """The object of a scenario, and which axis of its file became z."""
+
+    object_: Object
+    up: Up = "+Z"
+
+
+def mistakes_of_heights(poses: PoseSet, mesh: Mesh, effort: Effort) -> list[Mistake]:
     """Find poses whose lowest point is more than 2 mm over or under the table, and why that may be.
 
     Args:
         poses: with geometry.
-        object_: the mesh.
-        most: poses to look at; None: all.
+        mesh: the object.
+        effort: `pairs` limits the poses, `corners` the poses times the corners of the mesh.
     """
     if poses.rotations is None or poses.positions is None:
         return []
-    corners = object_.vertices[np.unique(object_.faces)]
-    index = evenly(len(poses), most)
-    if most is not None:
-        index = index[evenly(len(index), max(1, _MOST_PRODUCTS // len(corners)))]
+    corners = mesh.object_.vertices[np.unique(mesh.object_.faces)]
+    index = evenly(len(poses), min(effort.pairs, max(1, effort.corners // len(corners))))
     verticals, heights = poses.rotations[index, 2, :], poses.positions[index, 2]
     lowest = lowest_points(corners, verticals, heights)
     wrong = index[np.abs(lowest) > REST_M]
@@ -42,14 +55,17 @@ def mistakes_of_heights(poses: PoseSet, object_: Object, most: int | None) -> li
     side = "over" if lowest[worst] > 0.0 else "under"
     detail = (
         f"at {listed('pose', names)} the object does not rest on the table (z = 0): its lowest point at "
-        f"{poses.names[index[worst]]!r} is {1e3 * abs(lowest[worst]):.4g} mm {side} it. Check position z, and where "
+        f"{poses.names[index[worst]]!r} is {length(abs(lowest[worst]))} {side} it. Check position z, and where "
         "the origin of the mesh is"
     )
     found = [Mistake("pose-height", detail, names)]
-    for up, turn in _UPRIGHT.items():
-        if (np.abs(lowest_points(corners @ turn.T, verticals, heights)) <= REST_M).all():
-            detail = f"every pose would rest on the table with a mesh uploaded with up {up!r}: which axis is up in it?"
-            found.append(Mistake("up-axis", detail, names))
+    other, turn = _OTHER[mesh.up]
+    if (np.abs(lowest_points(corners @ turn.T, verticals, heights)) <= REST_M).all():
+        detail = (
+            f"the mesh was read with {mesh.up} up; with {other} up it would rest on the table at every pose. Upload it "
+            f"again with up={other} if that is up in its file"
+        )
+        found.append(Mistake("up-axis", detail, names))
     return found
 
 

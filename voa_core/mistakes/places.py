@@ -1,64 +1,72 @@
 """Mistakes that show only between a pose and a place to look from: what is never seen, too near, too far, inside."""
 
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from voa_core.cutting import Contours, cut_poses
+from voa_core.cutting import cut_poses
 from voa_core.lidars import SensorConfiguration
-from voa_core.mistakes.found import Kind, Mistake, listed
+from voa_core.mistakes.effort import Effort
+from voa_core.mistakes.found import Kind, Mistake, length, listed
 from voa_core.mistakes.picking import evenly
-from voa_core.mistakes.views import Bools, CutsAt, View, any_along, view_from, world_boxes
+from voa_core.mistakes.views import Bools, Index, View, any_along, views_from
 from voa_core.objects import Object
 from voa_core.scenario import Scenario
 
 _CUT_OFF_M = 1e-3
 """An object that reaches farther than this out of the workspace is cut by it."""
+_FEWEST_FACES, _FEWEST_POINTS = 7_000, 500  # a cut, and a view, of less take as long
+_TRIED = 4
 
-Index = NDArray[np.intp]
 
-
-def mistakes_of_places(scenario: Scenario, object_: Object | None, most_pairs: int | None) -> list[Mistake]:
+def mistakes_of_places(scenario: Scenario, object_: Object | None, effort: Effort) -> list[Mistake]:
     """Find what is wrong between the poses and the scenario's own places.
 
     Args:
         scenario: with its places.
         object_: the mesh; None where all predictions are data.
-        most_pairs: pairs of pose and place to look at; None: all. With fewer pairs than there are, half of them are
-            a regular selection, and the other half is kept for what the selection leaves open.
+        effort: where it is less than all pairs of pose and place, half of it goes to a regular selection, and the
+            other half to what the selection leaves open. Nothing is said of a pair that was not looked at.
     """
-    poses, places = len(scenario.poses), len(scenario.sensors)
-    if most_pairs is None or poses * places <= most_pairs:
-        picked, stood, left = np.arange(poses), np.arange(places), 0
-    else:
-        left = most_pairs // 2
-        stood = evenly(places, max(1, int(left**0.5)))
-        picked = evenly(poses, left // len(stood))
-    cuts_at = _cuts_of(scenario, object_, picked)
-    views = [view for a in stood if (view := view_from(scenario, scenario.sensors[a], picked, cuts_at)) is not None]
+    picked, stood, left = _selection(scenario, object_, effort)
+    places = [scenario.sensors[a] for a in stood]
+    views = views_from(scenario, object_, picked, places)
     if not views:
         return []
+    others = [scenario.sensors[a] for a in np.setdiff1d(np.arange(len(scenario.sensors)), stood)]
     found = _pairs(scenario, picked, views)
-    found += _never_seen(scenario, object_, picked, views, stood, left)
-    if cuts_at is not None:
-        found += _planes(scenario, picked, views)
-        found += _cut_off(scenario, picked, views, cuts_at)
-    return found
+    found += _unseen_poses(scenario, object_, picked, views, others, left // 2)
+    found += _blind_places(scenario, object_, picked, views, left // 2)
+    return found + _planes(scenario, picked, views) + _cut_off(scenario, picked, views)
 
 
-def _cuts_of(scenario: Scenario, object_: Object | None, index: Index) -> CutsAt | None:
-    """The cuts of some of the poses by height, each made once."""
-    if object_ is None or scenario.poses.rotations is None:
-        return None
-    poses, mesh = scenario.poses.subset(index), object_
+def _selection(scenario: Scenario, object_: Object | None, effort: Effort) -> tuple[Index, Index, int]:
+    """Poses and places to look at first, and the pairs that are left for what this leaves open."""
+    poses, places = len(scenario.poses), len(scenario.sensors)
+    pairs, most_poses, most_heights = effort.pairs, poses, places
+    heights = {sensor.height_m for sensor in scenario.sensors}
+    if object_ is not None and scenario.poses.rotations is not None and scenario.poses.positions is not None:
+        cuts = max(1, effort.cut_faces // max(len(object_.faces), _FEWEST_FACES))
+        lying = np.column_stack([scenario.poses.rotations[:, 2], scenario.poses.positions[:, 2]])
+        tilts = len(np.unique(np.round(lying, 12), axis=0))
+        if tilts * len(heights) > cuts:
+            most_poses, most_heights = max(1, cuts // len(heights)), cuts
+        pairs = min(pairs, effort.contour_points // max(_points(scenario, object_), _FEWEST_POINTS))
+    if poses * places <= pairs and most_poses == poses:
+        return np.arange(poses), np.arange(places), 0
+    half = max(1, pairs // 2)
+    stood = evenly(places, min(most_heights, max(1, int(half**0.5), half // poses)))
+    return evenly(poses, min(most_poses, max(1, half // len(stood)))), stood, half
 
-    @cache
-    def cuts_at(height: float) -> Contours:
-        return cut_poses(mesh, poses, height)
 
-    return cuts_at
+def _points(scenario: Scenario, object_: Object) -> int:
+    """About how many points a cut of the object has, at a few of its poses."""
+    height = next((sensor.height_m for sensor in scenario.sensors if sensor.height_m is not None), None)
+    height = scenario.lidar.height_m if height is None else height
+    if height is None:
+        return 0
+    tried = cut_poses(object_, scenario.poses.subset(evenly(len(scenario.poses), _TRIED)), height)
+    return len(tried.points) // (len(tried.point_start) - 1)
 
 
 def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
@@ -96,87 +104,88 @@ def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]
         )
         others = int(wrong.sum()) - 1
         detail += f" ({others} more such pair{'s' * (others > 1)} of pose and place)" if others else ""
-        poses = tuple(scenario.poses.names[index[p]] for p in np.flatnonzero(any_along(0, wrong)))
-        sensors = tuple(view.sensor.name for view, bad in zip(views, any_along(1, wrong), strict=True) if bad)
-        found.append(Mistake(kind, detail, poses, sensors))
+        found.append(Mistake(kind, detail, *_named(scenario, index, views, wrong)))
     return found
 
 
-def _never_seen(
-    scenario: Scenario, object_: Object | None, picked: Index, views: list[View], stood: Index, left: int
+def _named(
+    scenario: Scenario, index: Index, views: Sequence[View], wrong: Bools
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the poses and of the places that have a part in a wrong pair, of (places, poses)."""
+    poses = tuple(scenario.poses.names[index[p]] for p in np.flatnonzero(any_along(0, wrong)))
+    sensors = tuple(view.sensor.name for view, bad in zip(views, any_along(1, wrong), strict=True) if bad)
+    return poses, sensors
+
+
+def _unseen_poses(
+    scenario: Scenario,
+    object_: Object | None,
+    picked: Index,
+    views: list[View],
+    others: list[SensorConfiguration],
+    left: int,
 ) -> list[Mistake]:
-    """Poses that no place sees, and places that see no pose.
-
-    Where the selection shows none, the poses and places that it left out are looked at too, while `left` pairs last.
-    """
-    seen = np.stack([view.seen for view in views])
-    unseen, blind = picked[~any_along(0, seen)], [view.sensor for view in views if not view.seen.any()]
-    other_places = [scenario.sensors[a] for a in np.setdiff1d(np.arange(len(scenario.sensors)), stood)]
-    other_poses = np.setdiff1d(np.arange(len(scenario.poses)), picked)
-    unseen = unseen[: left // len(other_places)] if other_places else unseen
-    unseen = unseen[~any_along(0, _seen_from(scenario, object_, unseen, other_places))]
-    left -= len(unseen) * len(other_places)
-    blind = blind[: max(0, left) // len(other_poses)] if len(other_poses) else blind
-    still = ~any_along(1, _seen_from(scenario, object_, other_poses, blind))
-    sensors = tuple(sensor.name for sensor, is_blind in zip(blind, still, strict=True) if is_blind)
-    found = []
-    if unseen.size:
-        names = tuple(scenario.poses.names[p] for p in unseen)
-        detail = (
-            f"no place sees the object at {listed('pose', names)}: no look can tell it from an empty table. Check the "
-            "height of the scan plane, the yaw of the places, the workspace, and the pose itself"
-        )
-        found.append(Mistake("pose-never-seen", detail, poses=names))
-    if sensors:
-        detail = (
-            f"from {listed('sensor', sensors)} the object is seen at no pose: a look from there tells nothing. Check "
-            "yaw_rad (radians, 0 along x), x, y and height_m"
-        )
-        found.append(Mistake("place-sees-nothing", detail, sensors=sensors))
-    return found
+    """Poses that no place sees; those that the selected places do not see are looked at from the `others` too."""
+    unseen = picked[~any_along(0, np.stack([view.seen for view in views]))]
+    if others and unseen.size:
+        unseen = unseen[: left // len(others)]
+        more = [view.seen for view in views_from(scenario, object_, unseen, others)] if unseen.size else []
+        unseen = unseen[~any_along(0, np.stack(more))] if more else unseen
+    if not unseen.size:
+        return []
+    names = tuple(scenario.poses.names[p] for p in unseen)
+    detail = (
+        f"no place sees the object at {listed('pose', names)}: no look can tell it from an empty table. Check the "
+        "height of the scan plane, the yaw of the places, the workspace, and the pose itself"
+    )
+    return [Mistake("pose-never-seen", detail, poses=names)]
 
 
-def _seen_from(scenario: Scenario, object_: Object | None, index: Index, sensors: list[SensorConfiguration]) -> Bools:
-    """Whether each place sees each of the poses `index`, (places, poses)."""
-    cuts_at = _cuts_of(scenario, object_, index)
-    views = [view_from(scenario, sensor, index, cuts_at) for sensor in sensors] if index.size else []
-    seen = [view.seen for view in views if view is not None]
-    return np.stack(seen) if seen else np.zeros((len(sensors), len(index)), dtype=bool)
+def _blind_places(
+    scenario: Scenario, object_: Object | None, picked: Index, views: list[View], left: int
+) -> list[Mistake]:
+    """Places that see no pose; those that see none of the selected poses are looked at from for the others too."""
+    blind = [view.sensor for view in views if not view.seen.any()]
+    others = np.setdiff1d(np.arange(len(scenario.poses)), picked)
+    if others.size and blind:
+        blind = blind[: left // len(others)]
+        blind = [view.sensor for view in views_from(scenario, object_, others, blind) if not view.seen.any()]
+    if not blind:
+        return []
+    names = tuple(sensor.name for sensor in blind)
+    detail = (
+        f"from {listed('sensor', names)} the object is seen at no pose: a look from there tells nothing. Check "
+        "yaw_rad (radians, 0 along x), x, y and height_m"
+    )
+    return [Mistake("place-sees-nothing", detail, sensors=names)]
 
 
 def _planes(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
-    """Poses that lie under or over the scan plane of a place."""
-    missed = ~np.stack([view.met for view in views])
-    if not missed.any():
-        return []
-    of_places = any_along(1, missed)
-    poses = tuple(scenario.poses.names[index[p]] for p in np.flatnonzero(any_along(0, missed)))
-    sensors = tuple(view.sensor.name for view, misses in zip(views, of_places, strict=True) if misses)
-    height = next(view.height_m for view, misses in zip(views, of_places, strict=True) if misses)
-    detail = (
-        f"the scan plane of {listed('sensor', sensors)} (at {height:g} m) does not meet the object at "
-        f"{listed('pose', poses)}: from there the object is invisible. Lower or raise the lidar, or check position z"
-    )
-    return [Mistake("plane-misses-object", detail, poses, sensors)]
+    """Poses that lie under or over a scan plane, one mistake for each height."""
+    found = []
+    for height in dict.fromkeys(view.height_m for view in views if view.height_m is not None):
+        at_height = [view for view in views if view.height_m == height]
+        poses, sensors = _named(scenario, index, at_height, np.stack([~view.met for view in at_height]))
+        if poses:
+            detail = (
+                f"the scan plane of {listed('sensor', sensors)} (at {height:g} m) does not meet the object at "
+                f"{listed('pose', poses)}: from there the object is invisible. Lower or raise the lidar, or check "
+                "position z"
+            )
+            found.append(Mistake("plane-misses-object", detail, poses, sensors))
+    return found
 
 
-def _cut_off(scenario: Scenario, index: Index, views: list[View], cuts_at: CutsAt) -> list[Mistake]:
+def _cut_off(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
     """Poses of which a part that the lidar could see lies outside of the workspace."""
-    if scenario.workspace is None:
-        return []
-    low, high = np.array(scenario.workspace.min), np.array(scenario.workspace.max)
-    farthest = np.zeros(len(index))
-    for height in {view.height_m for view in views if view.height_m is not None}:
-        least, greatest = world_boxes(cuts_at(height))
-        out = np.maximum(low - least, greatest - high).max(axis=1)
-        farthest = np.maximum(farthest, np.where(np.isfinite(out), out, 0.0))
+    farthest = np.max([view.out for view in views], axis=0)
     wrong = np.flatnonzero(farthest > _CUT_OFF_M)
     if not wrong.size:
         return []
     names = tuple(scenario.poses.names[index[p]] for p in wrong)
     worst = int(np.argmax(farthest))
     detail = (
-        f"at {listed('pose', names)} the object reaches out of the workspace, by {1e3 * farthest[worst]:.4g} mm at "
+        f"at {listed('pose', names)} the object reaches out of the workspace, by {length(farthest[worst])} at "
         f"{scenario.poses.names[index[worst]]!r}: what is outside counts as nothing. Enlarge the workspace"
     )
     return [Mistake("workspace-misses-pose", detail, names)]

@@ -1,5 +1,6 @@
 """Mistakes that show in a scan that no pose explains well: a clockwise driver, a wrong yaw, millimetres."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ from voa_core.evidence import Evidence, evidence_of_beams, restricted
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
 from voa_core.mistakes.found import Kind, Mistake
 from voa_core.mistakes.picking import evenly
+from voa_core.mistakes.values import FARTHEST_M
 from voa_core.prediction import Prediction
 from voa_core.rasterising import rasterise
 from voa_core.scans import Scan, classify
@@ -18,6 +20,9 @@ from voa_core.scenario import Scenario
 _SIGMAS = 5.0
 _FEWEST_BEAMS = 3
 _MUCH_BETTER = 0.5
+_MISSED_MM = 200.0
+_LEAST_NOISE_M = 1e-3
+_NEAREST_M = 0.01  # no object for an arm is scanned from nearer
 _MOST_POSES = 500
 """Poses that the scan is compared with in each other reading of it."""
 
@@ -29,7 +34,9 @@ def mistakes_of_scan(
     uncertainty: SensorUncertainty | None,
     evidence: Evidence,
 ) -> tuple[Mistake, ...]:
-    """Find why a scan fits badly; nothing is looked for while the best pose fits within 5 sigma.
+    """Find why a scan fits badly; while the best pose fits well, only the sensor's own numbers are looked at.
+
+    A fit is good within 5 sigma over the beams that hit, if at least half of those hit that should.
 
     Args:
         scenario: for which the scan was taken.
@@ -38,18 +45,42 @@ def mistakes_of_scan(
         uncertainty: of that pose.
         evidence: what the scan says as it is.
     """
+    found = [] if scenario.lists(sensor) else _sensor_pose(sensor, evidence)
     fit = _Fit.of(evidence, scenario, uncertainty)
     if evidence.beams_compared == 0 or fit.is_good:
-        return ()
-    found = []
-    if fit.rmsd_mm is not None:
+        return tuple(found)
+    pose = scenario.poses.names[fit.pose]
+    if fit.rmsd_mm > _SIGMAS * fit.expected_mm:
         detail = (
-            f"even pose {scenario.poses.names[fit.pose]!r}, which fits best, is {fit.rmsd_mm:.1f} mm off over the "
-            f"{fit.hits} beams that hit it; {fit.expected_mm:.1f} mm are expected. Is it the object, and does it lie "
-            "at one of the poses? Is the sensor where it is said to be?"
+            f"even pose {pose!r}, which fits best, is {fit.rmsd_mm:.1f} mm off over the {fit.hits} beams that hit it; "
+            f"{fit.expected_mm:.1f} mm are expected. Is it the object, and does it lie at one of the poses? Is the "
+            "sensor where it is said to be?"
         )
-        found.append(Mistake("poor-fit", detail, (scenario.poses.names[fit.pose],)))
+        found.append(Mistake("poor-fit", detail, (pose,)))
     return tuple(found + _millimetres(scenario, scan) + _another_reading(scenario, scan, sensor, uncertainty, fit))
+
+
+def _sensor_pose(sensor: SensorConfiguration, evidence: Evidence) -> list[Mistake]:
+    """A sensor pose in degrees or millimetres, or one from which no pose can be seen."""
+    found = []
+    if abs(sensor.yaw_rad) > 2.0 * math.pi:
+        detail = (
+            f"the sensor's yaw_rad, {sensor.yaw_rad:g}, is more than a turn: is it in degrees? {sensor.yaw_rad:g} "
+            f"degrees are {math.radians(sensor.yaw_rad):.4g} rad"
+        )
+        found.append(Mistake("angle-in-degrees", detail))
+    if max(abs(sensor.x), abs(sensor.y), abs(sensor.height_m or 0.0)) > FARTHEST_M:
+        detail = (
+            f"the sensor stands at x {sensor.x:g}, y {sensor.y:g}, more than {FARTHEST_M:g} m from the origin: is that "
+            "in millimetres? Lengths are metres"
+        )
+        found.append(Mistake("length-in-millimetres", detail))
+    if evidence.beams_compared > 0 and not evidence.sight.measured.size:
+        detail = (
+            "from where the sensor is said to stand the object is seen at no pose: check x, y, yaw_rad and height_m"
+        )
+        found.append(Mistake("place-sees-nothing", detail))
+    return found
 
 
 @dataclass(frozen=True)
@@ -59,17 +90,15 @@ class _Fit:
     Attributes:
         pose: its index.
         hits: beams on which the scan and the pose return.
-        predicted: beams on which the pose returns.
-        rmsd_mm: over the beams that hit; None without any.
-        whole_rmsd_mm: over all compared beams.
+        predicted: the fewest beams on which a copy of the pose returns.
+        rmsd_mm: over the beams that hit; 0 without any.
         expected_mm: what the lidar's noise, and the uncertainty of its pose, lead to.
     """
 
     pose: int
     hits: int
     predicted: int
-    rmsd_mm: float | None
-    whole_rmsd_mm: float
+    rmsd_mm: float
     expected_mm: float
 
     @classmethod
@@ -80,27 +109,28 @@ class _Fit:
         square = np.maximum(lidar.noise_m, lidar.noise_ratio * ranges) ** 2
         if uncertainty is not None:
             square = square + uncertainty.xy_m**2 + (ranges * uncertainty.yaw_rad) ** 2
-        expected = float(np.sqrt(square.mean())) if len(ranges) else lidar.noise_m
-        predicted = int(np.count_nonzero(evidence.sight.reach[pose] > -np.inf))
-        rmsd, whole = evidence.fit_hit_rmsd_mm, evidence.fit_rmsd_mm or 0.0
-        return cls(pose, len(ranges), predicted, rmsd, whole, 1e3 * expected)
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether the fit is good, and rests on at least half of the beams that should hit."""
-        return self.rmsd_mm is not None and self.is_good and self.hits >= max(_FEWEST_BEAMS, self.predicted / 2)
+        expected = max(_LEAST_NOISE_M, float(np.sqrt(square.mean())) if len(ranges) else lidar.noise_m)
+        rmsd = evidence.fit_hit_rmsd_mm or 0.0
+        return cls(pose, len(ranges), int(evidence.sight.fewest[pose]), rmsd, 1e3 * expected)
 
     @property
     def is_good(self) -> bool:
-        """Within 5 sigma over the hits; a pose that can hardly be seen fits whatever is not seen."""
-        if self.rmsd_mm is None:
+        """Whether it is within 5 sigma, and half of the beams hit that should; less than 3 beams show nothing."""
+        if self.hits == 0:
             return self.predicted < _FEWEST_BEAMS
-        return self.rmsd_mm <= _SIGMAS * self.expected_mm
+        return self.rmsd_mm <= _SIGMAS * self.expected_mm and 2 * self.hits >= self.predicted
+
+    @property
+    def misfit_mm(self) -> float:
+        """RMSD over the beams that should hit, where one that does not is 0.2 m off; walls elsewhere do not matter."""
+        missed = max(0, self.predicted - self.hits)
+        square = self.hits * self.rmsd_mm**2 + missed * _MISSED_MM**2
+        return math.sqrt(square / max(1, self.hits + missed))
 
 
 def _millimetres(scenario: Scenario, scan: Scan) -> list[Mistake]:
-    """Ranges that all but lie beyond the lidar's limit, and within its limits as millimetres."""
-    low, high = scan.limits(scenario.lidar)
+    """Ranges that mostly lie beyond the lidar's limit, and within its limits if they are millimetres."""
+    low, high = max(scenario.lidar.range_min, _NEAREST_M), scenario.lidar.range_max
     finite = scan.ranges[np.isfinite(scan.ranges) & (scan.ranges > 0.0)]
     middle = float(np.median(finite)) if len(finite) >= _FEWEST_BEAMS else 0.0
     if not (middle > high and low <= 1e-3 * middle <= high):
@@ -147,10 +177,14 @@ def _another_reading(
         (_Fit.of(_evidence(scenario, cuts, reading.scan, reading.sensor), scenario, uncertainty), reading)
         for reading in _readings(scan, sensor)
     ]
-    fits = [each for each in fits if each[0].is_seen and each[0].whole_rmsd_mm < _MUCH_BETTER * fit.whole_rmsd_mm]
+    fits = [
+        (other, reading)
+        for other, reading in fits
+        if other.hits >= _FEWEST_BEAMS and other.is_good and other.misfit_mm < _MUCH_BETTER * fit.misfit_mm
+    ]
     if not fits:
         return []
-    best, reading = min(fits, key=lambda each: each[0].whole_rmsd_mm)
+    best, reading = min(fits, key=lambda each: each[0].misfit_mm)
     pose = scenario.poses.names[index[best.pose]]
     detail = f"the scan fits pose {pose!r} within {best.rmsd_mm:.1f} mm if {reading.why}"
     return [Mistake(reading.kind, detail, (pose,))]

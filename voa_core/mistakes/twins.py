@@ -3,12 +3,15 @@
 Poses that look alike but grasp differently are none: telling them apart is what a look is for.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from voa_core.checks import Floats
 from voa_core.grasps import GraspTable
+from voa_core.mistakes.effort import Effort
 from voa_core.mistakes.found import Mistake, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.surface import Surface
@@ -17,30 +20,28 @@ from voa_core.poses import PoseSet
 
 SAME_PLACE_M = 1e-4
 _MOST_GROUPS = 20
-_MOST_STEPS = 5_000_000  # of comparisons of placed meshes, where the cost is bounded: some 20 ms
+_STEPS_OF_A_NEIGHBOUR = 50  # a pose that is only looked at costs as much as so many boxes
 
 
-def mistakes_of_twins(poses: PoseSet, table: GraspTable, object_: Object, most: int | None) -> list[Mistake]:
+def mistakes_of_twins(poses: PoseSet, table: GraspTable, object_: Object, effort: Effort) -> list[Mistake]:
     """Find groups of poses at which the mesh lies in the same place within 0.1 mm and all grasps score the same.
 
     Args:
         poses: with geometry.
         table: scores of the grasps at the poses.
         object_: the mesh.
-        most: poses to look at; None: all, and as many comparisons of placed meshes as it takes.
+        effort: `pairs` limits the poses, `boxes` how many placed meshes are compared.
+
+    Returns:
+        One mistake for each of the first 20 groups.
     """
     if poses.positions is None or poses.rotations is None:
         return []
-    index, surface = evenly(len(poses), most), Surface(object_)
-    groups = _groups(
-        surface,
-        poses.rotations[index],
-        poses.positions[index],
-        np.unique(table.scores[:, index], axis=1, return_inverse=True)[1].reshape(-1),
-        None if most is None else max(1, _MOST_STEPS // (2 * surface.cost)),
-    )
+    index = evenly(len(poses), effort.pairs)
+    placed = Placed(Surface(object_), poses.rotations[index], poses.positions[index])
+    columns = np.unique(table.scores[:, index], axis=1, return_inverse=True)[1].reshape(-1)
     found = []
-    for group in groups[:_MOST_GROUPS]:
+    for group in _groups(placed, columns, effort.boxes):
         names = tuple(poses.names[index[member]] for member in group)
         detail = (
             f"at {listed('pose', names)} the object lies in the same place within 0.1 mm, and every grasp scores the "
@@ -50,49 +51,66 @@ def mistakes_of_twins(poses: PoseSet, table: GraspTable, object_: Object, most: 
     return found
 
 
-def _groups(
-    surface: Surface, rotations: Floats, positions: Floats, column: NDArray[np.intp], most: int | None
-) -> list[list[int]]:
-    """Groups of two and more twins, each around its first member, in the order of the first members."""
-    features = _features(surface, rotations, positions)
-    tree = cKDTree(features)
-    open_poses = np.ones(len(positions), dtype=bool)
-    compared = 0
-    groups = []
-    for first in range(len(positions)):
-        if not open_poses[first]:
+def _groups(placed: "Placed", columns: NDArray[np.intp], steps: int) -> list[list[int]]:
+    """The first groups of two and more twins, each around its first member; fewer where `steps` do not last.
+
+    Only poses with the same column of scores are compared, and of those only such as have nearly the same moments.
+    """
+    features = placed.features()
+    groups: list[list[int]] = []
+    for members in np.split(np.argsort(columns, kind="stable"), np.cumsum(np.bincount(columns))[:-1]):
+        if len(members) == 1:
             continue
-        group = [first]
-        for other in sorted(tree.query_ball_point(features[first], 2.0 * SAME_PLACE_M)):
-            if other <= first or not open_poses[other] or column[other] != column[first]:
+        tree = cKDTree(features[members])
+        alone = np.ones(len(members), dtype=bool)
+        for first in range(len(members)):
+            if steps <= 0 or len(groups) == _MOST_GROUPS:
+                return groups
+            if not alone[first]:
                 continue
-            if most is not None and compared >= most:
-                break
-            compared += 1
-            if _same_place(surface, rotations, positions, first, other):
-                open_poses[other] = False
-                group.append(other)
-        if len(group) > 1:
-            groups.append(group)
+            near = np.array(tree.query_ball_point(features[members[first]], 2.0 * SAME_PLACE_M))
+            steps -= _STEPS_OF_A_NEIGHBOUR * len(near)
+            group = [first]
+            for other in np.sort(near[(near > first) & alone[near]])[: max(0, steps) // (2 * placed.surface.cost) + 1]:
+                steps -= 2 * placed.surface.cost
+                if placed.alike(members[first], members[other]):
+                    alone[other] = False
+                    group.append(int(other))
+            if len(group) > 1:
+                groups.append([int(member) for member in members[group]])
     return groups
 
 
-def _features(surface: Surface, rotations: Floats, positions: Floats) -> Floats:
-    """Nine numbers in metres per pose, (n, 9), that are nearly equal where the mesh lies in the same place.
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A mesh at n poses.
 
-    The middle of the surface, and its covariance divided by its size.
+    Attributes:
+        surface: of the mesh.
+        rotations: (n, 3, 3).
+        positions: (n, 3) metres.
     """
-    middle, covariance = surface.moments
-    middles = np.einsum("nij,j->ni", rotations, middle) + positions
-    covariances = np.einsum("nij,jk,nlk->nil", rotations, covariance, rotations)
-    rows, columns = np.triu_indices(3)
-    return np.hstack([middles, covariances[:, rows, columns] / np.sqrt(np.trace(covariance))])
 
+    surface: Surface
+    rotations: Floats
+    positions: Floats
 
-def _same_place(surface: Surface, rotations: Floats, positions: Floats, first: int, other: int) -> bool:
-    """Whether samples of the surface at either pose lie on the surface at the other."""
-    for here, there in ((first, other), (other, first)):
-        world = surface.samples @ rotations[here].T + positions[here]
-        if not surface.holds((world - positions[there]) @ rotations[there], SAME_PLACE_M):
-            return False
-    return True
+    def features(self) -> Floats:
+        """Nine numbers in metres per pose, (n, 9), that are nearly equal where the mesh lies in the same place.
+
+        The middle of the surface, and its covariance divided by its size.
+        """
+        middle, covariance = self.surface.moments
+        middles = np.einsum("nij,j->ni", self.rotations, middle) + self.positions
+        covariances = np.einsum("nij,jk,nlk->nil", self.rotations, covariance, self.rotations)
+        rows, columns = np.triu_indices(3)
+        return np.hstack([middles, covariances[:, rows, columns] / np.sqrt(np.trace(covariance))])
+
+    def alike(self, first: int, other: int) -> bool:
+        """Whether samples of the surface at either of two poses lie within 0.1 mm of the surface at the other."""
+        for here, there in ((first, other), (other, first)):
+            world = self.surface.samples @ self.rotations[here].T + self.positions[here]
+            local = (world - self.positions[there]) @ self.rotations[there]
+            if not self.surface.holds(local, SAME_PLACE_M):
+                return False
+        return True

@@ -1,21 +1,23 @@
-"""What the lidar would see of the object at some poses from one place: the numbers that mistakes are told by."""
+"""What the lidar would see of the object at some poses from some places: the numbers that mistakes are told by."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.cutting import Contours
+from voa_core.cutting import Contours, cut_poses
+from voa_core.jit import kernel
 from voa_core.lidars import BeamGrid, SensorConfiguration
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
 from voa_core.rasterising import rasterise
 from voa_core.scans import restrict_prediction
 from voa_core.scenario import Scenario
 
 Bools = NDArray[np.bool_]
-CutsAt = Callable[[float], Contours]
-"""The cuts of the poses that are looked at, by height."""
+Index = NDArray[np.intp]
 
 _AROUND = BeamGrid(64, 0.0, 2.0 * np.pi / 64)
 
@@ -26,11 +28,12 @@ class View:
 
     Attributes:
         sensor: the place.
-        height_m: of its scan plane; None where given predictions need none.
+        height_m: of its scan plane; None where predictions are given as data.
         seen: (k,) whether a beam returns from the object, within the range and the workspace.
         nearest: (k,) range of the nearest hit on a beam, however far, metres; inf for none, and for given predictions.
         inside: (k,) whether the place lies inside the object, so that it is hit in every direction.
         met: (k,) whether the scan plane meets the object.
+        out: (k,) how far the object reaches out of the workspace in the scan plane, metres; 0 without a workspace.
     """
 
     sensor: SensorConfiguration
@@ -39,34 +42,62 @@ class View:
     nearest: Floats
     inside: Bools
     met: Bools
+    out: Floats
 
 
-def view_from(
-    scenario: Scenario, sensor: SensorConfiguration, index: NDArray[np.intp], cuts_at: CutsAt | None
-) -> View | None:
-    """Look at the poses `index` (k,) from one of the scenario's places; None where nothing can be predicted.
+def views_from(
+    scenario: Scenario, object_: Object | None, index: Index, sensors: Sequence[SensorConfiguration]
+) -> list[View]:
+    """Look at the poses `index` (k,) from some of the scenario's places, as many as predictions can be made for.
 
-    Args:
-        scenario: whose lidar, workspace and given predictions hold.
-        sensor: one of the scenario's own configurations.
-        index: the poses.
-        cuts_at: the cuts of those very poses; None: there is no mesh.
+    The object is cut at one height after the other, and each height's cuts are dropped before the next.
     """
-    lidar, data = scenario.lidar, scenario.predictor.data.get(sensor.name)
-    height = lidar.height_m if sensor.height_m is None else sensor.height_m
-    if data is not None:
-        ranges, nothing = data[index], np.zeros(len(index), dtype=bool)
-        view = View(sensor, None, nothing, np.full(len(index), np.inf), nothing, ~nothing)
-    elif cuts_at is None or height is None:
-        return None
-    else:
-        cuts = cuts_at(height)
-        ranges = rasterise(cuts, sensor, lidar.grid, np.inf)
-        met = np.diff(cuts.segment_start)[cuts.cut_of_pose] > 0
-        view = View(sensor, height, met, ranges.min(axis=1), _inside(cuts, sensor), met)
-    crossing = scenario.workspace.crossing(sensor, lidar.grid.angles) if scenario.workspace else None
-    seen = any_along(1, np.isfinite(restrict_prediction(ranges, lidar.range_max, crossing)))
-    return replace(view, seen=seen)
+    views: dict[str, View] = {}
+    by_height: dict[float, list[SensorConfiguration]] = {}
+    for sensor in sensors:
+        data, height = scenario.predictor.data.get(sensor.name), _height(scenario, sensor)
+        if data is not None:
+            views[sensor.name] = _of_data(scenario, sensor, data[index])
+        elif height is not None:
+            by_height.setdefault(height, []).append(sensor)
+    if object_ is not None and scenario.poses.rotations is not None:
+        poses = scenario.poses.subset(index)
+        for height, at_height in by_height.items():
+            views |= {view.sensor.name: view for view in _of_mesh(scenario, object_, poses, height, at_height)}
+    return [views[sensor.name] for sensor in sensors if sensor.name in views]
+
+
+def _height(scenario: Scenario, sensor: SensorConfiguration) -> float | None:
+    return scenario.lidar.height_m if sensor.height_m is None else sensor.height_m
+
+
+def _of_data(scenario: Scenario, sensor: SensorConfiguration, ranges: Floats) -> View:
+    nothing, count = np.zeros(len(ranges), dtype=bool), len(ranges)
+    seen = _seen(scenario, sensor, ranges)
+    return View(sensor, None, seen, np.full(count, np.inf), nothing, ~nothing, np.zeros(count))
+
+
+def _of_mesh(
+    scenario: Scenario, object_: Object, poses: PoseSet, height: float, sensors: Sequence[SensorConfiguration]
+) -> list[View]:
+    cuts = cut_poses(object_, poses, height)
+    met = np.diff(cuts.segment_start)[cuts.cut_of_pose] > 0
+    out = np.zeros(len(poses))
+    if scenario.workspace is not None:
+        low, high = np.array(scenario.workspace.min), np.array(scenario.workspace.max)
+        out = _reach_out(cuts.points, cuts.point_start, cuts.cut_of_pose, cuts.placement, low, high)
+    views = []
+    for sensor in sensors:
+        ranges = rasterise(cuts, sensor, scenario.lidar.grid, np.inf)
+        seen = _seen(scenario, sensor, ranges)
+        views.append(View(sensor, height, seen, ranges.min(axis=1), _inside(cuts, sensor), met, out))
+    return views
+
+
+def _seen(scenario: Scenario, sensor: SensorConfiguration, ranges: Floats) -> Bools:
+    lidar, workspace = scenario.lidar, scenario.workspace
+    crossing = workspace.crossing(sensor, lidar.grid.angles) if workspace else None
+    return any_along(1, np.isfinite(restrict_prediction(ranges, lidar.range_max, crossing)))
 
 
 def _inside(cuts: Contours, sensor: SensorConfiguration) -> Bools:
@@ -99,14 +130,21 @@ def _boxes(cuts: Contours) -> tuple[Floats, Floats]:
     return low[cuts.cut_of_pose], high[cuts.cut_of_pose]
 
 
-def world_boxes(cuts: Contours) -> tuple[Floats, Floats]:
-    """Least and greatest x and y of every pose's contour in the world, (k, 2) each; inf and -inf where it has none."""
-    low = np.full((len(cuts.cut_of_pose), 2), np.inf)
-    high = -low
-    for pose, cut in enumerate(cuts.cut_of_pose):
-        points = cuts.points[cuts.point_start[cut] : cuts.point_start[cut + 1]]
-        if len(points):
-            c, s, x, y = cuts.placement[pose]
-            placed = np.column_stack([c * points[:, 0] - s * points[:, 1] + x, s * points[:, 0] + c * points[:, 1] + y])
-            low[pose], high[pose] = placed.min(axis=0), placed.max(axis=0)
-    return low, high
+@kernel
+def _reach_out(
+    points: Floats,
+    point_start: NDArray[np.int64],
+    cut_of_pose: NDArray[np.int64],
+    placement: Floats,
+    low: Floats,
+    high: Floats,
+) -> Floats:
+    """How far the contour of every pose reaches out of the box from `low` to `high` (2,), metres, (k,)."""
+    out = np.zeros(len(cut_of_pose))
+    for pose in range(len(cut_of_pose)):
+        c, s, x0, y0 = placement[pose, 0], placement[pose, 1], placement[pose, 2], placement[pose, 3]
+        cut = cut_of_pose[pose]
+        for i in range(point_start[cut], point_start[cut + 1]):
+            x, y = c * points[i, 0] - s * points[i, 1] + x0, s * points[i, 0] + c * points[i, 1] + y0
+            out[pose] = max(out[pose], low[0] - x, x - high[0], low[1] - y, y - high[1])
+    return out

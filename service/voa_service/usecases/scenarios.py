@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from voa_core.errors import VoaError
+from voa_core.mistakes.effort import THOROUGH
 from voa_core.scans import NO_RETURN
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
@@ -58,7 +59,7 @@ class Scenarios:
 
     def warnings(self, id_: str) -> Warnings:
         """Find everything that is probably wrong with a scenario, however long it takes."""
-        return Warnings(items=warning_messages(self.models.find_mistakes(id_, None)))
+        return Warnings(items=warning_messages(self.models.find_mistakes(id_, THOROUGH)))
 
     def list(self, limit: int, after: str | None) -> ScenarioPage:
         """All scenarios, oldest first."""

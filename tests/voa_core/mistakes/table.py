@@ -11,7 +11,9 @@ from voa_core.checks import Floats
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
+from voa_core.mistakes.effort import THOROUGH, Effort
 from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.heights import Mesh, Up
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
@@ -64,10 +66,12 @@ def scenario_of(
     )
 
 
-def found(most_pairs: int | None = None, object_: Object | None = None, **changed: Any) -> dict[str, Mistake]:
+def found(
+    effort: Effort = THOROUGH, object_: Object | None = None, up: Up = "+Z", **changed: Any
+) -> dict[str, Mistake]:
     """Find the mistakes of the good scenario with some parts replaced, by kind."""
-    mesh = object_ or wedge()
-    mistakes = mistakes_of_scenario(scenario_of(object_=mesh, **changed), mesh, most_pairs)
+    mesh = Mesh(object_ or wedge(), up)
+    mistakes = mistakes_of_scenario(scenario_of(object_=mesh.object_, **changed), mesh, effort)
     return {mistake.kind: mistake for mistake in mistakes}
 
 

@@ -100,3 +100,38 @@ def test_other_readings_need_a_mesh_and_a_height() -> None:
 def test_a_pose_that_is_hardly_seen_fits_whatever_is_not_seen() -> None:
     far = scenario_of(lidar=PRECISE, poses=poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, -0.05, 0.0)))
     assert found(np.full(360, math.inf), far) == {}
+
+
+def test_a_sensor_pose_in_degrees_or_in_millimetres_is_named() -> None:
+    degrees = replace(WEST, name="said", yaw_rad=360.0)
+    assert "360 degrees are 6.283 rad" in found(measured(), sensor=degrees)["angle-in-degrees"].detail
+    far = found(measured(), sensor=replace(WEST, name="said", y=500.0))
+    assert set(far) == {"length-in-millimetres", "place-sees-nothing"}
+    # The scenario's own places are looked at with the scenario.
+    assert found(measured(), sensor=WEST) == {}
+
+
+def test_walls_hide_no_wrong_yaw_where_there_is_no_workspace() -> None:
+    open_table = replace(SCENARIO, workspace=None)
+    said = replace(WEST, name="said", yaw_rad=WEST.yaw_rad - math.radians(90))
+    walls = np.minimum(measured(), 2.0)
+    assert "90 degrees more" in found(walls, open_table, sensor=said)["scan-turned"].detail
+
+
+def test_few_hits_that_fit_are_no_good_fit_and_need_another_explanation() -> None:
+    few = measured()
+    hit = np.flatnonzero(np.isfinite(few))
+    few[hit[len(hit) // 3 + 1 :]] = math.inf
+    assert found(few) == {}
+
+
+def test_noise_below_a_millimetre_is_not_held_against_a_scan() -> None:
+    exact = scenario_of(lidar=LidarModel(**(vars(LIDAR) | {"noise_m": 1e-9, "noise_ratio": 0.0})))
+    rounded = exact.predictor.predict(WEST).dense()[0].astype(np.float32).astype(np.float64)
+    assert found(rounded, exact) == {}
+
+
+def test_a_driver_that_is_all_in_millimetres_is_named_and_a_wall_beyond_the_limit_is_not() -> None:
+    assert "length-in-millimetres" in found(1000.0 * measured(), range_min=120.0, range_max=3500.0)
+    short = scenario_of(lidar=LidarModel(**(vars(PRECISE) | {"range_min": 0.0, "range_max": 1.5})))
+    assert "length-in-millimetres" not in found(np.full(360, 4.0), short)

@@ -10,6 +10,7 @@ import pytest
 
 from tests.voa_core.mistakes.table import (
     LIDAR,
+    POSES,
     SOUTH,
     WEST,
     found,
@@ -20,8 +21,10 @@ from tests.voa_core.mistakes.table import (
     with_y_up,
 )
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
-from voa_core.mistakes.found import listed
-from voa_core.mistakes.scenarios import MOST_PAIRS, mistakes_of_scenario
+from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
+from voa_core.mistakes.found import length, listed
+from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
 from voa_core.workspace import Workspace
@@ -31,9 +34,9 @@ def lidar_with(**changed: Any) -> LidarModel:
     return LidarModel(**(vars(LIDAR) | changed))
 
 
-@pytest.mark.parametrize("most_pairs", [None, MOST_PAIRS])
-def test_where_all_is_well_nothing_is_said(most_pairs: int | None) -> None:
-    assert found(most_pairs) == {}
+@pytest.mark.parametrize("effort", [THOROUGH, QUICK], ids=["thorough", "quick"])
+def test_where_all_is_well_nothing_is_said(effort: Effort) -> None:
+    assert found(effort) == {}
 
 
 FLOATING = poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0021, 90.0), (0.05, 0.0, -0.0019, 200.0))
@@ -133,7 +136,7 @@ SLIPS: list[tuple[str, dict[str, Any], str, tuple[str, ...], tuple[str, ...]]] =
 ]
 
 
-@pytest.mark.parametrize("most_pairs", [None, MOST_PAIRS])
+@pytest.mark.parametrize("effort", [THOROUGH, QUICK], ids=["thorough", "quick"])
 @pytest.mark.parametrize(
     ("kind", "slip", "says", "poses", "sensors"), SLIPS, ids=[f"{s[0]}-{i}" for i, s in enumerate(SLIPS)]
 )
@@ -143,18 +146,21 @@ def test_a_slip_gives_its_warning(
     says: str,
     poses: tuple[str, ...],
     sensors: tuple[str, ...],
-    most_pairs: int | None,
+    effort: Effort,
 ) -> None:
-    mistake = found(most_pairs, **slip)[kind]
+    mistake = found(effort, **slip)[kind]
     assert (mistake.poses, mistake.sensors) == (poses, sensors)
     assert re.search(says, mistake.detail), mistake.detail
 
 
 def test_a_file_whose_y_axis_is_up_is_told_from_one_that_was_turned_by_mistake() -> None:
     lying = with_y_up(wedge())
-    assert "up '+Y'" in found(object_=lying)["up-axis"].detail
-    standing_up = with_y_up(with_y_up(with_y_up(wedge())))
-    assert "up '+Z'" in found(object_=standing_up)["up-axis"].detail
+    assert "up=+Y" in found(object_=lying)["up-axis"].detail
+    turned = with_y_up(with_y_up(with_y_up(wedge())))
+    assert "up=+Z" in found(object_=turned, up="+Y")["up-axis"].detail
+    # Nobody is told to say what was said.
+    assert "up-axis" not in found(object_=turned)
+    assert "up-axis" not in found(object_=lying, up="+Y")
     assert "up-axis" not in found(poses=FLOATING)
 
 
@@ -175,18 +181,26 @@ def of_data(ranges: Any) -> Any:
 
 def test_given_predictions_are_looked_at_too() -> None:
     seen, nothing = [0.5] + [math.inf] * 359, [math.inf] * 360
-    assert mistakes_of_scenario(of_data([seen, seen]), None) == ()
-    kinds = {m.kind: m for m in mistakes_of_scenario(of_data([seen, nothing]), None)}
+    assert mistakes_of_scenario(of_data([seen, seen]), None, THOROUGH) == ()
+    kinds = {m.kind: m for m in mistakes_of_scenario(of_data([seen, nothing]), None, THOROUGH)}
     assert set(kinds) == {"pose-never-seen"}
     assert kinds["pose-never-seen"].poses == ("B",)
-    kinds = {m.kind: m for m in mistakes_of_scenario(of_data([nothing, nothing]), None)}
+    kinds = {m.kind: m for m in mistakes_of_scenario(of_data([nothing, nothing]), None, THOROUGH)}
     assert set(kinds) == {"pose-never-seen", "place-sees-nothing"}
     # A mesh does not help poses that are names alone.
-    assert mistakes_of_scenario(of_data([seen, seen]), wedge()) == ()
+    assert mistakes_of_scenario(of_data([seen, seen]), Mesh(wedge()), QUICK) == ()
+    # One of two places has neither predictions nor a height for the mesh.
+    both = of_data([seen, seen])
+    two = replace(both, sensors=(WEST, SOUTH), predictor=replace(both.predictor, lidar=lidar_with(height_m=None)))
+    assert mistakes_of_scenario(two, Mesh(wedge()), QUICK) == ()
+    # Nobody says how high the lidar is, and nobody has to where all predictions are data.
+    placed = replace(scenario_of(sensors=(WEST,)), predictor=ObservationPredictor(POSES, lidar_with(height_m=None)))
+    given = replace(placed.predictor, data={"W": np.array([seen] * 3)})
+    assert mistakes_of_scenario(replace(placed, predictor=given), Mesh(wedge()), QUICK) == ()
     # Without a mesh, and without the predictions of its only place, nothing can be looked at.
     empty = of_data([seen, seen])
     blind = replace(empty, predictor=ObservationPredictor(empty.poses, LIDAR))
-    assert mistakes_of_scenario(blind, None) == ()
+    assert mistakes_of_scenario(blind, None, THOROUGH) == ()
 
 
 def many(count: int) -> PoseSet:
@@ -205,8 +219,8 @@ def test_a_selection_stands_for_all_and_says_nothing_that_it_does_not_show() -> 
     places = around(12)
     # Every other place looks away: the few places of a selection may be just those.
     askew = tuple(moved(place, yaw_rad=place.yaw_rad + math.pi * (a % 2 == 0)) for a, place in enumerate(places))
-    selected = found(40, poses=many(100), sensors=askew, lidar=narrow)
-    whole = found(None, poses=many(100), sensors=askew, lidar=narrow)
+    selected = found(replace(QUICK, pairs=40), poses=many(100), sensors=askew, lidar=narrow)
+    whole = found(poses=many(100), sensors=askew, lidar=narrow)
     assert "pose-never-seen" not in selected
     assert whole["place-sees-nothing"].sensors == tuple(place.name for place in askew[::2])
     if "place-sees-nothing" in selected:
@@ -217,11 +231,43 @@ def test_what_a_selection_leaves_open_is_looked_at_while_pairs_are_left() -> Non
     poses, places = many(30), around(6)
     away = moved(places[0], yaw_rad=places[0].yaw_rad + math.pi)
     narrow = lidar_with(grid=BeamGrid(21, math.radians(-10.0), math.radians(1.0)))
-    few = found(150, poses=poses, sensors=(away, *places[1:]), lidar=narrow)
+    few = found(replace(QUICK, pairs=150), poses=poses, sensors=(away, *places[1:]), lidar=narrow)
     assert few["place-sees-nothing"].sensors == ("A0",)
     sunk = poses_at((0.0, 0.0, -0.05, 0.0), *((0.01 * i, 0.0, 0.0, 7.0 * i) for i in range(1, 10)))
-    assert found(50, poses=sunk, sensors=places)["pose-never-seen"].poses == ("P0",)
-    assert "pose-never-seen" not in found(6, poses=sunk, sensors=places)
+    assert found(replace(QUICK, pairs=50), poses=sunk, sensors=places)["pose-never-seen"].poses == ("P0",)
+    assert "pose-never-seen" not in found(replace(QUICK, pairs=6), poses=sunk, sensors=places)
+
+
+def test_each_scan_plane_is_told_for_itself() -> None:
+    low, high = moved(WEST, name="low", height_m=0.02), moved(SOUTH, name="high", height_m=0.08)
+    poses = poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.06, 90.0))
+    mesh = Mesh(wedge())
+    told = [
+        (mistake.sensors, mistake.poses)
+        for mistake in mistakes_of_scenario(scenario_of(poses=poses, sensors=(low, high)), mesh, THOROUGH)
+        if mistake.kind == "plane-misses-object"
+    ]
+    assert told == [(("low",), ("P1",)), (("high",), ("P0",))]
+
+
+def test_a_mesh_of_many_faces_at_many_tilts_is_cut_only_so_often() -> None:
+    rolled = PoseSet.from_arrays(
+        [f"P{i}" for i in range(40)],
+        [[0.0, 0.0, 0.03]] * 40,
+        [[math.cos(0.03 * i), math.sin(0.03 * i), 0.0, 0.0] for i in range(40)],
+    )
+    over = moved(WEST, name="over", height_m=0.5)
+    assert len(found(poses=rolled, sensors=(over,))["plane-misses-object"].poses) == 40
+    once = found(replace(QUICK, cut_faces=7000), poses=rolled, sensors=(over,))["plane-misses-object"]
+    assert len(once.poses) == 1
+    flat = many(40)
+    assert len(found(replace(QUICK, cut_faces=7000), poses=flat, sensors=(over,))["plane-misses-object"].poses) == 40
+    dense = found(replace(QUICK, contour_points=500 * 10), poses=flat, sensors=(over,))["plane-misses-object"]
+    assert 1 < len(dense.poses) <= 10
+
+
+def test_lengths_are_written_as_a_person_reads_them() -> None:
+    assert (length(0.0021), length(49.79)) == ("2.1 mm", "49.79 m")
 
 
 def test_a_long_list_of_names_is_cut() -> None:

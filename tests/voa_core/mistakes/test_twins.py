@@ -1,6 +1,7 @@
 """Twins are found by what the meshes cover, not by how they are cut into faces."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from tests.voa_core.mistakes.table import found, poses_at, wedge
 from tests.voa_core.worlds import box
 from voa_core.grasps import GraspTable
-from voa_core.mistakes import twins
+from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
 from voa_core.mistakes.surface import Surface, _square_distance
 from voa_core.mistakes.twins import mistakes_of_twins
 from voa_core.objects import Object
@@ -27,9 +28,11 @@ def cylinder(sides: int, radius: float = 0.03, height: float = 0.1) -> Object:
     return Object.from_arrays(vertices, faces)
 
 
-def groups(object_: Object, poses: PoseSet, most: int | None = None) -> list[tuple[str, ...]]:
-    table = GraspTable.of_probabilities(["G"], [[0.5] * len(poses)], len(poses))
-    return [mistake.poses for mistake in mistakes_of_twins(poses, table, object_, most)]
+def groups(
+    object_: Object, poses: PoseSet, effort: Effort = THOROUGH, scores: list[float] | None = None
+) -> list[tuple[str, ...]]:
+    table = GraspTable.of_probabilities(["G"], [scores or [0.5] * len(poses)], len(poses))
+    return [mistake.poses for mistake in mistakes_of_twins(poses, table, object_, effort)]
 
 
 def test_a_can_that_is_turned_about_its_axis_stays_where_it_is() -> None:
@@ -59,11 +62,20 @@ def test_a_mirror_image_has_the_same_moments_and_is_no_twin() -> None:
     assert groups(flat, poses_at((0, 0, 0, 0), (0, 0, 0, 180.0), (0, 0, 0, 0.0))) == [("P0", "P2")]
 
 
-def test_where_the_cost_is_bounded_only_so_many_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_the_cost_is_bounded_only_so_many_are_compared() -> None:
     poses = poses_at(*((0.0, 0.0, 0.0, 0.0) for _ in range(30)))
-    monkeypatch.setattr(twins, "_MOST_STEPS", 20 * Surface(wedge()).cost)
     assert [len(group) for group in groups(wedge(), poses)] == [30]
-    assert [len(group) for group in groups(wedge(), poses, 2000)] == [11]
+    looked_at, compared = 50 * 30, 2 * Surface(wedge()).cost
+    few = replace(QUICK, boxes=looked_at + 10 * compared)
+    assert [len(group) for group in groups(wedge(), poses, few)] == [12]
+    assert groups(wedge(), poses, replace(QUICK, boxes=0)) == []
+
+
+def test_poses_that_grasp_differently_are_not_even_compared() -> None:
+    poses = poses_at(*((0.0, 0.0, 0.0, 0.0) for _ in range(30)))
+    scores = [0.01 * i for i in range(29)] + [0.28]
+    few = replace(QUICK, boxes=50 * 2 + 2 * Surface(wedge()).cost)
+    assert groups(wedge(), poses, few, scores) == [("P28", "P29")]
 
 
 def test_only_the_first_groups_are_told() -> None:
