@@ -110,14 +110,23 @@ def test_the_last_fit_is_that_of_the_last_scan_whatever_came_after_it(lab: Lab) 
     assert [session.last_fit_rmsd_mm for session in since] == [None, fit, fit, fit, 0.0]
 
 
+def test_an_update_of_nobodys_belief_has_a_fit_where_it_is_accepted(service: Service) -> None:
+    scenario = service.create(data_scenario(name="exacting", update={"rule": "margin"}))
+    asked = {"scenario": scenario, "belief": [0.2, 0.3, 0.5]}
+    near, far = (service.post("/v1/updates", asked | scan_of([range_, 0.5, None, 1.0])) for range_ in (0.504, 0.7))
+    assert (near["update"]["accepted"], near["last_fit_rmsd_mm"]) == (True, near["update"]["fit_rmsd_mm"])
+    assert (far["update"]["reason"], far["last_fit_rmsd_mm"]) == ("no_match", None)
+    assert far["update"]["fit_rmsd_mm"] > 0.0
+
+
 def test_an_answer_that_is_kept_moves_with_its_session(service: Service, data_id: str) -> None:
     session = service.open(data_id)
     path = f"/v1/sessions/{session}"
     seen = [service.get(path)]
     for call, body in (("scans", GOOD), ("grasp-outcomes", OUTCOME), ("scans", GOOD)):
         answer = service.post(f"{path}/{call}", body)
-        del answer["update"]
         seen.append(service.get(path))
-        assert seen[-1] == answer
+        for field in ("version", "belief", "last_fit_rmsd_mm", "updated_at"):
+            assert seen[-1][field] == answer[field]
     assert sorted(each["updated_at"] for each in seen) == [each["updated_at"] for each in seen]
     assert len({each["updated_at"] for each in seen}) == 4
