@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import Json, Service, data_scenario, scan_of
+from tests.serving import Json, Service, data_scenario, json_of, scan_of
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Session, SessionRequest
 from voa_service.bootstrap import services
 from voa_service.services import Services
 from voa_service.settings import Settings
-from voa_service.writes import write_of
+from voa_service.writes import ANYONE, idempotency_key, write_of
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 GOOD = scan_of([0.52, 0.5, None, 1.0])
@@ -117,6 +117,23 @@ def test_an_update_of_nobodys_belief_has_a_fit_where_it_is_accepted(service: Ser
     assert (near["update"]["accepted"], near["last_fit_rmsd_mm"]) == (True, near["update"]["fit_rmsd_mm"])
     assert (far["update"]["reason"], far["last_fit_rmsd_mm"]) == ("no_match", None)
     assert far["update"]["fit_rmsd_mm"] > 0.0
+
+
+def test_a_session_that_is_opened_again_under_its_key_is_no_news(lab: Lab) -> None:
+    told: list[str] = []
+    request = SessionRequest(scenario=lab.session.scenario)
+    write = write_of("prior", b"{}", idempotency_key("K", ANYONE, "session", request))
+    with lab.inside.changes.listening(lambda session, _: told.append(session)):
+        first, again = (lab.inside.sessions.create(request, write) for _ in range(2))
+    assert first == again
+    assert told == [Session.model_validate_json(first.body).id]
+
+
+def test_a_byte_order_mark_is_no_part_of_what_was_sent(service: Service, data_id: str) -> None:
+    path = f"/v1/sessions/{service.open(data_id)}"
+    body = b"\xef\xbb\xbf" + json_of(GOOD)
+    assert service.http.post(f"{path}/scans", content=body, headers={"Content-Type": "application/json"}).is_success
+    assert service.get(f"{path}/history")["items"][-1]["request"] == GOOD
 
 
 def test_an_answer_that_is_kept_moves_with_its_session(service: Service, data_id: str) -> None:

@@ -76,8 +76,22 @@ MUTANTS = (
     Mutant(
         name="a second replica publishes the refusal too",
         file="service/voa_service/zenoh/scans.py",
-        old="if not heard.second:",
-        new="if True:",
+        old='if self._replicas.owns(f"{session}/{robot}"):  # else',
+        new="if True:  # else",
+        tests="tests/voa_service/zenoh/test_replicas.py",
+    ),
+    Mutant(
+        name="a second replica publishes the refusal of a mapped robot too",
+        file="service/voa_service/zenoh/ros2.py",
+        old="if self._replicas.owns(robot.name):  # else",
+        new="if True:  # else",
+        tests="tests/voa_service/zenoh/test_replicas.py",
+    ),
+    Mutant(
+        name="a scan that is too large is refused by nobody",
+        file="service/voa_service/zenoh/scans.py",
+        old="            self._refuse(session, robot, key, failure)\n",
+        new="",
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),
     Mutant(
@@ -92,6 +106,13 @@ MUTANTS = (
         file="service/voa_service/zenoh/replicas.py",
         old="== self._own\n",
         new="!= self._own\n",
+        tests="tests/voa_service/zenoh/test_entry.py",
+    ),
+    Mutant(
+        name="a replica that joins again believes in those that have left",
+        file="service/voa_service/zenoh/replicas.py",
+        old="            self._alive = {self._own}  # who",
+        new="            pass  # who",
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),
     Mutant(
