@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import Json, Service, data_scenario, scan_of
+from tests.serving import Json, Service, data_scenario, json_of, scan_of
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Session, SessionRequest
 from voa_service.bootstrap import services
 from voa_service.services import Services
 from voa_service.settings import Settings
-from voa_service.writes import write_of
+from voa_service.writes import ANYONE, idempotency_key, write_of
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 GOOD = scan_of([0.52, 0.5, None, 1.0])
@@ -110,14 +110,40 @@ def test_the_last_fit_is_that_of_the_last_scan_whatever_came_after_it(lab: Lab) 
     assert [session.last_fit_rmsd_mm for session in since] == [None, fit, fit, fit, 0.0]
 
 
+def test_an_update_of_nobodys_belief_has_a_fit_where_it_is_accepted(service: Service) -> None:
+    scenario = service.create(data_scenario(name="exacting", update={"rule": "margin"}))
+    asked = {"scenario": scenario, "belief": [0.2, 0.3, 0.5]}
+    near, far = (service.post("/v1/updates", asked | scan_of([range_, 0.5, None, 1.0])) for range_ in (0.504, 0.7))
+    assert (near["update"]["accepted"], near["last_fit_rmsd_mm"]) == (True, near["update"]["fit_rmsd_mm"])
+    assert (far["update"]["reason"], far["last_fit_rmsd_mm"]) == ("no_match", None)
+    assert far["update"]["fit_rmsd_mm"] > 0.0
+
+
+def test_a_session_that_is_opened_again_under_its_key_is_no_news(lab: Lab) -> None:
+    told: list[str] = []
+    request = SessionRequest(scenario=lab.session.scenario)
+    write = write_of("prior", b"{}", idempotency_key("K", ANYONE, "session", request))
+    with lab.inside.changes.listening(lambda session, _: told.append(session)):
+        first, again = (lab.inside.sessions.create(request, write) for _ in range(2))
+    assert first == again
+    assert told == [Session.model_validate_json(first.body).id]
+
+
+def test_a_byte_order_mark_is_no_part_of_what_was_sent(service: Service, data_id: str) -> None:
+    path = f"/v1/sessions/{service.open(data_id)}"
+    body = b"\xef\xbb\xbf" + json_of(GOOD)
+    assert service.http.post(f"{path}/scans", content=body, headers={"Content-Type": "application/json"}).is_success
+    assert service.get(f"{path}/history")["items"][-1]["request"] == GOOD
+
+
 def test_an_answer_that_is_kept_moves_with_its_session(service: Service, data_id: str) -> None:
     session = service.open(data_id)
     path = f"/v1/sessions/{session}"
     seen = [service.get(path)]
     for call, body in (("scans", GOOD), ("grasp-outcomes", OUTCOME), ("scans", GOOD)):
         answer = service.post(f"{path}/{call}", body)
-        del answer["update"]
         seen.append(service.get(path))
-        assert seen[-1] == answer
+        for field in ("version", "belief", "last_fit_rmsd_mm", "updated_at"):
+            assert seen[-1][field] == answer[field]
     assert sorted(each["updated_at"] for each in seen) == [each["updated_at"] for each in seen]
     assert len({each["updated_at"] for each in seen}) == 4

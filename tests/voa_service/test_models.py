@@ -1,13 +1,15 @@
-"""In which precision rankings are computed, and that it hardly matters."""
+"""In which precision rankings are computed, and that it hardly matters; what is kept of a scenario."""
 
+import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
-from tests.serving import LIDAR, Json, data_scenario, serving
+from tests.serving import LIDAR, Json, box_obj, changed, data_scenario, mesh_scenario, serving
 from voa_core.assistance import value_of_assistance
+from voa_core.lidars import SensorConfiguration
 from voa_service.bootstrap import services
 from voa_service.cache import Cache
 from voa_service.models import Models, Precision
@@ -92,3 +94,24 @@ def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: 
         assert first is not second
         assert first.scenario.poses.names == second.scenario.poses.names
         assert small.get("nothing") is None
+
+
+def test_nothing_that_is_kept_of_one_scenario_height_or_precision_serves_another(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        models = service.inside.sessions.models
+        far = changed(data_scenario(name="far"), "predictions.Q1.P1", [0.7, 0.7, None, 1.0])
+        above = SensorConfiguration("above", 0.3, 0.0, math.pi, height_m=0.06)
+        bodies = [data_scenario(), far, *(mesh_scenario(service.upload(box_obj(x))) for x in (0.04, 0.05))]
+        for _ in range(2):  # the second time everything is kept
+            for body in bodies:
+                model = models.get(service.create(body))
+                assert model is not None
+                fresh = Models(service.inside.sessions.store, Cache(0)).get(service.create(body))
+                assert fresh is not None
+                for sensor in [*model.scenario.sensors, *([above] if body["name"] == "mesh" else [])]:
+                    for precision in get_args(Precision):
+                        kept, anew = (each.weigher(sensor, precision, True) for each in (model, fresh))
+                        assert kept.matrix is not None
+                        assert kept.dtype == precision
+                        np.testing.assert_array_equal(kept.matrix, anew.matrix)
+                        np.testing.assert_array_equal(kept.ranges, anew.ranges)

@@ -28,6 +28,8 @@ class Replicas:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Be seen, and see the others, for the length of a `with`."""
+        with self._lock:
+            self._alive = {self._own}  # who left while this replica was away told nobody here
         alive = session.liveliness()
         moved = Callback(self._moved, indirect=False)
         with (

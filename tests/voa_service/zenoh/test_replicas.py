@@ -17,6 +17,7 @@ from tests.serving import Json, Service, data_scenario, scan_of, serving
 from tests.voa_service.zenoh.test_ros2 import laser_scan
 from tests.waiting import wait_for
 from voa_service.settings import Limits
+from voa_service.zenoh.replicas import Replicas
 
 GRACE_SECONDS = 0.2
 MOST_BYTES = 20_000
@@ -214,3 +215,17 @@ def test_a_mapped_robot_is_told_once_of_each_refusal_and_both_replicas_know(pair
         wait_for(lambda number=number: len(heard) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc]
         pair.flush()
         assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS * number)
+
+
+def test_a_replica_that_has_left_the_bus_and_joined_again_owns_what_it_owned() -> None:
+    with router() as own, stranger(own.endpoint) as bus, stranger(own.endpoint) as other:
+        replicas = Replicas("alone", bus.keys)
+        seen = Replicas("other", other.keys)
+        with seen.on(other.session):
+            for _ in range(2):
+                with replicas.on(bus.session):
+                    wait_for(lambda: sum(seen.owns(robot) for robot in ROBOTS) < len(ROBOTS), "the one to be seen")
+                    wait_for(lambda: all(replicas.owns(r) != seen.owns(r) for r in ROBOTS), "one owner of each robot")
+                wait_for(lambda: all(seen.owns(robot) for robot in ROBOTS), "the one to be gone")
+        with replicas.on(bus.session):  # the other left while this one was away
+            assert all(replicas.owns(robot) for robot in ROBOTS)
