@@ -116,13 +116,6 @@ MUTANTS = (
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),
     Mutant(
-        name="a replica forgets itself",
-        file="service/voa_service/zenoh/replicas.py",
-        old="elif id_ != self._own:",
-        new="else:",
-        tests="tests/voa_service/zenoh/test_replicas.py",
-    ),
-    Mutant(
         name="every replica owns every robot",
         file="service/voa_service/zenoh/replicas.py",
         old="return max(alive, key=lambda id_: _rank(id_, name)) == self._own",

@@ -53,13 +53,6 @@ MUTANTS = (
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
-        name="an idempotency key holds for any call",
-        file="service/voa_service/writes.py",
-        old="{call}\\n{body}",
-        new="{body}",
-        tests="tests/contract/test_http.py::test_the_same_key_on_another_call_is_refused",
-    ),
-    Mutant(
         name="an idempotency key holds for any body",
         file="service/voa_service/writes.py",
         old="{call}\\n{body}",
@@ -71,7 +64,7 @@ MUTANTS = (
         file="service/voa_service/writes.py",
         old='"utf-8-sig"',
         new='"utf-8"',
-        tests="tests/voa_service/test_middleware.py",
+        tests="tests/contract/test_sessions.py",
     ),
     Mutant(
         name="history comes in any order",
@@ -95,13 +88,6 @@ MUTANTS = (
         tests="tests/voa_service/store/test_conformance.py",
     ),
     Mutant(
-        name="the mark of a session is its version",
-        file="service/voa_service/store/sql.py",
-        old="select(sessions.c.version, sessions.c.updated_at)",
-        new="select(sessions.c.version)",
-        tests="tests/voa_service/store/test_conformance.py tests/contract/test_sessions.py",
-    ),
-    Mutant(
         name="a session's row is not locked",
         file="service/voa_service/store/sql.py",
         old="_BY_ID[sessions].with_for_update()",
@@ -113,7 +99,7 @@ MUTANTS = (
         file="service/voa_service/usecases/sessions.py",
         old="if answered is given:",
         new="if True:",
-        tests="tests/voa_service/zenoh/test_entry.py",
+        tests="tests/contract/test_sessions.py",
     ),
     Mutant(
         name="the cache drops what was used last",

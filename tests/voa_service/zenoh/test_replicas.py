@@ -217,15 +217,15 @@ def test_a_mapped_robot_is_told_once_of_each_refusal_and_both_replicas_know(pair
         assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS * number)
 
 
-def test_a_replica_that_has_left_the_bus_and_joined_again_owns_what_it_owned() -> None:
+def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:
     with router() as own, stranger(own.endpoint) as bus, stranger(own.endpoint) as other:
-        replicas = Replicas("alone", bus.keys)
-        seen = Replicas("other", other.keys)
-        with seen.on(other.session):
+        one, two = Replicas("one", bus.keys), Replicas("two", other.keys)
+        with two.on(other.session):
             for _ in range(2):
-                with replicas.on(bus.session):
-                    wait_for(lambda: sum(seen.owns(robot) for robot in ROBOTS) < len(ROBOTS), "the one to be seen")
-                    wait_for(lambda: all(replicas.owns(r) != seen.owns(r) for r in ROBOTS), "one owner of each robot")
-                wait_for(lambda: all(seen.owns(robot) for robot in ROBOTS), "the one to be gone")
-        with replicas.on(bus.session):  # the other left while this one was away
-            assert all(replicas.owns(robot) for robot in ROBOTS)
+                with one.on(bus.session):
+                    wait_for(lambda: all(one.owns(robot) != two.owns(robot) for robot in ROBOTS), "one owner of each")
+                    assert any(two.owns(robot) for robot in ROBOTS)
+                wait_for(lambda: all(two.owns(robot) for robot in ROBOTS), "the one to be gone")
+        wait_for(lambda: not list(bus.session.liveliness().get(bus.keys.replica("*"))), "both to be gone")
+        with one.on(bus.session):
+            assert all(one.owns(robot) for robot in ROBOTS)
