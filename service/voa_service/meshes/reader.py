@@ -1,6 +1,7 @@
 """Hands a mesh file to the worker process and checks what comes back."""
 
 import io
+import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
 """From the file's origin: beyond it coordinates lose what the mathematics promises, and 32 bits of a file lose all."""
 _FEWEST_FACES = 4
+_PASSED_ON = ("LANG", "LC_", "LD_LIBRARY_PATH", "OPENBLAS_", "PATH", "PYTHON", "SYSTEMROOT")
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ class SubprocessMeshReader:
         command += [str(self.mebibytes), str(self.seconds)]
         try:
             done = subprocess.run(  # noqa: S603 - our own module, no shell
-                command, input=content, capture_output=True, timeout=self.seconds, check=False
+                command, input=content, capture_output=True, timeout=self.seconds, check=False, env=environment()
             )
         except subprocess.TimeoutExpired as error:
             raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it") from error
@@ -72,6 +74,11 @@ class SubprocessMeshReader:
             raise Failure(INVALID_MESH, f"cannot read the {mesh_type.upper()} file: {why}")
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
             return arrays["vertices"], arrays["faces"]
+
+
+def environment() -> dict[str, str]:
+    """What the process that reads untrusted bytes may know of this one's environment: how to run, and no secret."""
+    return {name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON)}
 
 
 def turned_up(vertices: NDArray[np.float64], up: UpAxis) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import pytest
 
 from tests.serving import box_obj
 from voa_service.failures import Failure
-from voa_service.meshes.reader import SubprocessMeshReader
+from voa_service.meshes.reader import SubprocessMeshReader, environment
 
 BOX = box_obj().encode()
 
@@ -72,3 +72,12 @@ def test_the_process_can_write_no_file(tmp_path: Path) -> None:
     )
     assert done.stdout  # the mesh was read
     assert b"refused: File too large" in done.stderr
+
+
+def test_the_process_that_reads_knows_no_secret(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VOA_DATABASE_URL", "postgresql://user:secret@host/voa")
+    monkeypatch.setenv("PYTHONPATH", "somewhere")
+    told = environment()
+    assert "secret" not in "".join(told.values())
+    assert told["PYTHONPATH"] == "somewhere"
+    assert "PATH" in told
