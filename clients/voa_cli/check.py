@@ -14,11 +14,10 @@ from pathlib import Path
 from rich.console import Console
 
 from voa_cli.local_service import service_at
-from voa_cli.scenario_file import load_scenario
+from voa_cli.scenario_file import load_with_warnings
 from voa_cli.warnings import print_warnings
-from voa_client import Client, VoaClientError
-from voa_msgs.scenarios import Scenario
-from voa_msgs.warnings import ProbableMistake, Warnings
+from voa_client import VoaClientError
+from voa_msgs.warnings import Warnings
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,8 +25,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         with service_at(options.url) as client:
-            scenario = load_scenario(client, options.scenario)
-            found = _warnings(client, scenario)
+            scenario, of_mesh = load_with_warnings(client, options.scenario)
+            found = [*of_mesh, *client.warnings(scenario.id).items]
     except VoaClientError as error:
         print(f"voa check: {error}", file=sys.stderr)
         return 2
@@ -39,12 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     counts = f"{len(scenario.poses)} poses, {len(scenario.grasps)} grasps, {len(scenario.sensors)} places"
     console.print(f"{scenario.name!r} ({counts}): {_summary(len(found))}", style="bold")
     return 1 if found else 0
-
-
-def _warnings(client: Client, scenario: Scenario) -> list[ProbableMistake]:
-    """Everything that is probably wrong with the scenario and its object."""
-    of_object = [] if scenario.object is None else client.get_object(scenario.object).warnings
-    return [*of_object, *client.warnings(scenario.id).items]
 
 
 def _summary(count: int) -> str:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from rich.console import Console
 
 from voa_cli.local_service import service_at
-from voa_cli.scenario_file import load_scenario
+from voa_cli.scenario_file import load_with_warnings
 from voa_cli.tables import ranking_table
 from voa_cli.warnings import print_warnings
 from voa_client import Client, VoaClientError
@@ -23,6 +23,7 @@ from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
 from voa_msgs.reading import InvalidMessage, in_one_line, read_json
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import SessionRequest
+from voa_msgs.warnings import ProbableMistake
 
 
 class InvalidBelief(VoaClientError):
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("a session has its own belief: --belief goes with a scenario file")
     try:
         with service_at(options.url) as client:
-            scenario, ranking = _rank(client, options)
+            scenario, warnings, ranking = _rank(client, options)
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
@@ -51,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.json:
         print(ranking.model_dump_json(indent=1, exclude_unset=True))
         return 0
-    print_warnings(Console(markup=False, highlight=False, stderr=True), scenario.warnings)
+    print_warnings(Console(markup=False, highlight=False, stderr=True), warnings)
     console = Console(markup=False, highlight=False)  # names are printed as they are
     best = ranking.best_grasp_before or "none"
     before = share(ranking.expected_score_before, 3)
@@ -62,19 +63,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _rank(client: Client, options: argparse.Namespace) -> tuple[Scenario, Ranking]:
-    """Ask for the ranking; returns it with the scenario that it is of."""
+def _rank(client: Client, options: argparse.Namespace) -> tuple[Scenario, list[ProbableMistake], Ranking]:
+    """Ask for the ranking; returns the scenario that it is of, and what is warned of, with it."""
     asked = VoaRequest(definition=options.definition, grasps=options.grasps)
     if options.session is not None:
         scenario = client.get_scenario(client.get_session(options.session).scenario)
-        return scenario, client.rank_looks(options.session, asked)
-    scenario = load_scenario(client, options.scenario)
+        return scenario, scenario.warnings, client.rank_looks(options.session, asked)
+    scenario, of_mesh = load_with_warnings(client, options.scenario)
+    warnings = [*of_mesh, *scenario.warnings]
     if options.belief is None:
         session = client.create_session(SessionRequest(scenario=scenario.id))
-        return scenario, client.rank_looks(session.id, asked)
+        return scenario, warnings, client.rank_looks(session.id, asked)
     belief = _belief(options.belief)
     request = RankingRequest(scenario=scenario.id, belief=belief, **asked.model_dump(exclude_unset=True))
-    return scenario, client.rank_once(request)
+    return scenario, warnings, client.rank_once(request)
 
 
 def _belief(text: str) -> list[float]:

@@ -9,8 +9,9 @@ from pathlib import Path
 from voa_client import Client, InvalidRequestError, VoaClientError
 from voa_client.files import read_file
 from voa_msgs.base import Positive
-from voa_msgs.objects import UpAxis
+from voa_msgs.objects import Object, UpAxis
 from voa_msgs.scenarios import Scenario, ScenarioRequest
+from voa_msgs.warnings import ProbableMistake
 
 _STORED = re.compile(r"[0-9a-f]{64}")
 _OF_THE_MESH = {"scale", "up"}
@@ -30,7 +31,12 @@ class ScenarioFile(ScenarioRequest):
 
 
 def load_scenario(client: Client, path: Path) -> Scenario:
-    """Store the scenario of a file, its mesh first if it names one.
+    """Store the scenario of a file, its mesh first if it names one; raises as `load_with_warnings`."""
+    return load_with_warnings(client, path)[0]
+
+
+def load_with_warnings(client: Client, path: Path) -> tuple[Scenario, list[ProbableMistake]]:
+    """Store the scenario of a file, its mesh first if it names one; returns what is warned of about the mesh, too.
 
     Raises:
         InvalidScenarioFile: the file is not there or not a scenario, or its mesh is not there or not read.
@@ -39,9 +45,14 @@ def load_scenario(client: Client, path: Path) -> Scenario:
     told = read_file(ScenarioFile, path, InvalidScenarioFile)
     mesh = _mesh(told, path)
     given = {name: getattr(told, name) for name in told.model_fields_set - _OF_THE_MESH}
+    warnings: list[ProbableMistake] = []
     if mesh is not None:
-        given["object"] = _uploaded(client, told, path, mesh)
-    return client.create_scenario(ScenarioRequest.model_construct(**given))
+        uploaded = _uploaded(client, told, path, mesh)
+        given["object"], warnings = uploaded.id, uploaded.warnings
+    scenario = client.create_scenario(ScenarioRequest.model_construct(**given))
+    if mesh is None and scenario.object is not None:
+        warnings = client.get_object(scenario.object).warnings
+    return scenario, warnings
 
 
 def _mesh(told: ScenarioFile, path: Path) -> Path | None:
@@ -64,10 +75,10 @@ def _mesh(told: ScenarioFile, path: Path) -> Path | None:
     return None
 
 
-def _uploaded(client: Client, told: ScenarioFile, path: Path, mesh: Path) -> str:
-    """The id of a mesh file's object, once it is stored."""
+def _uploaded(client: Client, told: ScenarioFile, path: Path, mesh: Path) -> Object:
+    """The object of a mesh file, once it is stored."""
     try:
-        return client.create_object(mesh, scale=1.0 if told.scale is None else told.scale, up=told.up).id
+        return client.create_object(mesh, scale=1.0 if told.scale is None else told.scale, up=told.up)
     except OSError as error:
         raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.strerror}") from error
     except InvalidRequestError as error:

@@ -1,15 +1,17 @@
 """Warnings of the service, as a person reads them."""
 
 from collections.abc import Sequence
+from textwrap import fill, indent
 
 from rich.console import Console
-from rich.padding import Padding
 
 from voa_msgs.warnings import ProbableMistake
+
+_INDENT = "  "
 
 
 def print_warnings(console: Console, warnings: Sequence[ProbableMistake]) -> None:
     """Print one paragraph for each warning: its kind, then its sentence."""
     for warning in warnings:
         console.print(f"warning: {warning.kind}", style="yellow")
-        console.print(Padding(warning.detail, (0, 0, 0, 2)))
+        console.print(indent(fill(warning.detail, console.width - len(_INDENT)), _INDENT), soft_wrap=True)

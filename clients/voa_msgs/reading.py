@@ -104,6 +104,8 @@ def problem(kind: Any, error: Mapping[str, Any]) -> str:
         case "finite_number":
             found = f", got {error['input']}" if isinstance(error["input"], float) else ""
             return f"expected a finite number{found}; {NO_SUCH_NUMBER}"
+        case "value_error" if str(error["msg"]).endswith("Expected UploadFile, received: <class 'str'>"):
+            return "expected a file, with a name whose ending says its type"
         case "model_type" | "model_attributes_type":
             return f"expected an object with fields, got {_called(error['input'])}"
         case _:

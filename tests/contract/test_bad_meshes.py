@@ -162,6 +162,15 @@ def test_a_bad_mesh_gets_its_problem_and_is_not_stored(service: Service, case: C
         ("no file", {"data": {"name": "box"}}, {}, 422, "invalid-request"),
         ("text for a file", {"data": {"file": BOX}}, {}, 422, "invalid-request"),
         ("JSON", {"json": {"file": BOX}}, {}, 422, "invalid-request"),
+        ("a misspelt field", {"files": {"file": ("b.obj", BOX)}, "data": {"Up": "+Y"}}, {}, 422, "invalid-request"),
+        (
+            "two files",
+            {"files": [("file", ("a.obj", BOX)), ("file", ("b.obj", BOX))]},
+            {},
+            422,
+            "invalid-request",
+        ),
+        ("a file without a name", {"files": {"file": ("", BOX)}}, {}, 422, "invalid-request"),
         ("junk", {"content": b"junk"}, {"content-type": "multipart/form-data; boundary=x"}, 400, "malformed-form"),
         ("no boundary", {"content": b"junk"}, {"content-type": "multipart/form-data"}, 400, "malformed-form"),
         (
@@ -180,6 +189,11 @@ def test_a_form_that_is_none_gets_its_problem(
     before = service.stored()
     check_problem(service.http.post("/v1/objects", headers=headers, **form), status, kind, "")
     assert service.stored() == before
+
+
+def test_a_misspelt_form_field_is_told_with_the_fields_there_are(service: Service) -> None:
+    answer = service.http.post("/v1/objects", files={"file": ("box.obj", BOX)}, data={"scales": "0.001"})
+    assert answer.json()["detail"] == "body.scales: no such field: expected one of file, name, scale, up"
 
 
 def test_a_form_sent_in_chunks_beyond_the_limit_is_cut_off(service: Service) -> None:

@@ -70,3 +70,24 @@ def test_a_file_that_cannot_be_used_is_no_warning(
     assert out == ""
     assert err.startswith("voa check: ")
     assert "poses" in err
+
+
+def test_what_is_warned_of_about_the_mesh_is_not_lost_on_the_way(
+    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path
+) -> None:
+    file = write(tmp_path, workspace={"min": [-0.1, -0.1], "max": [0.1, 0.1]})
+    body = json.loads(file.read_text(encoding="utf-8"))
+    flat = "".join(
+        "v {} {} {}\n".format(*line.split()[1::2], line.split()[2]) if line.startswith("v ") else f"{line}\n"
+        for line in box_obj().splitlines()
+    )  # y and z change places: the box stands on y = 0
+    (tmp_path / "box.obj").write_text(flat, encoding="utf-8")
+    for command in ("check", "rank"):
+        main([command, str(file), "--url", process])
+        told = " ".join("".join(capfd.readouterr()).split())
+        assert "warning: up-axis" in told
+        assert "stands on its file's plane y = 0" in told
+    large = tmp_path / "large.json"
+    large.write_text(json.dumps(body | {"scale": 100}), encoding="utf-8")
+    main(["rank", str(large), "--url", process])
+    assert "warning: extent" in "".join(capfd.readouterr())

@@ -63,7 +63,7 @@ def mistakes_of_heights(poses: PoseSet, mesh: Mesh, effort: Effort) -> list[Mist
     if (np.abs(lowest_points(corners @ turn.T, verticals, heights)) <= REST_M).all():
         detail = (
             f"the mesh was read with {mesh.up} up; with {other} up it would rest on the table at every pose. Upload it "
-            f"again with up={other} if that is up in its file"
+            f'again with up={other} if that is up in its file (in a scenario file, "up" stands beside "object")'
         )
         found.append(Mistake("up-axis", detail, names))
     return found

@@ -14,6 +14,7 @@ from voa_service.meshes.triangles import Floats, Indices, Unreadable
 
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_MOST_ELEMENTS = 2**31
 _UNSIGNED = (5121, 5123, 5125)
 
 T = TypeVar("T")
@@ -62,6 +63,8 @@ class Buffers:
         component, width = _COMPONENTS.get(accessor.component_type), _WIDTHS.get(accessor.type)
         if component is None or width is None:
             raise Unreadable(f"accessor {index}: no glTF component type {accessor.component_type} of {accessor.type!a}")
+        if accessor.count > _MOST_ELEMENTS:
+            raise Unreadable(f"accessor {index}: expected at most {_MOST_ELEMENTS} elements, got {accessor.count}")
         dtype, shape = np.dtype(component), (accessor.count, width)
         if accessor.buffer_view is None:
             dense: Numbers = np.zeros(shape, dtype)

@@ -8,16 +8,18 @@ from voa_service.meshes.units import LARGE_M, SMALL_M, unit_hint
 _ON_THE_TABLE = 1e-6  # of the object's size
 
 
-def extent_mistakes(mesh: Object) -> list[ProbableMistake]:
+def extent_mistakes(mesh: Object, scale: float | None = None) -> list[ProbableMistake]:
     """Warn of an object that is hardly one for an arm, and name the scales to try.
 
-    The scale that was applied is not kept: too large is most often a file in millimetres read at 1, too small a file
-    in metres read at 0.001.
+    Args:
+        mesh: in metres.
+        scale: what was applied to its file. None: it is not known any more; then too large is most often a file in
+            millimetres read at 1, too small a file in metres read at 0.001.
     """
     size = float(mesh.extents.max())
     if SMALL_M <= size <= LARGE_M:
         return []
-    hint = unit_hint(size, 1.0 if size > LARGE_M else 0.001)
+    hint = unit_hint(size, scale or (1.0 if size > LARGE_M else 0.001))
     usual = f"objects for an arm measure {1e3 * SMALL_M:g} mm to {LARGE_M:g} m"
     return [ProbableMistake(kind="extent", detail=f"the object measures {size:g} m, {usual}: {hint}")]
 
@@ -38,7 +40,8 @@ def up_mistakes(mesh: Object, applied: UpAxis) -> list[ProbableMistake]:
     other = "+Y" if applied == "+Z" else "+Z"
     detail = (
         f"the mesh was read with {applied} up, and it stands on its file's plane {other[1].lower()} = 0, "
-        f"around that axis: upload it with up={other} if {other} is up in the file, with up={applied} if not"
+        f"around that axis: upload it with up={other} if {other} is up in the file, with up={applied} if not (in a "
+        f'scenario file, "up" stands beside "object")'
     )
     return [ProbableMistake(kind="up-axis", detail=detail)]
 

@@ -26,7 +26,7 @@ _REFUSED = {
     b"call": "a call of another file",
     b"csh": "a command for a shell",
 }
-_CORNERS = re.compile(rb"(?:\s*[-+]?\d+(?:/[-+]?\d*){0,2}(?=\s|$))+\s*")
+_CORNERS = re.compile(rb"(?:\s*[-+]?\d{1,1000}(?:/[-+]?\d*){0,2}(?=\s|$))+\s*")
 _FARTHEST = 2**31
 
 

@@ -1,6 +1,7 @@
 """The header of a PLY file: which elements follow, and what each record of them has."""
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4
 _TYPES |= {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"}
 _TYPES |= {"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"}
 _ORDERS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}
+_MOST_LINES = 10_000  # comments included
 _START = re.compile(rb"\s*ply[ \t]*(\r\n|\n|\r)")
 _END = re.compile(rb"[\r\n][ \t]*end_header[ \t]*(?=[\r\n]|$)")
 
@@ -71,7 +73,10 @@ def read_header(content: bytes) -> Header:
     newline = start[1]
     data_at = end.end() + (len(newline) if content.startswith(newline, end.end()) else 1)
     order, elements = "", list[Element]()
-    for line in re.split(rb"[\r\n]+", content[start.end() : end.start()]):
+    lines = re.split(rb"[\r\n]+", content[start.end() : end.start()])
+    if len(lines) > _MOST_LINES:
+        raise Unreadable(f"expected a header of at most {_MOST_LINES} lines, got {len(lines)}")
+    for line in lines:
         words = line.decode("latin-1").split()
         match words:
             case [] | ["comment" | "obj_info", *_]:
@@ -103,10 +108,9 @@ def _property(words: list[str]) -> Property | None:
 
 
 def _check(elements: list[Element]) -> None:
-    names = [element.name for element in elements]
-    for name in names:
-        if names.count(name) > 1:
-            raise Unreadable(f"the header has two elements {shown(name.encode())}")
+    name, times = Counter(element.name for element in elements).most_common(1)[0] if elements else ("", 0)
+    if times > 1:
+        raise Unreadable(f"the header has two elements {shown(name.encode())}")
     for element in elements:
         properties = [property_.name for property_ in element.properties]
         if not properties or len(set(properties)) < len(properties):

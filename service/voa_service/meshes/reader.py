@@ -15,6 +15,7 @@ from voa_msgs.objects import UpAxis
 from voa_service.failures import INVALID_MESH, MESH_TYPE, TOO_LARGE, Failure
 from voa_service.meshes.parsing import MESH_TYPES
 from voa_service.meshes.units import unit_hint
+from voa_service.meshes.worker import TOO_MANY_FACES
 
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
@@ -48,8 +49,6 @@ class SubprocessMeshReader:
         if not content:
             raise Failure(INVALID_MESH, "expected a mesh, got an empty file")
         vertices, faces = self._parse(content, mesh_type)
-        if len(faces) > self.faces:
-            raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {len(faces)}: simplify the mesh")
         _check_count(len(faces))
         try:
             object_ = Object.from_arrays(turned_up(vertices, up), faces, scale)
@@ -61,13 +60,16 @@ class SubprocessMeshReader:
 
     def _parse(self, content: bytes, mesh_type: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         command = [sys.executable, "-B", "-m", "voa_service.meshes.worker", mesh_type]
-        command += [str(self.mebibytes), str(self.seconds)]
+        command += [str(self.mebibytes), str(self.seconds), str(self.faces)]
         try:
             done = subprocess.run(  # noqa: S603 - our own module, no shell
                 command, input=content, capture_output=True, timeout=self.seconds, check=False, env=environment()
             )
         except subprocess.TimeoutExpired as error:
             raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it") from error
+        if done.returncode == TOO_MANY_FACES:
+            found = int(done.stdout)
+            raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {found}: simplify the mesh")
         if done.returncode != 0:
             said = done.stderr.decode(errors="replace").strip().splitlines()
             why = said[-1][:300] if said else "it takes too much time or memory: simplify it"

@@ -9,7 +9,9 @@ from voa_service.meshes.triangles import Floats, Triangles, Unreadable
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_PATTERN = [b"facet", b"normal", None, None, None, b"outer", b"loop"]
+_ANY = b"*"
+"""A number of a normal: it is passed over, whatever a program writes for one that has no direction."""
+_PATTERN: list[bytes | None] = [b"facet", b"normal", _ANY, _ANY, _ANY, b"outer", b"loop"]
 _PATTERN += 3 * [b"vertex", None, None, None] + [b"endloop", b"endfacet"]
 _PARTS = {b"facet", b"vertex", b"endloop", b"endfacet"}
 _BOUNDARY = re.compile(rb"^[ \t]*(solid|endsolid)(?:[ \t][^\n]*)?$", re.MULTILINE | re.IGNORECASE)
@@ -77,19 +79,20 @@ def _facets(words: list[bytes]) -> Floats:
             column = words[place::length]
             if keyword is None:
                 columns.append(numbers(column))
-            elif any(word != keyword and word.lower() != keyword for word in column):
+            elif keyword != _ANY and any(word != keyword and word.lower() != keyword for word in column):
                 raise ValueError(keyword)
     except ValueError as error:
         at = next(k for k, word in enumerate(words) if not _fits(word, _PATTERN[k % length]))
-        expected = ascii((_PATTERN[at % length] or b"a number").decode())
+        keyword = _PATTERN[at % length]
+        expected = "a number" if keyword is None else ascii(keyword.decode())
         raise Unreadable(f"facet {at // length + 1}: expected {expected}, got {shown(words[at])}") from error
     if len(words) % length:
         raise Unreadable(f"facet {len(words) // length + 1} is not whole: is the file cut off?")
-    return np.array(columns[3:], dtype=np.float64).T.reshape(-1, 3, 3)
+    return np.array(columns, dtype=np.float64).T.reshape(-1, 3, 3)
 
 
 def _fits(word: bytes, keyword: bytes | None) -> bool:
-    return is_number(word) if keyword is None else word.lower() == keyword
+    return is_number(word) if keyword is None else keyword in (_ANY, word.lower())
 
 
 def _soup(corners: Floats) -> Triangles:

@@ -1,7 +1,8 @@
-"""The process that reads one untrusted mesh: `python -m voa_service.meshes.worker TYPE MEBIBYTES SECONDS`.
+"""The process that reads one untrusted mesh: `python -m voa_service.meshes.worker TYPE MEBIBYTES SECONDS FACES`.
 
-The file comes on stdin; vertices and faces leave on stdout as npz. Nothing else is opened: neither materials nor
-addresses in the file lead anywhere.
+The file comes on stdin; the vertices that faces use, and the faces, leave on stdout as npz: no more than so many, for
+the process that waits has no limits of its own. Nothing else is opened: neither materials nor addresses in the file
+lead anywhere.
 """
 
 import io
@@ -9,8 +10,11 @@ import os
 import resource
 import sys
 
+TOO_MANY_FACES = 3
+"""Exit code of a file that has more faces than are wanted; their number is on stdout."""
 
-def main(mesh_type: str, mebibytes: int, seconds: int) -> None:
+
+def main(mesh_type: str, mebibytes: int, seconds: int, faces: int) -> None:
     """Limit this process, then read; a file that cannot be read ends it with one line on stderr."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     resource.setrlimit(resource.RLIMIT_AS, (mebibytes * 2**20, mebibytes * 2**20))
@@ -29,10 +33,16 @@ def main(mesh_type: str, mebibytes: int, seconds: int) -> None:
         sys.exit(str(error))
     except MemoryError:
         sys.exit(f"reading it takes more than {mebibytes} MiB: simplify it")
+    except Exception as error:  # a file that nobody thought of
+        sys.exit(f"its parts contradict one another ({type(error).__name__})")
+    if len(found.faces) > faces:
+        print(len(found.faces))
+        sys.exit(TOO_MANY_FACES)
+    used, corners = np.unique(found.faces, return_inverse=True)
     out = io.BytesIO()
-    np.savez(out, vertices=found.vertices, faces=found.faces)
+    np.savez(out, vertices=found.vertices[used], faces=corners.reshape(-1, 3))
     sys.stdout.buffer.write(out.getvalue())
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))

@@ -10,7 +10,7 @@ from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses, UpAxis
 from voa_service.cache import Cache
 from voa_service.failures import INVALID_MESH, TOO_LARGE, Failure, not_found
 from voa_service.mapping import object_message
-from voa_service.meshes.mistakes import default_up, up_mistakes
+from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store, StoredObject
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
@@ -54,8 +54,8 @@ class Objects:
         mesh = self.read(content, mesh_type, scale, applied)
         there, new = self.store.put_object(StoredObject(mesh, called, self.now(), applied))
         answer = object_message(replace(there, up=applied))
-        doubts = [] if up else up_mistakes(mesh, applied)
-        return answer.model_copy(update={"warnings": [*answer.warnings, *doubts]}), new
+        doubts = extent_mistakes(mesh, scale) + ([] if up else up_mistakes(mesh, applied))
+        return answer.model_copy(update={"warnings": doubts}), new
 
     def get(self, id_: str) -> Object:
         """One mesh."""

@@ -1,13 +1,17 @@
 """Untrusted meshes are read in a process with limits; what happens there stays there."""
 
+import json
 import os
+import struct
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
 
 from tests.serving import box_obj
+from tests.voa_service.meshes.files import POINTS, Gltf
 from voa_service.failures import Failure
 from voa_service.meshes.reader import SubprocessMeshReader, environment
 
@@ -61,7 +65,7 @@ def test_the_process_can_write_no_file(tmp_path: Path) -> None:
     program = (
         "import io, sys\n"
         "from voa_service.meshes.worker import main\n"
-        "main('obj', 2048, 30)\n"
+        "main('obj', 2048, 30, 1000)\n"
         "try:\n"
         "    io.open('left.txt', 'w', buffering=1).write('behind\\n')\n"
         "except OSError as error:\n"
@@ -81,3 +85,48 @@ def test_the_process_that_reads_knows_no_secret(monkeypatch: pytest.MonkeyPatch)
     assert "secret" not in "".join(told.values())
     assert told["PYTHONPATH"] == "somewhere"
     assert "PATH" in told
+
+
+def test_a_file_that_says_much_in_few_bytes_costs_its_reader_alone() -> None:
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"count": 3, "type": "VEC3", "componentType": 5126},
+            {"count": 9_000_000, "type": "SCALAR", "componentType": 5125},
+        ],
+    }
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    file = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
+    tracemalloc.start()
+    with pytest.raises(Failure, match="at most 1000 faces, got 3000000") as refused:
+        reader()(file, "glb", 1.0, "+Z")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert refused.value.status == 413
+    assert most < 2 * 2**20
+
+
+@pytest.mark.parametrize("count", [2**31 + 1, 10**18])
+def test_a_count_that_no_file_can_hold_is_refused_by_name(count: int) -> None:
+    made = Gltf()
+    made.mesh(made.triangles(POINTS))
+    made.document["accessors"][0]["count"] = count
+    del made.document["accessors"][0]["bufferView"]
+    with pytest.raises(Failure, match=f"at most {2**31} elements, got {count}"):
+        reader()(made.file(), "glb", 1.0, "+Z")
+
+
+def test_an_index_of_thousands_of_digits_is_none() -> None:
+    with pytest.raises(Failure, match="expected the vertices of a face"):
+        reader()(BOX + b"f " + b"9" * 5000 + b" 1 2\n", "obj", 1.0, "+Z")
+
+
+@pytest.mark.parametrize("elements", [20_000, 400_000])
+def test_a_header_without_end_is_refused_at_once(elements: int) -> None:
+    header = b"ply\nformat ascii 1.0\n" + b"".join(b"element e%d 0\n" % i for i in range(elements)) + b"end_header\n"
+    with pytest.raises(Failure, match="a header of at most 10000 lines"):
+        reader()(header, "ply", 1.0, "+Z")

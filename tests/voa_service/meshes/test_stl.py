@@ -28,6 +28,7 @@ READ_TEXT = {
     "padding": TEXT + "\n\n \0\0\x1a",
     "facets on one line": changed(TEXT, ("facet normal 0 0 0\n outer loop\n", "facet normal 0 0 0 outer loop ")),
     "normals that are no numbers": TEXT.replace("normal 0 0 0", "normal nan nan nan"),
+    "normals of a Windows program": TEXT.replace("normal 0 0 0", "normal -nan(ind) -1.#IND 1.#QNAN"),
 }
 
 
@@ -74,10 +75,10 @@ REFUSED = {
         changed(TEXT, (" endloop", "  vertex 0 0 0\n endloop")).encode(),
         "facet 1: expected 'endloop', got 'vertex'",
     ),
-    "a word for a number": (changed(TEXT, ("-0.05", "five")).encode(), "facet 1: expected 'a number', got 'five'"),
+    "a word for a number": (changed(TEXT, ("-0.05", "five")).encode(), "facet 1: expected a number, got 'five'"),
     "an underscore in a number": (
         changed(TEXT, ("-0.05", "-0_5")).encode(),
-        "facet 1: expected 'a number', got '-0_5'",
+        "facet 1: expected a number, got '-0_5'",
     ),
     "a facet outside of a solid": (
         changed(TEXT, ("endsolid step\n", "")).encode() + b"endsolid\nfacet\n",

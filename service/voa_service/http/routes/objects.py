@@ -1,15 +1,19 @@
 """/v1/objects."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from annotated_types import Gt
-from fastapi import APIRouter, Form, Response, UploadFile
+from fastapi import APIRouter, Form, Request, Response, UploadFile
 
 from voa_msgs.base import Name
 from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
+from voa_service.failures import INVALID, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.services import Services
+
+_FIELDS = ("file", "name", "scale", "up")
 
 
 def routes(services: Services) -> APIRouter:
@@ -27,6 +31,7 @@ def routes(services: Services) -> APIRouter:
         },
     )
     async def create_object(
+        request: Request,
         file: UploadFile,
         name: Annotated[Name | None, Form(description="Default: the file's name.")] = None,
         scale: Annotated[float, Gt(0.0), Form(description="Metres per unit of the file.", allow_inf_nan=False)] = 1.0,
@@ -36,6 +41,7 @@ def routes(services: Services) -> APIRouter:
         ] = None,
     ) -> Response:
         """Store a mesh: OBJ, STL, PLY or GLB, by the file's ending."""
+        _check_fields([name for name, _ in (await request.form()).multi_items()])
         content = await file.read()
         filename = file.filename or ""
         return await created(services.heavy, lambda: objects.create(content, filename, name, scale, up))
@@ -56,3 +62,12 @@ def routes(services: Services) -> APIRouter:
         return await answer(services.rests, lambda: objects.stable_poses(id))
 
     return router
+
+
+def _check_fields(given: Sequence[str]) -> None:
+    """Refuse form fields that there are not, and such as come twice."""
+    for name in given:
+        if name not in _FIELDS:
+            raise Failure(INVALID, f"body.{name}: no such field: expected one of {', '.join(_FIELDS)}")
+        if given.count(name) > 1:
+            raise Failure(INVALID, f"body.{name}: expected once, got {given.count(name)} times")
