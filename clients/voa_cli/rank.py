@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     before = share(ranking.expected_score_before, 3)
     console.print(f"best grasp without a look: {best}, expected score {before}\n")
     console.print(f"Where to look: Value of Assistance, VOA ({ranking.definition})")
-    console.print(ranking_table(ranking, costs=any(look.cost for look in ranking.ranking)))
+    console.print(ranking_table(console, ranking))
     console.print(recommendation(ranking, scenario.min_gain), style="bold")
     return 0
 

@@ -1,31 +1,40 @@
 """Tables that several commands print."""
 
+from rich.console import Console
 from rich.table import Column, Table
 
 from voa_client.readable import bar, ranks, scale, share, signed, unsigned
 from voa_msgs.rankings import Ranking
 from voa_msgs.scenarios import GivenScores, Scenario
 
-_BAR, _SHORT_BAR = 24, 12
-"""Characters of a full bar: without costs, and with them, so that a line has at most 80."""
+_BAR, _FEWEST = 24, 8
+"""Characters of a full bar where a line has room for it, and those below which none is drawn."""
+_EDGE = 3  # characters between a column and the next
 
 
-def ranking_table(ranking: Ranking, costs: bool) -> Table:
-    """Show the looks of a ranking, best first, with their VOA as a bar; with `costs` their net value too."""
+def ranking_table(console: Console, ranking: Ranking) -> Table:
+    """Show the looks of a ranking, best first; what they cost and are worth net of it, if one costs anything.
+
+    Their VOA is drawn as a bar, as long as the console's line has room for beside the figures.
+    """
     most = max((look.voa for look in ranking.ranking), default=0.0)
-    width = _SHORT_BAR if costs else _BAR
-    table = Table(
-        Column("rank", justify="right"),
-        "sensor",
-        Column("VOA", justify="right"),
-        Column(scale(most), no_wrap=True, min_width=width),
-    )
+    plain = _table(ranking, most, 0)
+    room = console.width - console.measure(plain).maximum - _EDGE
+    return plain if room < _FEWEST else _table(ranking, most, min(_BAR, room))
+
+
+def _table(ranking: Ranking, most: float, width: int) -> Table:
+    """The table with bars of so many characters for a VOA of `most`; without them for 0."""
+    costs = any(look.cost for look in ranking.ranking)
+    table = Table(Column("rank", justify="right"), "sensor", Column("VOA", justify="right", no_wrap=True))
+    if width:
+        table.add_column(scale(most), no_wrap=True, min_width=width)
     for heading in (*(("cost", "net value") if costs else ()), "score after"):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for rank, look in zip(ranks(ranking), ranking.ranking, strict=True):
+        drawn = (bar(look.voa, most, width),) if width else ()
         money = (unsigned(look.cost), signed(look.net_value)) if costs else ()
-        after = share(look.expected_score_after, 3)
-        table.add_row(rank, look.sensor, signed(look.voa), bar(look.voa, most, width), *money, after)
+        table.add_row(rank, look.sensor, signed(look.voa), *drawn, *money, share(look.expected_score_after, 3))
     return table
 
 

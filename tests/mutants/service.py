@@ -34,8 +34,8 @@ MUTANTS = (
     Mutant(
         name="an outcome erases last_fit_rmsd_mm",
         file="service/voa_service/usecases/sessions.py",
-        old="report_of(scenario, done), state.last_fit_rmsd_mm)",
-        new="report_of(scenario, done), None)",
+        old="done, report, state.last_fit_rmsd_mm, warnings)",
+        new="done, report, None, warnings)",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
