@@ -201,8 +201,30 @@ def test_costs_fit_80_columns_and_names_in_brackets_are_printed(
     assert main(["rank", str(tmp_path / "scenario.json"), "--url", process]) == 0
     out = capfd.readouterr().out
     assert max(map(len, out.splitlines())) <= 80
-    assert "│ [NNE]  │ +0.169 │ ███████████  │ 0.030 │    +0.139 │" in out
+    assert "│ [NNE]  │ +0.169 │ █" in out
+    assert "│ 0.030 │    +0.139 │" in out
     assert "look from [NNE] first: its net value +0.139" in out
+
+
+@pytest.mark.parametrize(("columns", "bars"), [(60, False), (72, True), (100, True)])
+def test_bars_are_drawn_where_a_line_has_room_beside_whole_figures(
+    capfd: pytest.CaptureFixture[str],
+    process: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    columns: int,
+    bars: bool,
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    told = json.loads(asset("block/scenario.json").read_bytes())
+    told["object"] = str(asset("block/block.obj"))
+    told["sensors"][0]["cost"] = 0.01
+    (tmp_path / "scenario.json").write_text(json.dumps(told), encoding="utf-8")
+    assert main(["rank", str(tmp_path / "scenario.json"), "--url", process]) == 0
+    out = capfd.readouterr().out
+    assert max(map(len, out.splitlines())) <= columns
+    assert "…" not in out
+    assert ("█" in out) is bars
 
 
 def test_a_session_s_ranking_is_explained_by_its_scenario(
