@@ -7,8 +7,8 @@ from voa_client.readable import bar, ranks, scale, share, signed, unsigned
 from voa_msgs.rankings import Ranking
 from voa_msgs.scenarios import GivenScores, Scenario
 
-_BAR, _FEWEST = 24, 8
-"""Characters of a full bar where a line has room for it, and those below which none is drawn."""
+_BAR = 24
+"""Characters of a full bar where a line has room for it."""
 _EDGE = 3  # characters between a column and the next
 
 
@@ -20,7 +20,7 @@ def ranking_table(console: Console, ranking: Ranking) -> Table:
     most = max((look.voa for look in ranking.ranking), default=0.0)
     plain = _table(ranking, most, 0)
     room = console.width - console.measure(plain).maximum - _EDGE
-    return plain if room < _FEWEST else _table(ranking, most, min(_BAR, room))
+    return plain if room < len(scale(most)) or most <= 0.0 else _table(ranking, most, min(_BAR, room))
 
 
 def _table(ranking: Ranking, most: float, width: int) -> Table:
