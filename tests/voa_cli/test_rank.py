@@ -206,7 +206,7 @@ def test_costs_fit_80_columns_and_names_in_brackets_are_printed(
     assert "look from [NNE] first: its net value +0.139" in out
 
 
-@pytest.mark.parametrize(("columns", "bars"), [(60, False), (72, True), (100, True)])
+@pytest.mark.parametrize(("columns", "bars"), [(60, False), (72, False), (74, True), (100, True)])
 def test_bars_are_drawn_where_a_line_has_room_beside_whole_figures(
     capfd: pytest.CaptureFixture[str],
     process: str,
