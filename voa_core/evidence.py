@@ -1,4 +1,4 @@
-"""What one scan says of every pose: a weight each, how well each fits, and whether the object is in it at all."""
+"""Comparison of one scan with every pose: a weight each, how well each fits, and whether the scan shows the object."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -135,7 +135,7 @@ class AsyncClient:
         return self._items(calls.list_scenarios)
 
     async def warnings(self, scenario_id: str) -> Warnings:
-        """Everything that is probably wrong with a scenario."""
+        """Ask for everything that is probably wrong with a scenario."""
         return await self._do(calls.warnings(scenario_id))
 
     async def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:

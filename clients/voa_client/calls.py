@@ -62,7 +62,7 @@ class Upload:
         return {"filename": self.filename, "file": file, "scale": float(self.scale)} | self._stated()
 
     def _stated(self) -> dict[str, str]:
-        """What the caller has stated of what may be left out."""
+        """Pick the form fields that the caller has stated; the others keep their defaults."""
         given = {"name": self.name, "up": self.up}
         return {name: value for name, value in given.items() if value is not None}
 
@@ -180,7 +180,7 @@ def list_scenarios(after: str | None) -> Call[ScenarioPage]:
 
 
 def warnings(scenario_id: str) -> Call[Warnings]:
-    """What is probably wrong with a scenario."""
+    """Ask for everything that is probably wrong with a scenario."""
     return Call("scenario.warnings", "GET", "/v1/scenarios/{id}/warnings", Warnings, {"id": scenario_id}, heavy=True)
 
 

@@ -133,7 +133,7 @@ class Client:
         return self._items(calls.list_scenarios)
 
     def warnings(self, scenario_id: str) -> Warnings:
-        """Everything that is probably wrong with a scenario."""
+        """Ask for everything that is probably wrong with a scenario."""
         return self._do(calls.warnings(scenario_id))
 
     def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:

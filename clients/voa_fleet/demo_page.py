@@ -26,7 +26,7 @@ _NEXT = (
 
 @dataclass
 class Demo:
-    """What there is to show so far.
+    """The course of a demo so far, which becomes its page.
 
     Attributes:
         lines: as they were told.

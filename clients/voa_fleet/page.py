@@ -48,7 +48,7 @@ $sections
 </html>
 """)
 _NUMBER = re.compile(r"-?|[<> ]*[-+]?\d[-+\d.,/%()\[\]<> ]*(?:to [-+\d.]+ ?%?)?")
-"""What a column of numbers may hold: figures, counts, shares, intervals, and a dash where there is none."""
+"""Texts that a column of numbers may hold: figures, counts, shares, intervals, and a dash for none."""
 _LONG = 40
 """Characters that are a sentence: a column of them is not squeezed to a word a line."""
 _FIGURES, _SENTENCES = ' class="number"', ' class="long"'

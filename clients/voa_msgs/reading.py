@@ -134,7 +134,7 @@ def _within(kind: Any, part: int | str) -> Iterator[Any]:
 
 
 def _tags(kind: Any) -> list[Any]:
-    """What pydantic calls a member of a union: its tag, the values that mark it, or its name."""
+    """List the names that pydantic gives to a member of a union: its tag, the values that mark it, or its name."""
     tags: list[Any] = [mark.tag for mark in getattr(kind, "__metadata__", ()) if isinstance(mark, Tag)]
     for model in _models(kind):
         tags.append(model.__name__)

@@ -40,7 +40,7 @@ class Estimate(Message):
     last_fit_rmsd_mm: float | None
     """Fit of the newest accepted scan."""
     warnings: list[ProbableMistake] = Field(default=[])
-    """What is probably wrong with the scenario; in the answer to a scan, also with the scan."""
+    """Probable mistakes in the scenario; in the answer to a scan, also those in the scan."""
 
 
 class Session(Estimate):

@@ -115,7 +115,7 @@ def expressions(topic: str) -> tuple[str, ...]:
 
 
 def met(topic: str, key: str) -> TopicKey | None:
-    """What a key that `expressions` of a topic met says; None: it is another topic's, such as one below it."""
+    """Read a key that the `expressions` of a topic matched; None: it belongs to another topic, such as one below it."""
     try:
         told = parse_key(key)
     except InvalidTopic:

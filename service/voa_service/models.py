@@ -49,7 +49,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class _Mistakes:
-    """What is probably wrong with a scenario, as it is kept."""
+    """Probable mistakes in a scenario, as the cache keeps them."""
 
     found: tuple[Mistake, ...]
 
@@ -109,7 +109,7 @@ class Models:
         return Model(scenario, mesh, weigher)
 
     def mistakes(self, id_: str) -> tuple[Mistake, ...]:
-        """What is probably wrong with a stored scenario, by a search of bounded cost; kept.
+        """Find what is probably wrong with a stored scenario, by a search of bounded cost; the result is kept.
 
         A search that fails is logged and finds nothing: no answer about a scenario depends on it.
         """
@@ -126,7 +126,7 @@ class Models:
         return self._mistakes.get(id_, make).found
 
     def find_mistakes(self, id_: str, effort: Effort) -> tuple[Mistake, ...]:
-        """What is probably wrong with a stored scenario.
+        """Find what is probably wrong with a stored scenario, by a search of the given effort.
 
         Raises:
             Failure: there is no such scenario.

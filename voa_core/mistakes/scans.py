@@ -191,7 +191,7 @@ def _another_reading(
 
 
 def _evidence(scenario: Scenario, cuts: Contours, scan: Scan, sensor: SensorConfiguration) -> Evidence:
-    """What a scan says of the poses whose cuts are given."""
+    """Compare a scan with the poses whose cuts are given."""
     lidar, workspace = scenario.lidar, scenario.workspace
     crossing = workspace.crossing(sensor, scan.grid.angles) if workspace else None
     prediction = Prediction.of_dense(scan.grid, rasterise(cuts, sensor, scan.grid, lidar.range_max))

@@ -1,4 +1,4 @@
-"""What the lidar would see of the object at some poses from some places: the numbers that mistakes are told by."""
+"""Views of the object from some places: the numbers by which `places` finds mistakes between poses and places."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What came out, each comparison with its counts; of negative results what the rows say, and the reason."""
+"""Findings of an evaluation: each comparison with its counts, and for a negative result the rows and the reason."""
 
 from collections import Counter
 from dataclasses import dataclass, replace

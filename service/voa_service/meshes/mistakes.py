@@ -1,4 +1,4 @@
-"""What is probably a mistake in a mesh that can be used all the same."""
+"""Probable mistakes in a mesh that can be used all the same."""
 
 from voa_core.objects import Object
 from voa_msgs.objects import UpAxis

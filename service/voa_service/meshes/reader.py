@@ -79,7 +79,7 @@ class SubprocessMeshReader:
 
 
 def environment() -> dict[str, str]:
-    """What the process that reads untrusted bytes may know of this one's environment: how to run, and no secret."""
+    """Pick the part of the environment that the process of untrusted bytes may know: how to run, and no secret."""
     return {name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON)}
 
 

@@ -1,4 +1,4 @@
-"""What every reader of this package gives back, and the error of a file that it cannot read as it is meant."""
+"""Triangles, which every reader of this package returns, and the error of a file that cannot be read as it is meant."""
 
 from dataclasses import dataclass
 

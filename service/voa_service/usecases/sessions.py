@@ -212,7 +212,7 @@ class Sessions:
         return Session(**session_fields(state, scenario), warnings=list(self._warnings(state.scenario)))
 
     def _warnings(self, scenario: str) -> Sequence[ProbableMistake]:
-        """What is probably wrong with a scenario, which its sessions carry too."""
+        """Probable mistakes in a scenario, which its sessions carry too."""
         return warning_messages(self.models.mistakes(scenario))
 
     def has_answered(self, key: IdempotencyKey) -> bool:
@@ -312,7 +312,7 @@ def scenario_in_body(models: Models, id_: str) -> Scenario:
 
 
 def evidence_of(scenario: Scenario, request: ScanRequest) -> tuple[Evidence, list[ProbableMistake]]:
-    """What a raw scan says of every pose, and what is probably wrong with it."""
+    """Compare a raw scan with every pose, and find what is probably wrong with it."""
     try:
         sensor, uncertainty = place_of(scenario, request)
         scan = scan_of(request.scan, scenario.lidar)

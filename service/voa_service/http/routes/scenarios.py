@@ -47,7 +47,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.get("/scenarios/{id}/warnings", response_model=Warnings, responses=problems(404, 422, 503))
     async def get_warnings(id: str) -> Response:
-        """What is probably wrong with a scenario, over all pairs of pose and sensor configuration.
+        """Find what is probably wrong with a scenario, over all pairs of pose and sensor configuration.
 
         The warnings in the scenario's own answer come from at most 2000 such pairs.
         """
