@@ -19,7 +19,7 @@ PARTS = (
     *("CHANGELOG.md", "CONTRIBUTING.md", "Makefile", "README.md"),
     *("assets", "clients", "deploy", "service", "tests", "voa_core"),
 )
-"""What people read or run; not pyproject.toml, whose extras refer to each other: an installer finds those there."""
+"""Texts that people read or run; not pyproject.toml, whose extras refer to each other where an installer finds them."""
 
 
 def texts() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""What a session says of itself beside its belief: when it moved last, and how well its last scan fitted."""
+"""The fields of a session beside its belief: when it moved last, and how well its last scan fitted."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

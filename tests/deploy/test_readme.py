@@ -1,4 +1,4 @@
-"""What the README shows is what there is: mappings, links, folders, calls, options."""
+"""Mappings, links, folders, calls and options that the README shows exist."""
 
 import json
 import re

@@ -29,7 +29,7 @@ _BRINK_RAD = 1e-9
 
 @dataclass
 class Count:
-    """What a run compared: beams, those that hit, those on the brink, and the differences that it found."""
+    """Counts of one run: beams compared, those that hit, those on the brink, and the differences found."""
 
     beams: int = 0
     hits: int = 0

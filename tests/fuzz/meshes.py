@@ -46,7 +46,7 @@ def damaged(kind: str, rng: random.Random) -> bytes:
 
 
 def outcome(kind: str, content: bytes) -> str:
-    """What came of a file; raises AssertionError if that must not be."""
+    """Read a damaged file and name the outcome; raises AssertionError for an outcome that no file may have."""
     try:
         found = parse(kind, content)
     except Unreadable as error:

@@ -33,7 +33,7 @@ _TYPES |= {
 
 
 def polygons(kind: str, content: bytes) -> Polygons:
-    """What a file says, polygon by polygon."""
+    """The vertices and polygons of a mesh file, as its text or bytes list them."""
     return {"obj": _obj, "stl": _stl, "ply": _ply}[kind](content)
 
 

@@ -33,7 +33,7 @@ class Mutant:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a mutant: "killed", "survived", or "stale" where the text to be replaced is gone."""
+    """Result of one mutant: "killed", "survived", or "stale" where the text to be replaced is gone."""
 
     outcome: str
     test: str = ""

@@ -14,7 +14,7 @@ FIGURE = re.compile(r"its net value (.+) is more than|\((?:all|Q0): ([^)]+)\)")
 
 
 def ranking(*net_values: float, min_gain: float = 0.005, grasp: str | None = "G4") -> Ranking:
-    """What the service says of looks with these net values, best first."""
+    """Make the ranking that the service would answer for looks with these net values, best first."""
     first = net_values[0] if net_values else 0.0
     looks = [
         RankedSensor(
