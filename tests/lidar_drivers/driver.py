@@ -153,7 +153,7 @@ class Driver:
 
 @dataclass(frozen=True)
 class Header:
-    """What a LaserScan says beside its ranges; `message` rounds all of it to float32."""
+    """All fields of a LaserScan but its ranges and intensities; `message` rounds them to float32."""
 
     stamp_s: float
     frame_id: str

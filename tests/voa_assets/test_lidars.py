@@ -52,7 +52,7 @@ NOISE_M = {
     "ydlidar-tg15": 0.060 / 2.0,
     "ydlidar-x4": 0.020 / 2.0,
 }
-"""What follows from the errors that the presets' sources give."""
+"""Noise that follows from the errors in the presets' sources."""
 NOMINAL = {
     "ld19": 4500.0 / 10.0,
     "rplidar-a2": 8000.0 / 10.0,

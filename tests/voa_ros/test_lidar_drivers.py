@@ -22,7 +22,7 @@ TURNS = 12
 
 @dataclass(frozen=True)
 class Layout:
-    """What a driver's messages look like at its first rate; angles in degrees.
+    """Layout of a driver's messages at its first rate; angles in degrees.
 
     Attributes:
         beams: least and most.
@@ -73,7 +73,7 @@ def returns_of(scan: LaserScan) -> tuple[Floats, Floats]:
 
 
 def agreeing(scene: Scene, name: str, scan: LaserScan, noise: bool = True) -> Floats:
-    """Of each return, whether the scene has such a range, by 6 sigma, within the reach of its direction."""
+    """Compare each return with the scene: 1 where it has such a range, by 6 sigma, within the reach of the beam."""
     angles, ranges = returns_of(scan)
     preset = lidar_presets()[name]
     reach = (DRIVERS[name].reach_increments + 0.02) * scan.angle_increment
