@@ -117,6 +117,17 @@ class HistoryEntry:
 
 
 @dataclass(frozen=True)
+class RobotLook:
+    """A look of a mapped robot, as a session counts it."""
+
+    robot: str
+    number: int
+    """Counts the looks of this robot that the session has accepted, from 1."""
+    digest: str
+    """Of its times and ranges; the same wherever the same revolutions are received."""
+
+
+@dataclass(frozen=True)
 class Write:
     """One write to a session as it came in."""
 
@@ -126,6 +137,8 @@ class Write:
     key: IdempotencyKey | None
     if_match: frozenset[int] | None
     """The versions that the caller would accept; None: any."""
+    look: RobotLook | None = None
+    """The robot's look that a scan is; it is counted where the scan is accepted, and no number is counted twice."""
 
 
 class Store(Protocol):
@@ -184,8 +197,12 @@ class Store(Protocol):
 
         In this order: the idempotency key (seen before: that answer again, or `Failure` if the request was
         another), the version that the caller has seen (`Failure` if stale), then `step`, which must be pure and
-        quick: writers on one session wait for each other.
+        quick: writers on one session wait for each other; last, where the step changed the session, the robot's look
+        is counted (`Failure` if its number was counted before, and nothing is changed).
         """
+
+    def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
+        """At most `limit` looks of a robot that a session has accepted, the newest first."""
 
     def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
         """At most `limit` versions of a session above `after`, ascending; -1 begins with the prior."""

@@ -36,6 +36,7 @@ from voa_service.ports import (
     IdempotencyKey,
     Listed,
     Opened,
+    RobotLook,
     SessionState,
     Step,
     StoredObject,
@@ -44,6 +45,7 @@ from voa_service.ports import (
 )
 from voa_service.store.engines import connect, first, statement, transaction
 from voa_service.store.listening import CHANNEL, Listener
+from voa_service.store.looks import count_look, newest_looks
 from voa_service.store.migrate import is_current, migrate
 from voa_service.store.tables import answers, history, objects, scenarios, sessions
 
@@ -193,9 +195,16 @@ class SqlStore:
             if change.after is not None:
                 connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
                 _append(connection, change.after, write, change.report)
+                if write.look is not None:
+                    count_look(connection, id_, write.look)
                 self._tell(connection, id_)
             _remember(connection, write.key, change.answer)
         return change.answer
+
+    def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
+        """See `ports.Store`."""
+        with statement(self._single) as connection:
+            return newest_looks(connection, id_, robot, limit)
 
     def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
         """See `ports.Store`."""

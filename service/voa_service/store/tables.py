@@ -56,6 +56,15 @@ history = Table(
     Column("last_fit_rmsd_mm", Float),
 )
 
+robot_looks = Table(
+    "robot_looks",
+    metadata,
+    Column("session", String(64), ForeignKey("sessions.id", ondelete="CASCADE"), primary_key=True),
+    Column("robot", String(128), primary_key=True),
+    Column("number", Sequence, primary_key=True, autoincrement=False),
+    Column("digest", String(64), nullable=False),
+)
+
 answers = Table(
     "answers",
     metadata,

@@ -1,25 +1,51 @@
 """What was heard of robots, so that a scan that came to nothing can be seen."""
 
 import threading
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
-from voa_msgs.robots import RobotReport
+from pydantic import BaseModel, Field
+
+from voa_msgs.robots import LookReport, RobotReport
 from voa_msgs.robots import Robots as RobotsMessage
+from voa_msgs.sessions import ScanRequest, UpdateReport
+from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import INVALID, Failure, not_found
 from voa_service.ports import Clock
 
 _MOST = 1_000  # anyone may put anything as a robot's name
 
 
-@dataclass
-class _Mapped:
-    """What a mapped robot is asked, besides what was heard of it."""
+class LookOutcome(BaseModel):
+    """Fields of the answer to a scan that a robot's report needs; the others are not read."""
 
-    waiting_for: Callable[[], str | None]
-    request: Callable[[], None]
-    """Ask for a look; ValueError where looks are not taken on request."""
+    version: int
+    update: UpdateReport
+    warnings: list[ProbableMistake] = Field(default=[])
+
+
+class LookSource(Protocol):
+    """A mapped robot, as far as its report needs it."""
+
+    @property
+    def waiting_for(self) -> str | None:
+        """Condition for the next look that is not met yet; None: each scan is a look."""
+
+    @property
+    def warnings(self) -> list[ProbableMistake]:
+        """Probable mistakes in how the robot is used."""
+
+    def request(self) -> None:
+        """Ask for a look; raises ValueError where looks are not taken on request."""
+
+
+@dataclass(frozen=True)
+class _Mapped:
+    """A mapped robot, and what its mapping names."""
+
+    source: LookSource
+    scenario: str | None
+    session: str | None
 
 
 class Robots:
@@ -33,10 +59,12 @@ class Robots:
         self._mapped: dict[str, _Mapped] = {}
         self._lock = threading.Lock()
 
-    def mapped(self, robot: str, key: str, waiting_for: Callable[[], str | None], request: Callable[[], None]) -> None:
-        """A robot's topic is listened to from now on."""
+    def mapped(
+        self, robot: str, key: str, source: LookSource, *, scenario: str | None = None, session: str | None = None
+    ) -> None:
+        """Note that a robot's topic is subscribed to, for the scenario or session that its mapping names."""
         with self._lock:
-            self._mapped[robot] = _Mapped(waiting_for, request)
+            self._mapped[robot] = _Mapped(source, scenario, session)
             self._reports.setdefault((robot, "ros2"), _unheard(robot, "ros2", key))
 
     def unmapped(self, robot: str) -> None:
@@ -55,11 +83,28 @@ class Robots:
             heard = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
             self._keep(before.model_copy(update=heard))
 
-    def looked(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str) -> None:
-        """A look was applied to a session, accepted or not."""
+    def looked(
+        self,
+        robot: str,
+        source: Literal["scan", "ros2"],
+        key: str,
+        session: str,
+        request: ScanRequest,
+        outcome: LookOutcome,
+    ) -> None:
+        """Note that a look was applied to a session, accepted or not."""
+        look = LookReport(
+            at=self._now(),
+            sensor=request.sensor,
+            sensor_pose=request.sensor_pose,
+            accepted=outcome.update.accepted,
+            reason=outcome.update.reason,
+            version=outcome.version,
+        )
         with self._lock:
             before = self._report(robot, source, key)
-            self._keep(before.model_copy(update={"session": session, "looks": before.looks + 1}))
+            applied = {"session": session, "looks": before.looks + 1, "last_look": look, "warnings": outcome.warnings}
+            self._keep(before.model_copy(update=applied))
 
     def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> bool:
         """A scan could not be used; whether that is news, and not the same as for the one before."""
@@ -75,9 +120,7 @@ class Robots:
         return RobotsMessage(
             mapping_error=self.mapping_error,
             items=[
-                report.model_copy(update={"waiting_for": mapped[robot].waiting_for()})
-                if source == "ros2" and robot in mapped
-                else report
+                _as_it_stands(report, mapped[robot].source) if source == "ros2" and robot in mapped else report
                 for (robot, source), report in reports
             ],
         )
@@ -93,10 +136,10 @@ class Robots:
         if mapped is None or report is None:
             raise not_found("mapped robot", robot)
         try:
-            mapped.request()
+            mapped.source.request()
         except ValueError as error:
             raise Failure(INVALID, str(error)) from error
-        return report.model_copy(update={"waiting_for": mapped.waiting_for()})
+        return _as_it_stands(report, mapped.source)
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
         return self._reports.get((robot, source)) or _unheard(robot, source, key)
@@ -112,6 +155,12 @@ class Robots:
             if oldest is not None:
                 del self._reports[oldest]
         self._reports[named] = report
+
+
+def _as_it_stands(report: RobotReport, source: LookSource) -> RobotReport:
+    """The report of a mapped robot, with its present state."""
+    state = {"waiting_for": source.waiting_for, "warnings": [*source.warnings, *report.warnings]}
+    return report.model_copy(update=state)
 
 
 def _unheard(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:

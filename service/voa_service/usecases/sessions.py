@@ -38,6 +38,7 @@ from voa_service.ports import (
     IdempotencyKey,
     IdSource,
     Opened,
+    RobotLook,
     SessionState,
     Step,
     Store,
@@ -188,6 +189,10 @@ class Sessions:
     def newest(self, scenario: str) -> Opened | None:
         """The session on a scenario that was opened last."""
         return self.store.newest_session(scenario)
+
+    def robot_looks(self, id_: str, robot: str, limit: int) -> Sequence[RobotLook]:
+        """Looks of a mapped robot that a session has accepted, the newest first, at most `limit`."""
+        return self.store.robot_looks(id_, robot, limit)
 
     def newest_entries(self, id_: str, most: int) -> Sequence[HistoryEntry]:
         """What happened to a session last, the newest first."""
