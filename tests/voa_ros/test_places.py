@@ -32,7 +32,7 @@ MOTIONS = st.builds(Motion, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), YAWS
 def track(*poses: tuple[float, float, float, float], max_age_s: float = 0.2) -> PoseTrack:
     own = PoseTrack(max_age_s)
     for pose in poses:
-        own.hear(RobotPose(*pose))
+        own.receive(RobotPose(*pose), 0.0)
     return own
 
 
@@ -104,9 +104,9 @@ def test_a_clock_that_was_set_back_starts_a_new_track() -> None:
 def test_old_poses_are_forgotten() -> None:
     own = PoseTrack(0.2, most=10)
     for step in range(1_000):
-        own.hear(RobotPose(0.01 * step, 0.0, 0.0, 0.0))
+        own.receive(RobotPose(0.01 * step, 0.0, 0.0, 0.0), 0.0)
     assert "newer" in reason(own.at(9.0))
-    own.hear(RobotPose(9.0, 5.0, 0.0, 0.0))  # late, and older than all that are kept
+    own.receive(RobotPose(9.0, 5.0, 0.0, 0.0), 0.0)  # late, and older than all that are kept
     assert "newer" in reason(own.at(9.0))
 
 
