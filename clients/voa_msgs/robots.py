@@ -3,7 +3,9 @@
 from datetime import datetime
 from typing import Literal
 
-from voa_msgs.base import Message
+from voa_msgs import examples
+from voa_msgs.base import Id, Message
+from voa_msgs.examples import exemplified
 
 
 class RobotReport(Message):
@@ -11,7 +13,7 @@ class RobotReport(Message):
 
     robot: str
     session: str | None
-    """Where its scans go; null while that is not known."""
+    """Whose session its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
     source: Literal["scan", "ros2"]
     """Put on `scan/<session>/<robot>`, or a ROS 2 topic that is mapped."""
     key: str
@@ -42,3 +44,12 @@ class LookRequest(Message):
     """The next scans of a robot are to be a look (mode `on_request`)."""
 
     robot: str
+
+
+class ClaimRequest(Message):
+    """Say whose session a mapped robot's scans are for from now on."""
+
+    model_config = exemplified(examples.CLAIM)
+
+    session: Id | None
+    """Null: nobody's, until the next claim."""

@@ -13,10 +13,19 @@ from voa_service.ports import Clock
 _MOST = 1_000  # anyone may put anything as a robot's name
 
 
+@dataclass(frozen=True)
+class MappedTo:
+    """Whose session a robot's scans are for, as its mapping says: the named one, or one on a scenario."""
+
+    scenario: str | None
+    session: str | None
+
+
 @dataclass
 class _Mapped:
     """What a mapped robot is asked, besides what was heard of it."""
 
+    to: MappedTo
     waiting_for: Callable[[], str | None]
     request: Callable[[], None]
     """Ask for a look; ValueError where looks are not taken on request."""
@@ -25,19 +34,46 @@ class _Mapped:
 class Robots:
     """Reports by robot, as this process heard them; from any thread."""
 
-    def __init__(self, now: Clock) -> None:
+    def __init__(self, now: Clock, session_of: Callable[[str, str], str | None]) -> None:
+        """Begin with nobody heard.
+
+        Args:
+            now: the time.
+            session_of: the session that a look of a robot, mapped to a scenario, would go to now.
+        """
         self.mapping_error: str | None = None
         """Why the mapping in force is not the one that its file has."""
         self._now = now
+        self._session_of = session_of
         self._reports: dict[tuple[str, str], RobotReport] = {}
         self._mapped: dict[str, _Mapped] = {}
         self._lock = threading.Lock()
 
-    def mapped(self, robot: str, key: str, waiting_for: Callable[[], str | None], request: Callable[[], None]) -> None:
-        """A robot's topic is listened to from now on."""
+    def mapped(
+        self,
+        robot: str,
+        key: str,
+        waiting_for: Callable[[], str | None],
+        request: Callable[[], None],
+        *,
+        scenario: str | None = None,
+        session: str | None = None,
+    ) -> None:
+        """Listen to a robot's topic from now on; its mapping names either a scenario or a session."""
         with self._lock:
-            self._mapped[robot] = _Mapped(waiting_for, request)
+            self._mapped[robot] = _Mapped(MappedTo(scenario, session), waiting_for, request)
             self._reports.setdefault((robot, "ros2"), _unheard(robot, "ros2", key))
+
+    def mapped_to(self, robot: str) -> MappedTo | None:
+        """Return what the mapping says of a robot's session; None: there is no such robot in it."""
+        with self._lock:
+            mapped = self._mapped.get(robot)
+        return None if mapped is None else mapped.to
+
+    def names(self) -> list[str]:
+        """List the mapped robots by name."""
+        with self._lock:
+            return sorted(self._mapped)
 
     def unmapped(self, robot: str) -> None:
         """A robot's topic is no longer listened to."""
@@ -75,12 +111,18 @@ class Robots:
         return RobotsMessage(
             mapping_error=self.mapping_error,
             items=[
-                report.model_copy(update={"waiting_for": mapped[robot].waiting_for()})
-                if source == "ros2" and robot in mapped
-                else report
+                self._shown(report, mapped[robot]) if source == "ros2" and robot in mapped else report
                 for (robot, source), report in reports
             ],
         )
+
+    def report(self, robot: str) -> RobotReport:
+        """Report one mapped robot.
+
+        Raises:
+            Failure: no such robot is mapped.
+        """
+        return self._shown(*self._one(robot))
 
     def request_look(self, robot: str) -> RobotReport:
         """The robot's next scans are to be a look.
@@ -88,15 +130,27 @@ class Robots:
         Raises:
             Failure: no such robot is mapped, or its looks are not on request.
         """
-        with self._lock:
-            mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
-        if mapped is None or report is None:
-            raise not_found("mapped robot", robot)
+        report, mapped = self._one(robot)
         try:
             mapped.request()
         except ValueError as error:
             raise Failure(INVALID, str(error)) from error
-        return report.model_copy(update={"waiting_for": mapped.waiting_for()})
+        return self._shown(report, mapped)
+
+    def _one(self, robot: str) -> tuple[RobotReport, _Mapped]:
+        """Find a mapped robot; raises Failure where there is none."""
+        with self._lock:
+            mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
+        if mapped is None or report is None:
+            raise not_found("mapped robot", robot)
+        return report, mapped
+
+    def _shown(self, report: RobotReport, mapped: _Mapped) -> RobotReport:
+        """Complete a mapped robot's report by what holds at this moment; without the lock, it reads the store."""
+        session = mapped.to.session or report.session
+        if mapped.to.scenario is not None:
+            session = self._session_of(report.robot, mapped.to.scenario)
+        return report.model_copy(update={"session": session, "waiting_for": mapped.waiting_for()})
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
         return self._reports.get((robot, source)) or _unheard(robot, source, key)
