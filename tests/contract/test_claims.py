@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from tests.serving import Json, Service, data_scenario, serving
+from voa_client import Client, ConflictError, InvalidRequestError
+from voa_client.http import HttpTransport
 from voa_msgs.robots import RobotReport
 from voa_msgs.sessions import SessionRequest
 from voa_service.writes import ANYONE, idempotency_key
@@ -149,6 +151,35 @@ def test_a_claim_survives_the_process(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
         service.inside.robots.mapped(ROBOT, "scan", lambda: None, lambda: None, scenario=scenario)
         assert reported(service)[ROBOT] == first
+
+
+def test_a_claim_at_one_replica_holds_at_the_other(tmp_path: Path) -> None:
+    with serving(tmp_path) as one, serving(tmp_path) as other:
+        scenario = one.create(data_scenario())
+        for service in (one, other):
+            service.inside.robots.mapped(ROBOT, "scan", lambda: None, lambda: None, scenario=scenario)
+        first, second = one.open(scenario), other.open(scenario)
+        assert [reported(service)[ROBOT] for service in (one, other)] == [second, second]
+        put(one, first)
+        assert [reported(service)[ROBOT] for service in (one, other)] == [first, first]
+        assert [service.inside.claims.settle(ROBOT, scenario) for service in (one, other)] == [first, first]
+        assert other.open(scenario, robots=[ROBOT]) == reported(one)[ROBOT]
+
+
+def test_a_client_claims_and_is_told_what_contradicts_it(own: Service, scenario: str) -> None:
+    with Client(HttpTransport("http://testserver", own.http._transport)) as client:
+        first, _ = own.open(scenario), own.open(scenario)
+        assert client.claim_robot(ROBOT, first).session == first
+        assert client.claim_robot(ROBOT, None).session is None
+        opened = client.create_session(SessionRequest(scenario=scenario, robots=[ROBOT]))
+        assert reported(own)[ROBOT] == opened.id
+        other = own.open(own.create(data_scenario(name="another")))
+        with pytest.raises(ConflictError, match="is mapped to scenario") as refused:
+            client.claim_robot(ROBOT, other)
+        assert refused.value.kind == "claim-conflict"
+        with pytest.raises(InvalidRequestError, match="no session 'nothing'"):
+            client.claim_robot(ROBOT, "nothing")
+    assert reported(own)[ROBOT] == opened.id
 
 
 def test_a_robot_whose_mapping_names_a_session_is_reported_there(own: Service, scenario: str) -> None:
