@@ -118,7 +118,9 @@ def _delete(client: Client, options: argparse.Namespace) -> None:
     ids = list(dict.fromkeys(options.id))
     found = [client.get_session(id_) for id_ in ids]
     if not options.yes:
-        _confirm([f"{each.id} at version {each.version}" for each in found])
+        robots = _robots(client)
+        of = {id_: f" (session of {', '.join(names)})" for id_, names in robots.items()}
+        _confirm([f"{each.id} at version {each.version}{of.get(each.id, '')}" for each in found])
     for id_ in ids:
         client.delete_session(id_)
         print(f"deleted {id_}")

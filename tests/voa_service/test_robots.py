@@ -1,4 +1,4 @@
-"""What was heard of robots stays bounded, and those heard longest ago are forgotten first."""
+"""Reports of robots stay bounded, and show the session of each at the moment when they are asked for."""
 
 from datetime import UTC, datetime, timedelta
 from itertools import count
@@ -6,8 +6,9 @@ from itertools import count
 import pytest
 
 from voa_msgs.warnings import ProbableMistake
+from voa_service.failures import Failure
 from voa_service.usecases import robots as module
-from voa_service.usecases.robots import Robots
+from voa_service.usecases.robots import MappedTo, Robots
 
 
 class Quiet:
@@ -31,3 +32,27 @@ def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkey
     for name in ("a", "b", "c", "a", "d", "e"):
         robots.heard(name, "scan", f"scan/S/{name}", "S")
     assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
+
+
+def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_before() -> None:
+    sessions = {("r", "A"): "first"}
+    robots = Robots(lambda: NOON, lambda robot, scenario: sessions.get((robot, scenario)))
+    robots.mapped("r", "scan", lambda: "a stop", lambda: None, scenario="A")
+    robots.mapped("fixed", "scan", lambda: None, lambda: None, session="S")
+    assert [report.session for report in robots.reports().items] == ["S", "first"]
+    robots.heard("r", "ros2", "r/scan", "first")
+    sessions["r", "A"] = "second"
+    assert robots.report("r").session == robots.request_look("r").session == "second"
+    sessions.clear()
+    assert (robots.report("r").session, robots.report("r").scans) == (None, 1)
+    assert robots.report("r").waiting_for == "a stop"
+
+
+def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: None)
+    robots.mapped("r", "scan", lambda: None, lambda: None, scenario="A")
+    assert (robots.mapped_to("r"), robots.names()) == (MappedTo("A", None), ["r"])
+    robots.unmapped("r")
+    assert (robots.mapped_to("r"), robots.names()) == (None, [])
+    with pytest.raises(Failure, match="no mapped robot 'r'"):
+        robots.report("r")
