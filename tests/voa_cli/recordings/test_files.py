@@ -189,9 +189,10 @@ def test_a_layout_that_a_recording_defines_otherwise_is_brought_into_the_standar
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("x.mcap", b"this is something else", "not an MCAP file"),
-        ("x.db3", b"this is something else", "cannot be read"),
-        ("metadata.yaml", b"rosbag2_bagfile_information: 3", "cannot be read"),
+        ("x.mcap", b"this is something else", "is of an unknown kind; expected an MCAP file"),
+        ("x.db3", b"this is something else", "is of an unknown kind; expected an MCAP file"),
+        ("x.db3", b"", "is empty; expected"),
+        ("metadata.yaml", b"rosbag2_bagfile_information: 3", "has no recording in it"),
     ],
 )
 def test_what_is_no_recording_is_said_so(tmp_path: Path, name: str, content: bytes, says: str) -> None:
