@@ -5,7 +5,6 @@ room for it (TMPDIR names another). A file that was cut is unpacked as far as it
 """
 
 import bz2
-import gzip
 import lzma
 import shlex
 import tempfile
@@ -13,17 +12,18 @@ import zlib
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import IO, NamedTuple, cast
+from typing import IO, NamedTuple, Protocol, cast
 
 import zstandard
 
 from voa_cli.recordings.kinds import Kind, kind_of, without_packing
 from voa_cli.recordings.message import UnreadableRecording
 
-_BLOCK = 1 << 20
+_BLOCK = 1 << 14  # small: a few bytes can become very many
 _MOST_MESSAGE_BYTES = 1 << 28
 _MOST_LAYERS = 4
-_BROKEN = (EOFError, gzip.BadGzipFile, lzma.LZMAError, zlib.error, zstandard.ZstdError)
+_GZIP_BITS = 31
+_BROKEN = (EOFError, lzma.LZMAError, zlib.error, zstandard.ZstdError)
 
 
 class Unpacked(NamedTuple):
@@ -43,7 +43,7 @@ def unpacked(path: Path, stack: ExitStack) -> Unpacked:
     """
     kind, damage, current = kind_of(path), [], path
     for _ in range(_MOST_LAYERS):
-        if kind not in _READERS:
+        if kind not in _DECOMPRESSORS:
             break
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="voa-")))
         target = folder / without_packing(current.name)
@@ -81,34 +81,53 @@ def _unpack(source: Path, target: Path, kind: Kind, given: Path) -> bool:
     """Whether all of it could be unpacked; raises UnreadableRecording where the target cannot be written."""
     try:
         with source.open("rb") as packed, target.open("wb") as plain:
-            try:
-                reader = _READERS[kind](packed)
-                while block := reader.read(_BLOCK):
-                    plain.write(block)
-            except _BROKEN:
-                return False
-            except OSError as error:
-                if error.errno is not None:
-                    raise
-                return False  # bz2's way to say that the bytes are not its own
+            return _stream(packed, plain, _DECOMPRESSORS[kind])
     except OSError as error:
         command = _UNPACKERS[kind].format(shlex.quote(str(given)))
         raise UnreadableRecording(
             f"{given} is {kind.value}, and cannot be unpacked into {target.parent} ({error.strerror}); unpack it "
             f"first: `{command}`"
         ) from error
-    return True
 
 
-def _zstd(file: IO[bytes]) -> IO[bytes]:
-    return cast(IO[bytes], zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True))
+def _stream(packed: IO[bytes], plain: IO[bytes], make: Callable[[], "_Decompressor"]) -> bool:
+    """Whether all streams of a file are whole; what can be unpacked is written."""
+    stream, is_begun = make(), False
+    while block := packed.read(_BLOCK):
+        while block:
+            try:
+                out = stream.decompress(block)
+            except _BROKEN:
+                return False
+            except OSError:  # bz2's way to say that the bytes are not its own
+                return False
+            plain.write(out)
+            block, is_begun = (stream.unused_data, False) if stream.eof else (b"", True)
+            if stream.eof:
+                stream = make()
+    return not is_begun
 
 
-_READERS: dict[Kind, Callable[[IO[bytes]], IO[bytes]]] = {
-    Kind.ZSTD: _zstd,
-    Kind.GZIP: lambda file: cast(IO[bytes], gzip.GzipFile(fileobj=file)),
-    Kind.BZIP2: lambda file: cast(IO[bytes], bz2.BZ2File(file)),
-    Kind.XZ: lambda file: cast(IO[bytes], lzma.LZMAFile(file)),  # noqa: SIM115 - closed with the file below it
+class _Decompressor(Protocol):
+    """A decompressor of one stream, as the standard library has them."""
+
+    @property
+    def eof(self) -> bool:
+        """Whether the stream has ended."""
+
+    @property
+    def unused_data(self) -> bytes:
+        """What was given after its end."""
+
+    def decompress(self, data: bytes, /) -> bytes:
+        """Unpack what comes next."""
+
+
+_DECOMPRESSORS: dict[Kind, Callable[[], _Decompressor]] = {
+    Kind.ZSTD: lambda: cast(_Decompressor, zstandard.ZstdDecompressor().decompressobj()),
+    Kind.GZIP: lambda: zlib.decompressobj(wbits=_GZIP_BITS),
+    Kind.BZIP2: bz2.BZ2Decompressor,
+    Kind.XZ: lzma.LZMADecompressor,
 }
 _UNPACKERS = {Kind.ZSTD: "zstd -d {}", Kind.GZIP: "gunzip -k {}", Kind.BZIP2: "bunzip2 -k {}", Kind.XZ: "unxz -k {}"}
 _COMMANDS = {Kind.LZ4: "lz4 -d {}", Kind.ZIP: "unzip {}", Kind.SEVEN_ZIP: "7z x {}", Kind.TAR: "tar xf {}"}
