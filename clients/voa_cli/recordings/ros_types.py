@@ -1,5 +1,6 @@
 """ROS 2 message definitions: what a recording carries, so that others can read it, and what one may say differently."""
 
+import re
 import struct
 from collections.abc import Callable
 
@@ -13,6 +14,7 @@ POSE_WITH_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 UNDERSTOOD = (LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE)
 """Types that a look needs."""
 
+_RIHS01 = re.compile("RIHS01_[0-9a-f]{64}")
 _IDL_FILE = "=" * 80 + "\nIDL: "
 
 Decoded = Callable[[bytes], bytes]
@@ -28,9 +30,20 @@ class RosTypes:
     def __init__(self) -> None:
         self.store = get_typestore(Stores.ROS2_JAZZY)
 
-    def definition(self, type_name: str) -> str | None:
-        """The text of a type and of all that it is made of ("ros2msg"); None: no release defines it."""
+    def definition(self, type_name: str, type_hash: str | None = None) -> str | None:
+        """The text of a type and of all that it is made of ("ros2msg").
+
+        Args:
+            type_name: as in "sensor_msgs/msg/LaserScan".
+            type_hash: of the definition that is meant ("RIHS01_..."); None, or any other text: not known.
+
+        Returns:
+            None where no release defines the type, or not with this hash.
+        """
         if type_name not in self.store.fielddefs:
+            return None
+        is_told = type_hash is not None and _RIHS01.fullmatch(type_hash) is not None
+        if is_told and self.store.hash_rihs01(type_name) != type_hash:
             return None
         return self.store.generate_msgdef(type_name, ros_version=2)[0]
 
