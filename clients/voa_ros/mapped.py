@@ -70,7 +70,7 @@ class MappedLooks:
         self._localisation = localisation(mapping)
         self._frames = FrameFilter(mapping.frame_id)
         self._repeats = Repeats()
-        self._turns = TurnGatherer(grid)
+        self._turns = TurnGatherer[Received](grid)
         self._taker = LookTaker(mapping.name, mapping.look, grid)
         self._newest: Stamp | None = None
         self._frozen = 0
@@ -158,11 +158,12 @@ class MappedLooks:
         if self._repeats.is_repeated(scan, payload_digest(message.payload)):
             return self._repeated()
         scan = without_measured_limits(scan)
-        turn = self._turns.receive(upside_down(scan) if self._mapping.lidar.upside_down else scan)
+        upright = upside_down(scan) if self._mapping.lidar.upside_down else scan
+        turn = self._turns.receive(upright, message, message.received_s)
         if turn is None:
-            return self._wait(f"a whole turn of the lidar: {self._turns.segments} segments of it so far")
-        where = self._where(turn, message)
-        found = self._taker.receive(turn, where)
+            return self._wait(f"a whole turn of the lidar: segments of it so far: {self._turns.segments}")
+        where = self._where(turn.scan, turn.message)
+        found = self._taker.receive(turn.scan, where)
         self._waiting_for = self._taker.waiting_for
         if isinstance(where, NoPose):
             raise UnusableMessage(f"it is not known where the lidar was: {where.reason}")
