@@ -27,7 +27,7 @@ MOST_POSES = 1_024
 CLOCKS_APART_S = 0.5
 """Stamps whose clocks, compared at arrival, differ by more are not compared with one another."""
 COPY_WITHIN_S = 0.5
-"""A pose that arrives twice, by two bridges, does so within this; later, the same stamp says that a clock was set back."""
+"""A pose that arrives twice, by two bridges, does so within this; later, its stamp says that a clock was set back."""
 JUMP_M = 0.1
 JUMP_RAD = 0.2
 """Odometry that is set back in time and jumps farther began anew: its frame is another one."""
