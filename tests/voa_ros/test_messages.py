@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.voa_ros.ros_messages import scan, scans
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan
@@ -65,8 +64,8 @@ def test_angles_that_run_both_ways_are_told_with_all_numbers(
 def test_more_than_a_turn_is_told_in_turns(increment: float, turns: str) -> None:
     wrong = header_contradiction(header(0.0, 359 * increment, increment, 360))
     assert wrong == (
-        f"360 beams of angle_increment {increment:.6g} rad are {turns} turns: expected at most one turn, with angles in "
-        "radians"
+        f"360 beams of angle_increment {increment:.6g} rad are {turns} turns: expected at most one turn, with angles "
+        "in radians"
     )
 
 
