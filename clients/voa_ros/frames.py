@@ -37,6 +37,11 @@ class FrameFilter:
         return True
 
     @property
+    def missing(self) -> bool:
+        """Whether none of the latest scans is of the frame that is used."""
+        return self._frame_id is not None and self._frame_id not in self._recent
+
+    @property
     def others(self) -> list[str]:
         """Frames of the latest scans other than the one that is used."""
         return sorted(set(self._recent) - {self._frame_id})

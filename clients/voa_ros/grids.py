@@ -6,14 +6,15 @@ scenario's lidar, on which each of its beams takes the measured beam nearest to 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from voa_ros.messages import LaserScan
 
 GRID_WITHIN_RAD = 1e-4
 """Beams that differ by no more are the same beams, as in the service's contract."""
-_ROUNDING = 1e-6
+_MOST_SLACK = 0.05
+"""Of an increment, at most: what the float32s of angles may add to half an increment."""
 _MEASURED_WITHIN_M = 0.002
 _PICOSCAN_NEAREST_M = 0.05
 
@@ -62,26 +63,38 @@ def binned(parts: Sequence[LaserScan], grid: BeamGrid) -> list[float | None]:
         `grid.beams` ranges as the LaserScans have them; None where no measured beam is within half an increment.
     """
     ranges: list[float | None] = [None] * grid.beams
-    distances = [0.5 + _ROUNDING] * grid.beams
+    distances = [0.5 + min(GRID_WITHIN_RAD / abs(grid.angle_increment), _MOST_SLACK)] * grid.beams
     turn = math.tau / abs(grid.angle_increment)
     for part in parts:
         step = part.angle_increment / grid.angle_increment
         first = (part.angle_min - grid.angle_min) / grid.angle_increment
         for index, value in enumerate(part.ranges):
-            place = (first + index * step) % turn
-            if place > grid.beams - 0.5:  # past the last beam, or just before the first
-                place -= turn
-            nearest = round(place)
-            if not 0 <= nearest < grid.beams:
-                nearest = min(max(nearest, 0), grid.beams - 1)
-            distance = abs(place - nearest)
-            if distance < distances[nearest]:
-                ranges[nearest], distances[nearest] = value, distance
+            for beam, distance in _nearby((first + index * step) % turn, turn, grid.beams):
+                if distance < distances[beam]:
+                    ranges[beam], distances[beam] = value, distance
     return ranges
 
 
 def _ranges_on_grid(parts: Sequence[LaserScan], grid: BeamGrid) -> tuple[float, ...]:
     return tuple(math.nan if value is None else value for value in binned(parts, grid))
+
+
+def _nearby(place: float, turn: float, beams: int) -> Iterator[tuple[int, float]]:
+    """Beams of a grid on both sides of a place, and how far they are, in increments.
+
+    A place half way between two beams is as near to one as to the other. The first beam is also reached from below, a
+    turn on; a grid of a whole turn whose last beam points where the first does has beams at two places.
+    """
+    low = math.floor(place)
+    for beam in (low, low + 1):
+        if beam < beams:
+            yield beam, abs(place - beam)
+    if place > turn - 1.0:
+        yield 0, turn - place
+    if place + turn < beams:
+        low = math.floor(place + turn)
+        for beam in range(low, min(low + 2, beams)):
+            yield beam, abs(place + turn - beam)
 
 
 def on_grid(parts: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:

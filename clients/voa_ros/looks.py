@@ -173,18 +173,27 @@ class LookTaker:
         A robot that is still there has had its look of this stop. (It matters in mode `stationary` alone.) Taking note
         of one look twice changes nothing.
         """
+        if request != self._resumed:
+            self._note(request)
+
+    def _note(self, request: ScanRequest) -> None:
         where = request.sensor if request.sensor is not None else request.sensor_pose
-        if where is not None and request != self._resumed:
+        if where is not None:
             self._resumed = request
             self._taken = _Revolution(_as_received(request.scan, self._grid), where)
             self._away = 0
 
-    def rejected(self, reason: str) -> None:
+    def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
         """Let the next revolutions make another look: the last one was not accepted.
 
         Args:
             reason: in a few words, for `waiting_for`.
+            request: the look; None: the newest. The answer may come when the robot has moved on, or has had another
+                look; nothing changes then.
         """
+        stationary = self._rule.mode == "stationary"
+        if stationary and (self._taken is None or (request is not None and request != self._resumed)):
+            return
         self._rejected = reason
         self._taken = None
         self._resumed = None
@@ -257,7 +266,7 @@ class LookTaker:
         if len(self._stop) < self._rule.scans:
             return self._wait(self._progress())
         look = self._look(self._stop)
-        self.resume(look.request)
+        self._note(look.request)  # also where it equals the look before: without stamps and noise it may
         self._stop.clear()
         self._requested = False
         self._wait("a request" if self._rule.mode == "on_request" else MOVE_ON)

@@ -70,7 +70,7 @@ class MappedLooks:
         self._localisation = localisation(mapping)
         self._frames = FrameFilter(mapping.frame_id)
         self._repeats = Repeats()
-        self._turns = TurnGatherer(grid)
+        self._turns = TurnGatherer[Received](grid)
         self._taker = LookTaker(mapping.name, mapping.look, grid)
         self._newest: Stamp | None = None
         self._frozen = 0
@@ -111,9 +111,9 @@ class MappedLooks:
         """Take note of the newest look that the robot's session has; see `LookTaker.resume`."""
         self._taker.resume(request)
 
-    def rejected(self, reason: str) -> None:
-        """Let the next revolutions make another look: the last one was not accepted."""
-        self._taker.rejected(reason)
+    def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
+        """Let the next revolutions make another look: the last one was not accepted; see `LookTaker.rejected`."""
+        self._taker.rejected(reason, request)
         self._waiting_for = self._taker.waiting_for
 
     def restart(self) -> None:
@@ -122,6 +122,7 @@ class MappedLooks:
         self._taker = LookTaker(self._mapping.name, self._mapping.look, self._grid)
         if requested:
             self._taker.request()
+        self._waiting_for = self._taker.waiting_for
 
     def receive(self, message: Received) -> Taken | Waiting | None:
         """Take a message, in the order in which they come.
@@ -154,15 +155,16 @@ class MappedLooks:
             raise ContradictoryHeader(wrong)
         self._waiting_for = self._taker.waiting_for
         if not self._of_our_frame(scan):
-            return self._wait(f"a scan of frame {self._mapping.frame_id!r}: found {', '.join(self._frames.others)}")
+            return self._of_another_frame()
         if self._repeats.is_repeated(scan, payload_digest(message.payload)):
             return self._repeated()
         scan = without_measured_limits(scan)
-        turn = self._turns.receive(upside_down(scan) if self._mapping.lidar.upside_down else scan)
+        upright = upside_down(scan) if self._mapping.lidar.upside_down else scan
+        turn = self._turns.receive(upright, message, message.received_s)
         if turn is None:
-            return self._wait(f"a whole turn of the lidar: {self._turns.segments} segments of it so far")
-        where = self._where(turn, message)
-        found = self._taker.receive(turn, where)
+            return self._wait(f"a whole turn of the lidar: segments of it so far: {self._turns.segments}")
+        where = self._where(turn.scan, turn.message)
+        found = self._taker.receive(turn.scan, where)
         self._waiting_for = self._taker.waiting_for
         if isinstance(where, NoPose):
             raise UnusableMessage(f"it is not known where the lidar was: {where.reason}")
@@ -176,6 +178,12 @@ class MappedLooks:
         """Two bridges bring each scan twice, and that is all right; nothing else for a while is not."""
         reason = "a scan that was not received before: this one equals an earlier one, stamp included"
         return self._wait(reason) if self._repeats.in_a_row > _MOST_PUBLISHERS else Waiting(reason)
+
+    def _of_another_frame(self) -> Waiting:
+        """Other echoes beside the one that is used are all right; nothing but others is not."""
+        found = ", ".join(map(repr, self._frames.others))
+        reason = f"a scan of frame {self._mapping.frame_id!r}: found {found}"
+        return self._wait(reason) if self._frames.missing else Waiting(reason)
 
     def _of_our_frame(self, scan: LaserScan) -> bool:
         try:

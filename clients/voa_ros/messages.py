@@ -14,6 +14,8 @@ FARTHEST_M = 1e5
 _MOST_ANGLE_RAD = 100.0
 _LEAST_INCREMENT_RAD = 1e-6
 _UNIT_WITHIN = 0.1
+_MOST_TURNS = 1.05
+"""Of a scan: drivers whose motor is a little fast or slow write a few beams more than a turn has."""
 
 Covariance = tuple[float, ...]
 """36 numbers, row by row: x, y, z and the rotations about them."""
@@ -91,7 +93,8 @@ class LaserScan:
 def header_contradiction(scan: LaserScan) -> str | None:
     """Say where the angles in a scan's header contradict one another; None: nowhere.
 
-    `angle_max` is not always true, so only its side of `angle_min` is looked at, and the beams must fit one turn.
+    `angle_max` is not always true, so only its side of `angle_min` is looked at, and the beams must fit one turn, or
+    nearly so.
     """
     low, high, step, beams = scan.angle_min, scan.angle_max, scan.angle_increment, len(scan.ranges)
     if (high - low) * step < 0.0 and abs(high - low) > _LEAST_INCREMENT_RAD:
@@ -102,7 +105,7 @@ def header_contradiction(scan: LaserScan) -> str | None:
             "(`reversed`, `inverted`), or lidar.upside_down in the mapping for a lidar that hangs upside down"
         )
     turns = beams * abs(step) / math.tau
-    if beams * abs(step) > math.tau + 1.5 * abs(step):
+    if turns > max(_MOST_TURNS, 1.0 + 1.5 * abs(step) / math.tau):
         return (
             f"{beams} beams of angle_increment {step:.6g} rad are {turns:.3g} turns: expected at most one turn, with "
             "angles in radians"

@@ -5,7 +5,7 @@ Three planar poses follow one another: the lidar on the robot (`Mount`), the rob
 
 The time of a scan is the middle of its revolution. Scans and poses are brought together by their stamps, in seconds by
 the robot's own clock, as long as that can be right: stamps of 0, stamps that are frozen or set back, and stamps of two
-clocks that disagree by more than five seconds say nothing of when a scan was taken. Such a scan was where the newest
+clocks that disagree by more than half a second say nothing of when a scan was taken. Such a scan was where the newest
 pose is, if that was received just before it.
 """
 
@@ -18,15 +18,16 @@ from typing import Literal, Protocol
 
 from voa_msgs.base import MOST
 from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
+from voa_ros.clocks import ClockOffset
 from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
 from voa_ros.robots import AmclPlace, Mount, OdometryPlace, PlanarPose, RobotMapping
 
 MOST_POSES = 1_024
 """Kept of each track: five seconds of the fastest odometry."""
-CLOCKS_APART_S = 5.0
+CLOCKS_APART_S = 0.5
 """Stamps whose clocks, compared at arrival, differ by more are not compared with one another."""
-FRESH_S = 1.0
-"""Where stamps say nothing, a scan is matched with the newest pose if that was received at most so long before."""
+COPY_WITHIN_S = 0.5
+"""A pose that arrives twice, by two bridges, does so within this; later, its stamp says that a clock was set back."""
 JUMP_M = 0.1
 JUMP_RAD = 0.2
 """Odometry that is set back in time and jumps farther began anew: its frame is another one."""
@@ -147,6 +148,9 @@ class PoseTrack:
         self._what = what
         self._most = most
         self._poses: list[RobotPose] = []
+        self._arrived: list[float] = []
+        """When each of the poses was received first."""
+        self._offset = ClockOffset()
         self._last: RobotPose | None = None
         self._received_s = -math.inf
 
@@ -167,19 +171,22 @@ class PoseTrack:
         """
         index = bisect.bisect_left(self._poses, pose.at_s, key=_AT)
         same = index < len(self._poses) and self._poses[index].at_s == pose.at_s
-        back = not same and bool(self._poses) and pose.at_s < self._poses[-1].at_s - self._max_age_s
-        self._poses[index : len(self._poses) if back else index + same] = [pose]
-        del self._poses[: -self._most]
-        if index >= len(self._poses) - 1 or back:
+        copy = same and received_s - self._arrived[index] <= COPY_WITHIN_S
+        back = not copy and bool(self._poses) and pose.at_s < self._poses[-1].at_s - self._max_age_s
+        replaced = slice(index, len(self._poses) if back else index + same)
+        if not copy:
+            self._offset.receive(pose.at_s, received_s)
+        self._arrived[replaced] = [self._arrived[index] if copy else received_s]
+        self._poses[replaced] = [pose]
+        del self._poses[: -self._most], self._arrived[: -self._most]
+        if self._poses[-1] is pose:
             self._last, self._received_s = pose, received_s
         return back
 
-    def agrees(self, at_s: float, received_s: float) -> bool:
-        """Whether a message that was stamped and received at these times has a clock like that of the poses."""
-        if self._last is None:
-            return True
-        apart = (received_s - at_s) - (self._received_s - self._last.at_s)
-        return abs(apart) <= CLOCKS_APART_S
+    def agrees(self, offset_s: float | None) -> bool:
+        """Whether a clock is that of the poses, by what it is behind the clock that messages arrive by."""
+        own_s = self._offset.seconds
+        return own_s is None or offset_s is None or abs(offset_s - own_s) <= CLOCKS_APART_S
 
     def at(self, at_s: float) -> RobotPose | NoPose:
         """Where the robot was.
@@ -212,10 +219,10 @@ class PoseTrack:
         if self._last is None:
             return self._none()
         ago = received_s - self._received_s
-        if ago > FRESH_S:
+        if ago > 2.0 * self._max_age_s:
             return NoPose(
                 f"the scan's stamp does not fit the clock of the {self._what}, and the newest {self._what} came "
-                f"{ago:.3g} s before the scan: expected at most {FRESH_S:g} s"
+                f"{ago:.3g} s before the scan: expected at most {2.0 * self._max_age_s:g} s"
             )
         return self._last
 
@@ -268,6 +275,7 @@ class Localisation:
         self._amcl: tuple[RobotPose, float] | None = None
         """AMCL's newest pose and when it was received, while the odometry of its time is awaited."""
         self._correction: _Correction | None = None
+        self._scans = ClockOffset()
 
     def receive_odometry(self, message: Odometry, received_s: float) -> None:
         """Take a pose of the odometry, received at a time by any steady clock."""
@@ -275,7 +283,7 @@ class Localisation:
         before = self._odometry.newest
         set_back = self._odometry.receive(pose, received_s)
         if set_back and before is not None and _jumps(before, pose):
-            self._correction = None  # a simulation began anew, and its odometry with it
+            self._forget_map()
         self._correct()
 
     def receive_amcl(self, message: PoseWithCovariance, received_s: float) -> None:
@@ -287,13 +295,19 @@ class Localisation:
         self._amcl = robot_pose(message), received_s
         self._correct()
 
+    def _forget_map(self) -> None:
+        """A simulation began anew, and its odometry with it: what AMCL said before was of another frame."""
+        self._correction = None
+        if self._amcl is not None and not self._odometry.agrees(self._amcl[1] - self._amcl[0].at_s):
+            self._amcl = None
+
     def _correct(self) -> None:
         newest = self._odometry.newest
         if self._amcl is None or newest is None:
             return
         amcl, received_s = self._amcl
         awaited = newest.at_s < amcl.at_s
-        if awaited and self._odometry.agrees(amcl.at_s, received_s):
+        if awaited and self._odometry.agrees(received_s - amcl.at_s):
             return
         odometry = self._odometry.at(amcl.at_s)
         if awaited or isinstance(odometry, NoPose):
@@ -308,8 +322,7 @@ class Localisation:
             at_s: the scan's time by the robot's clock; None: its stamp says nothing.
             received_s: when the scan arrived, by the clock that the poses were received by.
         """
-        by_stamp = at_s is not None and self._odometry.agrees(at_s, received_s)
-        now = self._odometry.at(at_s) if by_stamp and at_s is not None else self._odometry.latest(received_s)
+        now = self._in_odometry(at_s, received_s)
         if isinstance(now, RobotPose) and isinstance(self._place, AmclPlace):
             now = self._in_map(now, self._place)
         if isinstance(now, NoPose):
@@ -317,6 +330,19 @@ class Localisation:
         if isinstance(self._place, OdometryPlace):
             now = replace(now, variance_xy_m2=0.0, variance_yaw=0.0)  # an odometry's say nothing of the world
         return lidar_pose(now, self._mount, self._place.origin, self._place.std)
+
+    def _in_odometry(self, at_s: float | None, received_s: float) -> RobotPose | NoPose:
+        """The robot by its odometry: by the scan's stamp where that can be right, else the newest pose."""
+        if at_s is None:
+            return self._odometry.latest(received_s)
+        self._scans.receive(at_s, received_s)
+        if not self._odometry.agrees(self._scans.seconds):
+            return self._odometry.latest(received_s)
+        found, newest = self._odometry.at(at_s), self._odometry.newest
+        if isinstance(found, NoPose) and newest is not None and newest.at_s < at_s:
+            latest = self._odometry.latest(received_s)  # the clocks are a little apart, or the odometry is slow
+            return latest if isinstance(latest, RobotPose) else found
+        return found
 
     def _in_map(self, now: RobotPose, place: AmclPlace) -> RobotPose | NoPose:
         if self._correction is None:

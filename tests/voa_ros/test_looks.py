@@ -447,6 +447,47 @@ def test_the_reason_is_forgotten_when_the_robot_moves() -> None:
     assert own.taker.waiting_for == "the robot to stop"
 
 
+def test_an_answer_that_comes_when_the_robot_has_moved_on_disturbs_no_stop() -> None:
+    own = robot()
+    for _ in range(SCANS):
+        own.turn(at())
+    for _ in range(3 + SCANS - 1):
+        own.turn(at(1.0))
+    own.taker.rejected("no_beams")
+    own.turn(at(1.0))
+    assert len(own.looks) == 2
+
+
+def test_an_answer_about_an_earlier_look_takes_no_look_twice() -> None:
+    own = robot()
+    for x in (0.0, 1.0):
+        for _ in range(3 + SCANS):
+            own.turn(at(x))
+    first, second = own.looks
+    own.taker.rejected("no_beams", first.request)
+    for _ in range(50):
+        own.turn(at(1.0))
+    assert len(own.looks) == 2
+    own.taker.rejected("no_beams", second.request)
+    for _ in range(50):
+        own.turn(at(1.0))
+    assert len(own.looks) == 3
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_a_look_that_equals_the_one_before_uses_up_its_stop_too(where: Where) -> None:
+    """Without stamps and noise, a robot that comes back sees to the last bit what it saw before."""
+    own = robot()
+    told = scan(*room(), increment=math.tau / BEAMS)
+    for stop in range(3):
+        for _ in range(5 * SCANS):
+            own.send(told, where)
+        assert len(own.looks) == stop + 1
+        for _ in range(3):
+            own.send(told, at(5.0))
+    assert own.looks[0] == own.looks[1] == own.looks[2]
+
+
 # --- every scan of a parked robot
 
 
