@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from tests.quiet_robot import QuietRobot
 from tests.serving import (
     LIDAR,
     PREDICTIONS,
@@ -54,8 +55,8 @@ def some_world(folder: Path) -> Iterator[World]:
         sessions = service.open(data_id), service.open(mesh_id)
         service.post(f"/v1/sessions/{sessions[0]}/scans", scan_of([0.5, 0.5, None, 1.0]))
         robots = service.inside.robots
-        robots.mapped("free", "free/scan", lambda: None, lambda: None, scenario=data_id)
-        robots.mapped("fixed", "fixed/scan", lambda: None, lambda: None, session=sessions[0])
+        robots.mapped("free", "free/scan", QuietRobot(), scenario=data_id)
+        robots.mapped("fixed", "fixed/scan", QuietRobot(), session=sessions[0])
         yield World(service, data_id, mesh_id, box, *sessions)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.quiet_robot import QuietRobot
 from tests.serving import Json, Service, data_scenario, serving
 from voa_client import Client, ConflictError, InvalidRequestError
 from voa_client.http import HttpTransport
@@ -144,12 +145,12 @@ def test_a_deleted_session_leaves_its_robot_to_the_next_one(own: Service, scenar
 def test_a_claim_survives_the_process(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
         scenario = service.create(data_scenario())
-        service.inside.robots.mapped(ROBOT, "scan", lambda: None, lambda: None, scenario=scenario)
+        service.inside.robots.mapped(ROBOT, "scan", QuietRobot(), scenario=scenario)
         first = service.open(scenario)
         put(service, first)
         service.open(scenario)
     with serving(tmp_path) as service:
-        service.inside.robots.mapped(ROBOT, "scan", lambda: None, lambda: None, scenario=scenario)
+        service.inside.robots.mapped(ROBOT, "scan", QuietRobot(), scenario=scenario)
         assert reported(service)[ROBOT] == first
 
 
@@ -157,7 +158,7 @@ def test_a_claim_at_one_replica_holds_at_the_other(tmp_path: Path) -> None:
     with serving(tmp_path) as one, serving(tmp_path) as other:
         scenario = one.create(data_scenario())
         for service in (one, other):
-            service.inside.robots.mapped(ROBOT, "scan", lambda: None, lambda: None, scenario=scenario)
+            service.inside.robots.mapped(ROBOT, "scan", QuietRobot(), scenario=scenario)
         first, second = one.open(scenario), other.open(scenario)
         assert [reported(service)[ROBOT] for service in (one, other)] == [second, second]
         put(one, first)
@@ -185,7 +186,7 @@ def test_a_client_claims_and_is_told_what_contradicts_it(own: Service, scenario:
 def test_a_robot_whose_mapping_names_a_session_is_reported_there(own: Service, scenario: str) -> None:
     session = own.open(scenario)
     own.open(scenario)
-    own.inside.robots.mapped("fixed", "scan", lambda: None, lambda: None, session=session)
+    own.inside.robots.mapped("fixed", "scan", QuietRobot(), session=session)
     assert reported(own)["fixed"] == session
 
 

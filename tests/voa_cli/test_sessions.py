@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.quiet_robot import QuietRobot
 from tests.serving import Service, data_scenario
 from voa_assets import path as asset_path
 from voa_cli import sessions
@@ -78,7 +79,7 @@ def test_a_list_shows_whose_robots_scans_are(
 ) -> None:
     scenario = service.create(data_scenario())
     for robot in ("tb3_1", "tb3_2"):
-        service.inside.robots.mapped(robot, "scan", lambda: None, lambda: None, scenario=scenario)
+        service.inside.robots.mapped(robot, "scan", QuietRobot(), scenario=scenario)
     claimed = service.open(scenario, robots=["tb3_1", "tb3_2"])
     newer = service.open(scenario)
     own = Client(InProcessTransport(Rpc(service.inside)))
@@ -159,7 +160,7 @@ def test_a_session_that_claimed_robots_replays_without_them(
     service: Service, process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scenario = service.create(data_scenario())
-    service.inside.robots.mapped("live", "scan", lambda: None, lambda: None, scenario=scenario)
+    service.inside.robots.mapped("live", "scan", QuietRobot(), scenario=scenario)
     session = service.open(scenario, robots=["live"])
     inside = Client(InProcessTransport(Rpc(service.inside)))
     exported = tmp_path / "session.json"

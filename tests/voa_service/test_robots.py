@@ -5,21 +5,10 @@ from itertools import count
 
 import pytest
 
-from voa_msgs.warnings import ProbableMistake
+from tests.quiet_robot import QuietRobot
 from voa_service.failures import Failure
 from voa_service.usecases import robots as module
 from voa_service.usecases.robots import MappedTo, Robots
-
-
-class Quiet:
-    """A mapped robot of which nothing was received."""
-
-    waiting_for = "a scan"
-    warnings: list[ProbableMistake] = []  # noqa: RUF012  # the protocol reads it
-
-    def request(self) -> None:
-        """Nobody asks."""
-
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 
@@ -28,7 +17,7 @@ def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkey
     monkeypatch.setattr(module, "_MOST", 4)
     seconds = count()
     robots = Robots(lambda: NOON + timedelta(seconds=next(seconds)), lambda robot, scenario: None)
-    robots.mapped("mapped", "mapped/scan", Quiet(), session="S")
+    robots.mapped("mapped", "mapped/scan", QuietRobot(), session="S")
     for name in ("a", "b", "c", "a", "d", "e"):
         robots.heard(name, "scan", f"scan/S/{name}", "S")
     assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
@@ -38,7 +27,7 @@ def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_befor
     sessions = {("r", "A"): "first"}
     robots = Robots(lambda: NOON, lambda robot, scenario: sessions.get((robot, scenario)))
     robots.mapped("r", "scan", lambda: "a stop", lambda: None, scenario="A")
-    robots.mapped("fixed", "scan", lambda: None, lambda: None, session="S")
+    robots.mapped("fixed", "scan", QuietRobot(), session="S")
     assert [report.session for report in robots.reports().items] == ["S", "first"]
     robots.heard("r", "ros2", "r/scan", "first")
     sessions["r", "A"] = "second"
@@ -50,7 +39,7 @@ def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_befor
 
 def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
     robots = Robots(lambda: NOON, lambda robot, scenario: None)
-    robots.mapped("r", "scan", lambda: None, lambda: None, scenario="A")
+    robots.mapped("r", "scan", QuietRobot(), scenario="A")
     assert (robots.mapped_to("r"), robots.names()) == (MappedTo("A", None), ["r"])
     robots.unmapped("r")
     assert (robots.mapped_to("r"), robots.names()) == (None, [])
