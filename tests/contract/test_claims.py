@@ -27,7 +27,7 @@ def scenario(own: Service) -> str:
     """A scenario that two robots are mapped to."""
     id_ = own.create(data_scenario())
     for robot in (ROBOT, "tb3_2"):
-        own.inside.robots.mapped(robot, f"{robot}/scan", lambda: "a scan", lambda: None, scenario=id_)
+        own.inside.robots.mapped(robot, f"{robot}/scan", QuietRobot(), scenario=id_)
     return id_
 
 

@@ -26,7 +26,7 @@ def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkey
 def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_before() -> None:
     sessions = {("r", "A"): "first"}
     robots = Robots(lambda: NOON, lambda robot, scenario: sessions.get((robot, scenario)))
-    robots.mapped("r", "scan", lambda: "a stop", lambda: None, scenario="A")
+    robots.mapped("r", "scan", QuietRobot(), scenario="A")
     robots.mapped("fixed", "scan", QuietRobot(), session="S")
     assert [report.session for report in robots.reports().items] == ["S", "first"]
     robots.heard("r", "ros2", "r/scan", "first")
@@ -34,7 +34,7 @@ def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_befor
     assert robots.report("r").session == robots.request_look("r").session == "second"
     sessions.clear()
     assert (robots.report("r").session, robots.report("r").scans) == (None, 1)
-    assert robots.report("r").waiting_for == "a stop"
+    assert robots.report("r").waiting_for == "a scan"
 
 
 def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
