@@ -32,6 +32,10 @@ class UnusableMessage(ValueError):
     """A message that cannot be used; says what was expected."""
 
 
+class UnreadableMessage(UnusableMessage):
+    """Bytes that are not the message they should be."""
+
+
 class ContradictoryHeader(UnusableMessage):
     """A scan whose angles contradict one another."""
 
@@ -136,7 +140,7 @@ class MappedLooks:
         try:
             return self._receive(message)
         except InvalidCdr as error:
-            raise UnusableMessage(str(error)) from error
+            raise UnreadableMessage(str(error)) from error
 
     def _receive(self, message: Received) -> Taken | Waiting | None:
         if message.type == LASER_SCAN:

@@ -22,7 +22,7 @@ from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
 from voa_ros.looks import Taken, look_name
-from voa_ros.mapped import MappedLooks, Received, UnusableMessage
+from voa_ros.mapped import MappedLooks, Received, UnreadableMessage, UnusableMessage
 from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
 from voa_ros.topics import LASER_SCAN, MessageType, met
 
@@ -76,7 +76,6 @@ class Replayed:
         type_ = self._type_of(message)
         if type_ is None:
             return None
-        self.scans += type_ == LASER_SCAN
         if message.type_name not in ("", type_.name) or message.encoding != "cdr":
             found = f"{message.type_name or 'message of unknown type'} in {message.encoding or 'an unknown encoding'}"
             self.unreadable = f"{message.topic}: expected a {type_.name} in cdr, found a {found}"
@@ -85,15 +84,15 @@ class Replayed:
             taken = self._looks.receive(Received(type_, message.data, message.log_ns * 1e-9))
         except UnusableMessage as error:
             self.unreadable = f"{message.topic}: {error}"
+            self.scans += type_ == LASER_SCAN and not isinstance(error, UnreadableMessage)
             return None
+        self.scans += type_ == LASER_SCAN
         return taken if isinstance(taken, Taken) else None
 
     def _type_of(self, message: RecordedMessage) -> MessageType | None:
         """The type of the mapped topic that a message is on; None: it is on none, or of another domain."""
         for subscription in self.mapping.subscriptions:
-            key = getattr(message, "key", "") or message.topic.removeprefix(
-                "/"
-            )  # of rmw_zenoh, with the domain, where it was kept
+            key = message.key or message.topic.removeprefix("/")  # of rmw_zenoh, with the domain, where it was kept
             if met(subscription.topic, key, self.mapping.domain) is not None:
                 return subscription.type
         return None

@@ -143,7 +143,7 @@ def robot(session: str, place: str = '{ from = "sensor", sensor = "Q1" }', look:
     return f'name = "tb3_1"\nsession = "{session}"\nlook = {look}\nplace = {place}\n'
 
 
-@pytest.mark.parametrize("key", ["tb3_1/scan", rmw_key("tb3_1/scan", LASER_SCAN, 7), "0/tb3_1/scan/"
+@pytest.mark.parametrize("key", ["tb3_1/scan", rmw_key("tb3_1/scan", LASER_SCAN), "0/tb3_1/scan/"
                                  "sensor_msgs::msg::dds_::LaserScan_/TypeHashNotSupported"])  # fmt: skip
 def test_a_scan_in_each_form_updates_the_mapped_session(own: Lab, session: str, key: str) -> None:
     own.map(robot(session))
@@ -286,7 +286,7 @@ def test_odometry_says_where_the_lidar_was_when_the_scan_was_taken(own: Lab) -> 
     )
     own.put("tb3_1/scan", laser_scan([0.3] * 4, 100.0))
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
-    assert "no odometry was heard yet" in own.report()["last_refusal"]
+    assert "no odometry was received yet" in own.report()["last_refusal"]
     # It drives along y at 1 m/s, facing y; the revolution ends at 100.0 and its middle is at 99.9.
     for at_s, y in ((99.8, 0.8), (100.0, 1.0)):
         own.put("tb3_1/odom", odometry(0.0, y, math.pi / 2, at_s))
@@ -318,14 +318,27 @@ def test_a_scenario_in_the_mapping_means_its_newest_session(own: Lab) -> None:
     first = own.service.open(scenario)
     own.put("tb3_1/scan", laser_scan(GOOD, 101.0))
     wait_for(lambda: own.version(first) == 1, "the look")
-    second = own.service.open(scenario)
+    second = own.service.open(scenario)  # another one: the robot keeps its own
+    own.service.post("/v1/rankings", {"scenario": scenario, "belief": None})
+    own.revolutions(20, first=10)
+    wait_for(lambda: own.version(first) == 21, "the looks")
+    assert own.version(second) == 0
+    own.service.http.put("/v1/robots/tb3_1/session", json={"session": second}).raise_for_status()
     turns = iter(range(1_000))
 
     def goes_to_the_second() -> bool:
-        own.put("tb3_1/scan", laser_scan(GOOD, 102.0 + next(turns)))
+        own.put("tb3_1/scan", laser_scan(GOOD, 202.0 + next(turns)))
         return own.version(second) > 0
 
-    wait_for(goes_to_the_second, "the new session to be noticed")
+    wait_for(goes_to_the_second, "the claim to be noticed")
+    third = own.service.post("/v1/sessions", {"scenario": scenario, "robots": ["tb3_1"]})["id"]
+
+    def goes_to_the_third() -> bool:
+        own.put("tb3_1/scan", laser_scan(GOOD, 2000.0 + next(turns)))
+        return own.version(third) > 0
+
+    wait_for(goes_to_the_third, "the claim to be noticed")
+    assert own.report()["session"] == third
 
 
 def test_robots_have_their_namespaces_and_sessions(own: Lab) -> None:
