@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from voa_fleet.lidar import REVOLUTION_S, LidarGeometry
 from voa_msgs.sessions import Scan
+from voa_ros.grids import BeamGrid
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.scans import median_scan, scan_message
 
@@ -45,6 +46,8 @@ def median_look(scans: Sequence[Scan], lidar: LidarGeometry) -> Scan:
     """The per-beam median of revolutions from one place; see `voa_ros.scans.median_scan`.
 
     Raises:
-        ValueError: there is none, or their beams differ.
+        ValueError: there is none.
     """
-    return scan_message(median_scan([laser_scan(scan, lidar, 0.0) for scan in scans]), stamp={"scans": len(scans)})
+    grid = BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
+    received = [laser_scan(scan, lidar, 0.0) for scan in scans]
+    return scan_message(median_scan(received, grid), stamp={"scans": len(scans)})

@@ -3,7 +3,29 @@
 from datetime import datetime
 from typing import Literal
 
-from voa_msgs.base import Message
+from pydantic import Field
+
+from voa_msgs import examples
+from voa_msgs.base import Id, Message
+from voa_msgs.examples import exemplified
+from voa_msgs.geometry import UncertainSensorPose
+from voa_msgs.warnings import ProbableMistake
+
+
+class LookReport(Message):
+    """A look of a robot, and what the session made of it."""
+
+    at: datetime
+    """When it was applied, by the service's clock."""
+    sensor: str | None
+    """The sensor configuration where it was taken; null: at a pose."""
+    sensor_pose: UncertainSensorPose | None
+    """The lidar's pose where it was taken; null: at a sensor configuration."""
+    accepted: bool
+    reason: str | None
+    """Kind of update, or why the look was not accepted; as in the answer to a scan."""
+    version: int
+    """Version of the session after it."""
 
 
 class RobotReport(Message):
@@ -11,7 +33,7 @@ class RobotReport(Message):
 
     robot: str
     session: str | None
-    """Where its scans go; null while that is not known."""
+    """Whose session its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
     source: Literal["scan", "ros2"]
     """Put on `scan/<session>/<robot>`, or a ROS 2 topic that is mapped."""
     key: str
@@ -27,7 +49,11 @@ class RobotReport(Message):
     last_refusal: str | None
     """Why, of the newest."""
     waiting_for: str | None
-    """What a mapped topic waits for until its scans are a look."""
+    """The condition for the next look of a mapped robot that is not met yet; null where each scan is a look."""
+    last_look: LookReport | None = None
+    """The newest look that this process applied, and its result; null: none yet."""
+    warnings: list[ProbableMistake] = Field(default=[])
+    """Probable mistakes in how the robot is used, and those of its newest look's answer."""
 
 
 class Robots(Message):
@@ -42,3 +68,12 @@ class LookRequest(Message):
     """The next scans of a robot are to be a look (mode `on_request`)."""
 
     robot: str
+
+
+class ClaimRequest(Message):
+    """Say whose session a mapped robot's scans are for from now on."""
+
+    model_config = exemplified(examples.CLAIM)
+
+    session: Id | None
+    """Null: nobody's, until the next claim."""

@@ -72,7 +72,10 @@ class _Reader:
     def floats(self, what: str) -> tuple[float, ...]:
         count = self.integer("I", what)
         if count > self._most_items:
-            raise InvalidCdr(f"{what}: expected at most {self._most_items} values, got {count}")
+            raise InvalidCdr(
+                f"{what}: expected at most {self._most_items} values, got {count}: a lidar with more beams needs "
+                f"VOA_LIMITS__BEAMS={count} in the environment of the program that reads it"
+            )
         return self.numbers("f", count, what)
 
     def stamp(self) -> Stamp:

@@ -11,27 +11,28 @@ has moved on. One stop, one look.
 
 `on_request`: nothing until `request()`; then the median of the next `scans` revolutions for which it stands still.
 
-Does it stand still, and has it moved on? By what is known of its place:
+Whether it stands still, and whether it has moved on, is decided by what is known of its place:
 
 - A measured pose (odometry, AMCL, an attachment's pose): it stands still while it is less than `still_xy_m` and
   `still_yaw_rad` from the revolution before *and* from the first of the stop, so that slow creeping ends a stop too.
   It has moved on when three revolutions in a row are farther than `moved_xy_m` or `moved_yaw_rad` from where the look
   was taken: one pose that is off makes no second look.
-- A sensor configuration's name: there is no pose to go by, but the scene itself. Two scans show one scene when, over
-  the beams that return in both, the median difference is within the lidar's noise (2 cm and 4 % of the range: an
-  LDS-01 is good for 3.5 %), and no more than a quarter of the beams changed their class (return, nothing, zero). A
-  median takes no notice of somebody who walks by, as long as he hides less than half of what is seen; nor of a lost
-  packet. It has moved on when as many revolutions in a row as a look has, five at least, differ from the look by
-  *twice* that. Another name is another place at once. What this cannot see: a move of a centimetre or two, and one
-  that ends where it began before so many revolutions are over.
+- A sensor configuration's name: there is no pose to go by, but the scene itself (`voa_ros.scenes`). A median over the
+  beams takes no notice of somebody who walks by, as long as he hides less than half of what is seen; nor of lost
+  packets and beams that answer now and then. It has moved on when as many revolutions in a row as a look has, five at
+  least, differ from the look by *twice* what two scans of one scene may. Another name is another place at once. What
+  this cannot see: a move of a centimetre or two, and one that ends where it began before so many revolutions are over.
 
-A revolution that comes twice (by two bridges, say) counts once. Scans without a pose count neither way. A driver that
-changes its number of beams from turn to turn has no median: the stop begins anew with each change.
+The beams of the revolutions may differ in number and angles; they are then brought onto the grid of the scenario's
+lidar. Scans without a pose count neither way.
 
-**After a restart** the robot may still be parked where its look was taken. `resume()` is told the newest look that the
+**A look that was not accepted** (all beams missing, the object not seen, no pose that fits) does not use up the stop,
+or the request: `rejected()` lets the next revolutions make another.
+
+**After a restart** the robot may still be parked where its look was taken. `resume()` takes the newest look that the
 session's history has of this robot, and a robot found at that place, or seeing that scene, has had its look of this
-stop. Other processes hear the same scans: tell `resume()` every look of this robot that the session gets, whoever took
-it. Looks have deterministic names for the rest: of one robot, the same times and ranges are the same look.
+stop. Other processes receive the same scans: give `resume()` every look of this robot that the session gets, whoever
+took it.
 
 Nothing here knows a clock: what counts is revolutions.
 """
@@ -40,29 +41,26 @@ import hashlib
 import math
 import statistics
 import struct
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import Scan, ScanRequest
-from voa_ros.messages import LaserScan, Stamp
+from voa_ros.grids import BeamGrid, aligned
+from voa_ros.messages import LaserScan
 from voa_ros.places import NoPose, wrapped
 from voa_ros.robots import LookRule
-from voa_ros.scans import beam_class, median_scan, same_grid, scan_message, stamp_json
+from voa_ros.scans import laser_scan, median_scan, scan_message, stamp_json
+from voa_ros.scenes import CLEARLY, scene_difference
 
-NOISE_M = 0.02
-NOISE_SHARE = 0.04
-"""Of the range. Two scans of one scene differ by less than `NOISE_M + NOISE_SHARE * range`, in the median."""
-CHANGED_SHARE = 0.25
-"""Of the beams: as many may change their class within one scene."""
-CLEARLY = 2.0
-"""A scene is clearly another when it differs by as many times what one scene may."""
 AWAY_BY_POSE = 3
 AWAY_BY_SCENE = 5
 """Revolutions in a row until a robot has moved on."""
-_REMEMBERED = 16
+PARKED = 10
+"""Looks in a row from one place, in mode `every`, that show a parked robot."""
+
+MOVE_ON = "the robot to move on: this stop's look is taken"
 
 Where = UncertainSensorPose | str
 """A pose of the lidar in the world, or the name of one of the scenario's sensor configurations."""
@@ -73,17 +71,17 @@ class Taken:
     """A look.
 
     Attributes:
-        name: the same wherever the same revolutions are heard: the update's idempotency id.
+        digest: of its times and ranges, hexadecimal; the same wherever the same revolutions are received.
         request: the update. Its scan's `stamp` is `{"robot", "from", "to", "scans", "frame_id"}`.
     """
 
-    name: str
+    digest: str
     request: ScanRequest
 
 
 @dataclass(frozen=True)
 class Waiting:
-    """No look yet."""
+    """No look yet, and the condition that is not met."""
 
     reason: str
 
@@ -94,53 +92,70 @@ class _Revolution:
     where: Where
 
 
-@dataclass(frozen=True)
-class _Reference:
-    """Where a look was taken, and what it saw."""
+def look_name(robot: str, session: str, number: int, taken: Taken) -> str:
+    """Name of a robot's look, the idempotency key of its update; times and ranges may come again, numbers do not.
 
-    where: Where
-    ranges: tuple[float, ...]
+    Args:
+        robot: name in the mapping.
+        session: that the look is for.
+        number: one more than the looks of this robot that the session has accepted.
+        taken: the look.
+    """
+    return f"{robot}:{session}:{number}:{taken.digest}"
 
 
 def robot_of(request: ScanRequest) -> str | None:
-    """The robot whose look a session's history holds; None where it is not one that was taken here."""
+    """Name of the robot whose look a session's history holds; None where it is not one that was taken here."""
     stamp = request.scan.stamp
     robot = stamp.get("robot") if isinstance(stamp, dict) else None
     return robot if isinstance(robot, str) else None
 
 
 class LookTaker:
-    """Gathers the scans of one robot into looks."""
+    """Gathers the revolutions of one robot into looks."""
 
-    def __init__(self, robot: str, rule: LookRule) -> None:
-        """Nothing heard yet.
+    def __init__(self, robot: str, rule: LookRule, grid: BeamGrid) -> None:
+        """Begin with no revolution.
 
         Args:
             robot: its name, which its looks carry.
             rule: when scans are a look.
+            grid: beams of the scenario's lidar, for revolutions whose beams differ.
         """
         self._robot = robot
         self._rule = rule
+        self._grid = grid
         self._stop: list[_Revolution] = []
-        self._taken: _Reference | None = None
+        self._taken: _Revolution | None = None
         self._away = 0
+        self._parked = 0
         self._requested = False
-        self._heard: deque[tuple[Stamp, bytes]] = deque(maxlen=_REMEMBERED)
-        self._told: ScanRequest | None = None
+        self._resumed: ScanRequest | None = None
+        self._rejected: str | None = None
         self._waiting_for: str | None = "a request" if rule.mode == "on_request" else "a scan"
 
     @property
     def waiting_for(self) -> str | None:
-        """What has to happen until there is a look, in words; None where each scan is one, and its pose known."""
+        """Condition for the next look that is not met yet, in words; None where each scan is a look."""
         return self._waiting_for
 
     @property
     def requested(self) -> bool:
-        """Whether a look was asked for and not taken yet."""
+        """Whether a look was requested and not taken yet."""
         return self._requested
 
+    @property
+    def standing(self) -> int:
+        """Revolutions of the present stop so far."""
+        return len(self._stop)
+
+    @property
+    def parked(self) -> bool:
+        """Whether each scan is a look while the robot does not move: the belief grows falsely certain."""
+        return self._parked >= PARKED
+
     def request(self) -> None:
-        """The next revolutions for which the robot stands still are to be a look.
+        """Ask for a look of the next revolutions for which the robot stands still.
 
         Raises:
             ValueError: looks are not taken on request.
@@ -148,105 +163,130 @@ class LookTaker:
         if self._rule.mode != "on_request":
             raise ValueError(f"expected a robot in mode 'on_request', {self._robot!r} is in mode {self._rule.mode!r}")
         self._requested = True
+        self._rejected = None
         self._stop.clear()
         self._waiting_for = "the robot to stop"
 
     def resume(self, request: ScanRequest) -> None:
-        """A look of this robot that the session has: the newest one, taken by this process or another.
+        """Take note of a look of this robot that the session has: the newest, taken by this process or another.
 
-        A robot that is still there has had its look of this stop. (It matters in mode `stationary` alone.) To be told
-        the same look again changes nothing.
+        A robot that is still there has had its look of this stop. (It matters in mode `stationary` alone.) Taking note
+        of one look twice changes nothing.
         """
+        if request != self._resumed:
+            self._note(request)
+
+    def _note(self, request: ScanRequest) -> None:
         where = request.sensor if request.sensor is not None else request.sensor_pose
-        if where is not None and request != self._told:
-            self._told = request
-            self._taken = _Reference(where, _ranges(request.scan))
+        if where is not None:
+            self._resumed = request
+            self._taken = _Revolution(_as_received(request.scan, self._grid), where)
             self._away = 0
 
-    def heard(self, scan: LaserScan, where: Where | NoPose) -> Taken | Waiting:
-        """Take a revolution in, in the order in which they come.
+    def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
+        """Let the next revolutions make another look: the last one was not accepted.
+
+        Args:
+            reason: in a few words, for `waiting_for`.
+            request: the look; None: the newest. The answer may come when the robot has moved on, or has had another
+                look; nothing changes then.
+        """
+        stationary = self._rule.mode == "stationary"
+        if stationary and (self._taken is None or (request is not None and request != self._resumed)):
+            return
+        self._rejected = reason
+        self._taken = None
+        self._resumed = None
+        self._away = 0
+        self._stop.clear()
+        if self._rule.mode == "on_request":
+            self._requested = True
+        if self._rule.mode != "every":
+            self._wait(self._progress())
+
+    def receive(self, scan: LaserScan, where: Where | NoPose) -> Taken | Waiting:
+        """Take a revolution, in the order in which they come.
 
         Args:
             scan: the revolution.
             where: the lidar's pose in the middle of it, or the sensor configuration where it stands.
         """
-        if self._repeats(scan):
-            return Waiting("a scan that was not heard before")
         if isinstance(where, NoPose):
             return self._wait(f"the lidar's pose: {where.reason}")
         revolution = _Revolution(scan, where)
         match self._rule.mode:
             case "every":
                 self._waiting_for = None
+                self._count_parked(revolution)
                 return self._look([revolution])
             case "on_request" if not self._requested:
                 return self._wait("a request")
             case "stationary" if self._taken is not None and not self._moved_on(revolution, self._taken):
-                return self._wait("the robot to move on: this stop's look is taken")
+                return self._wait(MOVE_ON)
         return self._gather(revolution)
-
-    def _repeats(self, scan: LaserScan) -> bool:
-        """Whether this very revolution was heard already. Without a clock (stamp 0) none can be told from the next."""
-        if scan.stamp == Stamp():
-            return False
-        key = (scan.stamp, _digest(scan.ranges))
-        if key in self._heard:
-            return True
-        self._heard.append(key)
-        return False
 
     def _wait(self, reason: str) -> Waiting:
         self._waiting_for = reason
         return Waiting(reason)
 
-    def _moved_on(self, revolution: _Revolution, taken: _Reference) -> bool:
-        """Counts the revolutions away from the look, and forgets the look when they are enough."""
+    def _count_parked(self, revolution: _Revolution) -> None:
+        """Count the looks from one place, in mode `every`."""
+        still = self._taken is not None and self._stands(revolution, self._taken)
+        self._parked = self._parked + 1 if still else 1
+        if not still:
+            self._taken = revolution
+
+    def _moved_on(self, revolution: _Revolution, taken: _Revolution) -> bool:
+        """Count the revolutions away from the look, and forget the look when they are enough."""
         away, enough = self._is_away(revolution, taken)
         self._away = self._away + 1 if away else 0
         if self._away < enough:
             return False
         self._taken = None
+        self._rejected = None
         self._away = 0
         self._stop.clear()
         return True
 
-    def _is_away(self, revolution: _Revolution, taken: _Reference) -> tuple[bool, int]:
+    def _is_away(self, revolution: _Revolution, taken: _Revolution) -> tuple[bool, int]:
         """Whether a revolution is not where the look was taken, and how many such in a row are a move."""
         match revolution.where, taken.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
                 return not _within(here, there, self._rule.moved_xy_m, self._rule.moved_yaw_rad), AWAY_BY_POSE
             case str(here), str(there) if here == there:
-                enough = max(AWAY_BY_SCENE, self._rule.scans)
-                return scene_difference(revolution.scan.ranges, taken.ranges) > CLEARLY, enough
+                return self._difference(revolution, taken) > CLEARLY, max(AWAY_BY_SCENE, self._rule.scans)
             case _:
                 return True, 1
 
     def _gather(self, revolution: _Revolution) -> Taken | Waiting:
         if self._stop and not all(self._stands(revolution, other) for other in (self._stop[-1], self._stop[0])):
             self._stop.clear()
+            self._rejected = None
         self._stop.append(revolution)
-        count = len(self._stop)
-        if count == 1:
-            return self._wait("the robot to stop")
-        if count < self._rule.scans:
-            return self._wait(f"standing still: {count} of {self._rule.scans} revolutions")
+        if len(self._stop) < self._rule.scans:
+            return self._wait(self._progress())
         look = self._look(self._stop)
-        self.resume(look.request)
+        self._note(look.request)  # also where it equals the look before: without stamps and noise it may
         self._stop.clear()
         self._requested = False
-        self._wait(
-            "a request" if self._rule.mode == "on_request" else "the robot to move on: this stop's look is taken"
-        )
+        self._wait("a request" if self._rule.mode == "on_request" else MOVE_ON)
         return look
 
+    def _progress(self) -> str:
+        """How far the look of this stop is, and why the one before it does not count."""
+        standing, again = len(self._stop), f"; the last look was not accepted ({self._rejected})"
+        reached = f"standing still: {standing} of {self._rule.scans} revolutions"
+        return (reached if standing > 1 else "the robot to stop") if self._rejected is None else reached + again
+
     def _stands(self, revolution: _Revolution, other: _Revolution) -> bool:
-        if not same_grid(revolution.scan, other.scan):
-            return False
         match revolution.where, other.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
                 return _within(here, there, self._rule.still_xy_m, self._rule.still_yaw_rad)
             case here, there:
-                return here == there and scene_difference(revolution.scan.ranges, other.scan.ranges) <= 1.0
+                return here == there and self._difference(revolution, other) <= 1.0
+
+    def _difference(self, one: _Revolution, other: _Revolution) -> float:
+        return scene_difference(*aligned(one.scan, other.scan, self._grid))
 
     def _look(self, revolutions: Sequence[_Revolution]) -> Taken:
         scans = [revolution.scan for revolution in revolutions]
@@ -258,15 +298,16 @@ class LookTaker:
             "scans": len(scans),
             "frame_id": scans[0].frame_id,
         }
-        median = median_scan(scans)
+        median = median_scan(scans, self._grid)
         where = _middle([revolution.where for revolution in revolutions])
         request = ScanRequest(
             sensor=where if isinstance(where, str) else None,
             sensor_pose=None if isinstance(where, str) else where,
             scan=scan_message(median, stamp),
         )
-        name = f"{self._robot}:{first.sec}.{first.nanosec:09}:{last.sec}.{last.nanosec:09}"
-        return Taken(f"{name}:{_digest(median.ranges).hex()}", request)  # times come again where a simulation restarts
+        times = struct.pack("<4q", first.sec, first.nanosec, last.sec, last.nanosec)
+        ranges = struct.pack(f"<{len(median.ranges)}d", *median.ranges)
+        return Taken(hashlib.blake2b(times + ranges, digest_size=16).hexdigest(), request)
 
 
 def _within(one: UncertainSensorPose, other: UncertainSensorPose, xy_m: float, yaw_rad: float) -> bool:
@@ -290,39 +331,10 @@ def _middle(places: Sequence[Where]) -> Where:
     )
 
 
-def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
-    """How much two scans of the same beams differ, in units of what two scans of one scene may.
-
-    The larger of two: the median over the beams that return in both of `|a - b| / (NOISE_M + NOISE_SHARE * min(a, b))`;
-    and, of the beams that are missing in neither, the share that changed their class, over `CHANGED_SHARE`. Infinite
-    where the numbers of beams differ, or no beam can be compared.
-    """
-    if len(one) != len(other):
-        return math.inf
-    apart: list[float] = []
-    compared = changed = 0
-    for a, b in zip(one, other, strict=True):
-        here, there = beam_class(a), beam_class(b)
-        if here == "missing" or there == "missing":
-            continue
-        compared += 1
-        if here != there:
-            changed += 1
-        elif here == "return":
-            apart.append(abs(a - b) / (NOISE_M + NOISE_SHARE * min(a, b)))
-    if not compared:
-        return math.inf
-    return max(statistics.median(apart) if apart else 0.0, changed / compared / CHANGED_SHARE)
-
-
-def _ranges(scan: Scan) -> tuple[float, ...]:
-    """As the LaserScan had them."""
-    nothing = set(scan.no_return)
-    return tuple(
-        math.inf if index in nothing else math.nan if value is None else value
-        for index, value in enumerate(scan.ranges)
+def _as_received(scan: Scan, grid: BeamGrid) -> LaserScan:
+    """The LaserScan that a look's scan was made of, as far as a scene needs it."""
+    return laser_scan(
+        scan,
+        grid.angle_min if scan.angle_min is None else scan.angle_min,
+        grid.angle_increment if scan.angle_increment is None else scan.angle_increment,
     )
-
-
-def _digest(ranges: Sequence[float]) -> bytes:
-    return hashlib.blake2b(struct.pack(f"<{len(ranges)}d", *ranges), digest_size=16).digest()

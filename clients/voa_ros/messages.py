@@ -14,6 +14,8 @@ FARTHEST_M = 1e5
 _MOST_ANGLE_RAD = 100.0
 _LEAST_INCREMENT_RAD = 1e-6
 _UNIT_WITHIN = 0.1
+_MOST_TURNS = 1.05
+"""Of a scan: drivers whose motor is a little fast or slow write a few beams more than a turn has."""
 
 Covariance = tuple[float, ...]
 """36 numbers, row by row: x, y, z and the rotations about them."""
@@ -78,12 +80,37 @@ class LaserScan:
             raise ValueError(
                 f"angle_increment: expected radians between beams, at most a turn and not 0, got {self.angle_increment}"
             )
-        if not (0.0 <= self.range_min <= self.range_max and math.isfinite(self.range_min)):
+        returns = any(0.0 < value < math.inf for value in self.ranges)  # limits of a picoScan's empty segments differ
+        ordered = self.range_min <= self.range_max if returns else self.range_max >= 0.0
+        if not (self.range_min >= 0.0 and math.isfinite(self.range_min) and ordered):
             raise ValueError(
                 f"range_min, range_max: expected 0 <= range_min <= range_max, got {self.range_min} and {self.range_max}"
             )
         if not self.ranges:
             raise ValueError("ranges: expected at least one beam, got none")
+
+
+def header_contradiction(scan: LaserScan) -> str | None:
+    """Say where the angles in a scan's header contradict one another; None: nowhere.
+
+    `angle_max` is not always true, so only its side of `angle_min` is looked at, and the beams must fit one turn, or
+    nearly so.
+    """
+    low, high, step, beams = scan.angle_min, scan.angle_max, scan.angle_increment, len(scan.ranges)
+    if (high - low) * step < 0.0 and abs(high - low) > _LEAST_INCREMENT_RAD:
+        grow, fall = ("grow", "fall") if high > low else ("fall", "grow")
+        return (
+            f"angle_min {low:.6g} and angle_max {high:.6g} say that the angles {grow}, angle_increment {step:.6g} says "
+            f"that they {fall}: one of them is wrong, and with it left and right; set the driver's direction right "
+            "(`reversed`, `inverted`), or lidar.upside_down in the mapping for a lidar that hangs upside down"
+        )
+    turns = beams * abs(step) / math.tau
+    if turns > max(_MOST_TURNS, 1.0 + 1.5 * abs(step) / math.tau):
+        return (
+            f"{beams} beams of angle_increment {step:.6g} rad are {turns:.3g} turns: expected at most one turn, with "
+            "angles in radians"
+        )
+    return None
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,10 @@
 Three planar poses follow one another: the lidar on the robot (`Mount`), the robot in the frame of its odometry or map
 (`PoseTrack`, `Localisation`), that frame in the world (`PlanarPose`, the mapping's `origin`).
 
-The time of a scan is the middle of its revolution. Times are the robot's own, in seconds: scans and poses are
-stamped by one clock, or cannot be brought together here.
+The time of a scan is the middle of its revolution. Scans and poses are brought together by their stamps, in seconds by
+the robot's own clock, as long as that can be right: stamps of 0, stamps that are frozen or set back, and stamps of two
+clocks that disagree by more than half a second say nothing of when a scan was taken. Such a scan was where the newest
+pose is, if that was received just before it.
 """
 
 import bisect
@@ -16,13 +18,19 @@ from typing import Literal, Protocol
 
 from voa_msgs.base import MOST
 from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
+from voa_ros.clocks import ClockOffset
 from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
 from voa_ros.robots import AmclPlace, Mount, OdometryPlace, PlanarPose, RobotMapping
 
 MOST_POSES = 1_024
 """Kept of each track: five seconds of the fastest odometry."""
-BACK_S = 5.0
-"""A pose that is older than the newest by more means that the robot's clock was set back: what came before is void."""
+CLOCKS_APART_S = 0.5
+"""Stamps whose clocks, compared at arrival, differ by more are not compared with one another."""
+COPY_WITHIN_S = 0.5
+"""A pose that arrives twice, by two bridges, does so within this; later, its stamp says that a clock was set back."""
+JUMP_M = 0.1
+JUMP_RAD = 0.2
+"""Odometry that is set back in time and jumps farther began anew: its frame is another one."""
 _LONGEST_REVOLUTION_S = 2.0
 _DIGITS = 9
 
@@ -140,20 +148,45 @@ class PoseTrack:
         self._what = what
         self._most = most
         self._poses: list[RobotPose] = []
+        self._arrived: list[float] = []
+        """When each of the poses was received first."""
+        self._offset = ClockOffset()
+        self._last: RobotPose | None = None
+        self._received_s = -math.inf
 
     @property
     def newest(self) -> RobotPose | None:
         """The latest by its own time."""
         return self._poses[-1] if self._poses else None
 
-    def hear(self, pose: RobotPose) -> None:
-        """Take a pose in; of two with one stamp the later heard holds."""
-        if self._poses and pose.at_s < self._poses[-1].at_s - BACK_S:
-            self._poses.clear()
+    def receive(self, pose: RobotPose, received_s: float) -> bool:
+        """Take a pose; of two with one stamp the later received holds.
+
+        Args:
+            pose: by the robot's clock.
+            received_s: when it arrived, by any steady clock.
+
+        Returns:
+            Whether the robot's clock was set back: the poses of later times are void then.
+        """
         index = bisect.bisect_left(self._poses, pose.at_s, key=_AT)
         same = index < len(self._poses) and self._poses[index].at_s == pose.at_s
-        self._poses[index : index + same] = [pose]
-        del self._poses[: -self._most]
+        copy = same and received_s - self._arrived[index] <= COPY_WITHIN_S
+        back = not copy and bool(self._poses) and pose.at_s < self._poses[-1].at_s - self._max_age_s
+        replaced = slice(index, len(self._poses) if back else index + same)
+        if not copy:
+            self._offset.receive(pose.at_s, received_s)
+        self._arrived[replaced] = [self._arrived[index] if copy else received_s]
+        self._poses[replaced] = [pose]
+        del self._poses[: -self._most], self._arrived[: -self._most]
+        if self._poses[-1] is pose:
+            self._last, self._received_s = pose, received_s
+        return back
+
+    def agrees(self, offset_s: float | None) -> bool:
+        """Whether a clock is that of the poses, by what it is behind the clock that messages arrive by."""
+        own_s = self._offset.seconds
+        return own_s is None or offset_s is None or abs(offset_s - own_s) <= CLOCKS_APART_S
 
     def at(self, at_s: float) -> RobotPose | NoPose:
         """Where the robot was.
@@ -167,7 +200,7 @@ class PoseTrack:
         index = bisect.bisect_left(self._poses, at_s, key=_AT)
         around = self._poses[max(index - 1, 0) : index + 1]
         if not around:
-            return NoPose(f"no {self._what} was heard yet")
+            return self._none()
         if len(around) == 2 and around[1].at_s - around[0].at_s <= 2.0 * self._max_age_s:
             return _between(around[0], around[1], at_s)
         nearest = min(around, key=lambda pose: abs(pose.at_s - at_s))
@@ -176,6 +209,25 @@ class PoseTrack:
             apart = f"{abs(off):.3g} s {'older' if off > 0.0 else 'newer'} than the scan"
             return NoPose(f"the nearest {self._what} is {apart}: expected at most {self._max_age_s:g} s")
         return replace(nearest, at_s=at_s)
+
+    def latest(self, received_s: float) -> RobotPose | NoPose:
+        """The pose that was received last, for a scan whose stamp says nothing.
+
+        Args:
+            received_s: when the scan arrived.
+        """
+        if self._last is None:
+            return self._none()
+        ago = received_s - self._received_s
+        if ago > 2.0 * self._max_age_s:
+            return NoPose(
+                f"the scan's stamp does not fit the clock of the {self._what}, and the newest {self._what} came "
+                f"{ago:.3g} s before the scan: expected at most {2.0 * self._max_age_s:g} s"
+            )
+        return self._last
+
+    def _none(self) -> NoPose:
+        return NoPose(f"no {self._what} was received yet")
 
 
 _AT: Callable[[RobotPose], float] = attrgetter("at_s")
@@ -211,7 +263,7 @@ class Localisation:
     """Where one robot's lidar was, from its odometry and, by AMCL, from its map."""
 
     def __init__(self, place: OdometryPlace | AmclPlace, mount: Mount) -> None:
-        """Nothing heard yet.
+        """Begin with no pose.
 
         Args:
             place: as the mapping says.
@@ -220,35 +272,57 @@ class Localisation:
         self._place = place
         self._mount = mount
         self._odometry = PoseTrack(place.max_age_s, "odometry")
-        self._heard: RobotPose | None = None
+        self._amcl: tuple[RobotPose, float] | None = None
+        """AMCL's newest pose and when it was received, while the odometry of its time is awaited."""
         self._correction: _Correction | None = None
+        self._scans = ClockOffset()
 
-    def hear_odometry(self, message: Odometry) -> None:
-        """Take in what the odometry says."""
+    def receive_odometry(self, message: Odometry, received_s: float) -> None:
+        """Take a pose of the odometry, received at a time by any steady clock."""
         pose = robot_pose(message)
-        newest = self._odometry.newest
-        if newest is not None and pose.at_s < newest.at_s - BACK_S:
-            self._correction = None  # of another time, and after a restart of the simulation of another odometry
-        self._odometry.hear(pose)
+        before = self._odometry.newest
+        set_back = self._odometry.receive(pose, received_s)
+        if set_back and before is not None and _jumps(before, pose):
+            self._forget_map()
         self._correct()
 
-    def hear_amcl(self, message: PoseWithCovariance) -> None:
-        """Take in what AMCL says; it holds as soon as the odometry of its time is there."""
-        self._heard = robot_pose(message)
+    def receive_amcl(self, message: PoseWithCovariance, received_s: float) -> None:
+        """Take a pose of AMCL; it holds as soon as the odometry of its time is there.
+
+        A latched pose, fetched when the robot may have been parked for hours, is older than any odometry that was
+        received; it is taken for the robot's pose now. AMCL publishes when the robot has moved by its `update_min_d`.
+        """
+        self._amcl = robot_pose(message), received_s
         self._correct()
+
+    def _forget_map(self) -> None:
+        """A simulation began anew, and its odometry with it: what AMCL said before was of another frame."""
+        self._correction = None
+        if self._amcl is not None and not self._odometry.agrees(self._amcl[1] - self._amcl[0].at_s):
+            self._amcl = None
 
     def _correct(self) -> None:
         newest = self._odometry.newest
-        if self._heard is None or newest is None or newest.at_s < self._heard.at_s:
+        if self._amcl is None or newest is None:
             return
-        odometry = self._odometry.at(self._heard.at_s)
-        if isinstance(odometry, RobotPose):
-            self._correction = _Correction(self._heard, odometry)
-        self._heard = None
+        amcl, received_s = self._amcl
+        awaited = newest.at_s < amcl.at_s
+        if awaited and self._odometry.agrees(received_s - amcl.at_s):
+            return
+        odometry = self._odometry.at(amcl.at_s)
+        if awaited or isinstance(odometry, NoPose):
+            odometry = newest
+        self._correction = _Correction(amcl, odometry)
+        self._amcl = None
 
-    def at(self, at_s: float) -> UncertainSensorPose | NoPose:
-        """The lidar in the world at a time by the robot's clock."""
-        now = self._odometry.at(at_s)
+    def at(self, at_s: float | None, received_s: float) -> UncertainSensorPose | NoPose:
+        """The lidar in the world when a scan was taken.
+
+        Args:
+            at_s: the scan's time by the robot's clock; None: its stamp says nothing.
+            received_s: when the scan arrived, by the clock that the poses were received by.
+        """
+        now = self._in_odometry(at_s, received_s)
         if isinstance(now, RobotPose) and isinstance(self._place, AmclPlace):
             now = self._in_map(now, self._place)
         if isinstance(now, NoPose):
@@ -257,15 +331,34 @@ class Localisation:
             now = replace(now, variance_xy_m2=0.0, variance_yaw=0.0)  # an odometry's say nothing of the world
         return lidar_pose(now, self._mount, self._place.origin, self._place.std)
 
+    def _in_odometry(self, at_s: float | None, received_s: float) -> RobotPose | NoPose:
+        """The robot by its odometry: by the scan's stamp where that can be right, else the newest pose."""
+        if at_s is None:
+            return self._odometry.latest(received_s)
+        self._scans.receive(at_s, received_s)
+        if not self._odometry.agrees(self._scans.seconds):
+            return self._odometry.latest(received_s)
+        found, newest = self._odometry.at(at_s), self._odometry.newest
+        if isinstance(found, NoPose) and newest is not None and newest.at_s < at_s:
+            latest = self._odometry.latest(received_s)  # the clocks are a little apart, or the odometry is slow
+            return latest if isinstance(latest, RobotPose) else found
+        return found
+
     def _in_map(self, now: RobotPose, place: AmclPlace) -> RobotPose | NoPose:
         if self._correction is None:
-            return NoPose("no AMCL pose was heard yet whose odometry is known")
+            return NoPose(f"no AMCL pose was received yet on {place.topic}")
         carried = math.hypot(now.x - self._correction.odometry.x, now.y - self._correction.odometry.y)
         if carried > place.max_carried_m:
             return NoPose(
                 f"AMCL's newest pose is {carried:.3g} m back by odometry: expected at most {place.max_carried_m:g} m"
             )
         return self._correction.carried(now)
+
+
+def _jumps(one: RobotPose, other: RobotPose) -> bool:
+    """Whether two poses in a row are too far apart to be of one odometry."""
+    apart = math.hypot(one.x - other.x, one.y - other.y)
+    return apart > JUMP_M or abs(wrapped(one.yaw_rad - other.yaw_rad)) > JUMP_RAD
 
 
 def localisation(robot: RobotMapping) -> Localisation | None:

@@ -3,10 +3,12 @@
 ```toml
 [[robot]]
 name = "tb3_1"                  # of this mapping; also the namespace of its topics, unless that is given
-session = "4f1c..."             # or scenario = "...": the newest session on it
+session = "4f1c..."             # or scenario = "...": the session on it that claims the robot, else the newest
 scan = "scan"                   # below the namespace, or absolute with a leading "/"
+domain = 0                      # ROS_DOMAIN_ID, of rmw_zenoh's keys
+frame_id = "base_scan"          # only scans of this frame; left out: all, and two frames on the topic are refused
 stamp = "first_ray"             # when header.stamp is taken; the LDS-01's driver: "after_revolution"
-lidar = { x = -0.032, y = 0.0, yaw_rad = 0.0, height_m = 0.18 }  # on the robot: its pose in the base frame
+lidar = { x = -0.032, y = 0.0, yaw_rad = 0.0, height_m = 0.18, upside_down = false }  # in the base frame
 look = { mode = "stationary", scans = 10 }
 
 [robot.place]
@@ -43,6 +45,8 @@ from voa_ros.messages import FARTHEST_M
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED, MessageType, resolve
 
 MOST_SCANS = 200
+_MOST_DOMAIN = 232
+"""The largest ROS_DOMAIN_ID that DDS has ports for."""
 
 
 class InvalidRobots(ValueError):
@@ -84,6 +88,8 @@ class Mount(PlanarPose):
 
     height_m: Real | None = None
     """Height of the scan plane over the table; null: the scenario's lidar's."""
+    upside_down: bool = False
+    """Whether the lidar hangs upside down (rolled over about its +x axis): its angles then count clockwise."""
 
 
 class SensorPlace(Message):
@@ -173,10 +179,14 @@ class RobotMapping(Message):
     name: RobotName
     session: Id | None = None
     scenario: Id | None = None
-    """Instead of a session: the newest one on this scenario."""
+    """Instead of a session: the session on this scenario that claims the robot, else the newest at its first look."""
     namespace: Namespace | None = None
     """Of its topics; null: the name; "": none."""
     scan: Topic = "scan"
+    domain: Annotated[int, Ge(0), Le(_MOST_DOMAIN)] = 0
+    """ROS_DOMAIN_ID of its nodes, where they publish by rmw_zenoh; a bridge's keys have no domain."""
+    frame_id: Annotated[str, StringConstraints(min_length=1, max_length=256)] | None = None
+    """Only scans of this frame are used; null: all, as long as they are of one frame."""
     stamp: Literal["first_ray", "after_revolution"] = "first_ray"
     lidar: Mount = Mount()
     look: LookRule = LookRule()

@@ -18,10 +18,9 @@ from typing import Any, Literal
 
 from voa_msgs.base import MOST
 from voa_msgs.sessions import Scan
+from voa_ros.grids import BeamGrid, binned, on_grid, same_grid, with_limits_of
 from voa_ros.messages import LaserScan, Stamp
 
-GRID_WITHIN_RAD = 1e-4
-"""The contract's: beams that differ by more are others."""
 _DIGITS = 6
 
 
@@ -35,14 +34,6 @@ def beam_class(value: float) -> Beam:
     if value == math.inf:
         return "nothing"
     return "return" if value > 0.0 else "missing"
-
-
-def same_grid(one: LaserScan, other: LaserScan) -> bool:
-    """Whether two scans have the same beams: as many, and none turned by more than 1e-4 rad."""
-    last = len(one.ranges) - 1
-    first_off = one.angle_min - other.angle_min
-    last_off = first_off + last * (one.angle_increment - other.angle_increment)
-    return len(one.ranges) == len(other.ranges) and max(abs(first_off), abs(last_off)) <= GRID_WITHIN_RAD
 
 
 def stamp_json(stamp: Stamp) -> dict[str, Any]:
@@ -83,45 +74,66 @@ def _rounded(value: float) -> float:
     return round(value, _DIGITS) or abs(value)
 
 
-def median_scan(scans: Sequence[LaserScan]) -> LaserScan:
-    """Many revolutions of a lidar that stands still as one: each beam by itself.
+def median_scan(scans: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:
+    """Many revolutions of a lidar that stands still as one scan: each beam by itself.
 
-    A beam that gave no answer (zero or missing) in more than half of the revolutions gave none: 0 where most of those
-    were zeros, else NaN. In the others no answer was a lost packet, and the rest decide: most of them returns, the
-    median of those; most of them +inf, +inf; a tie is a beam on an edge, NaN, no evidence. The LDS-01 has one 0
-    for a lost packet and for nothing in range: the first hits six beams of a revolution now and then, the second
-    the same beams in all of them. An even number of returns gives the lower of the two in the middle: a range
-    that was measured, where the mean of two could lie in the air between an edge and the wall behind it.
+    Where the revolutions have the same beams these are kept; where they differ, all are brought onto `grid` first, and
+    a beam of the grid is decided by the revolutions that reached it. See `_median_beam` for how.
 
     Args:
-        scans: at least one, all with the same beams.
+        scans: at least one.
+        grid: that of the scenario's lidar.
 
     Returns:
-        A scan with stamp, frame, times and limits of the first, and no intensities.
+        A scan with stamp, frame and times of the first, the widest limits, and no intensities.
 
     Raises:
-        ValueError: there is none, or their beams differ.
+        ValueError: there is none.
     """
     if not scans:
         raise ValueError("expected at least one scan")
-    first = scans[0]
-    for scan in scans:
-        if not same_grid(first, scan):
-            raise ValueError(
-                f"expected scans with the same beams, got {len(first.ranges)} from {first.angle_min} by "
-                f"{first.angle_increment} and {len(scan.ranges)} from {scan.angle_min} by {scan.angle_increment}"
-            )
-    beams = zip(*(scan.ranges for scan in scans), strict=True)
-    return replace(first, ranges=tuple(_median_beam(values) for values in beams), intensities=())
+    first = with_limits_of(scans)
+    if all(same_grid(first, scan) for scan in scans):
+        beams = zip(*(scan.ranges for scan in scans), strict=True)
+        return replace(first, ranges=tuple(_median_beam(values) for values in beams), intensities=())
+    reached = zip(*(binned([scan], grid) for scan in scans), strict=True)
+    ranges = tuple(_median_beam([value for value in values if value is not None]) for values in reached)
+    return replace(on_grid([first], grid), ranges=ranges)
 
 
 def _median_beam(values: Sequence[float]) -> float:
+    """One beam of many revolutions; NaN of none.
+
+    A beam that gave no answer (zero or missing) in more than half of the revolutions gave none: 0 where most of those
+    were zeros, else NaN. In the others no answer was a lost packet, and the rest decide. At least half of them returns:
+    the median of those, since a dark or slanted surface answers in every second revolution only. Less than a quarter:
+    +inf, nothing is there but now and then a stray return. Between the two it is a beam on an edge: NaN, no evidence.
+    The LDS-01 writes the same 0 for a lost packet and for nothing in range: the first hits six beams of a revolution
+    now and then, the second the same beams in all of them. An even number of returns gives the lower of the two in the
+    middle: a range that was measured, where the mean of two could lie in the air between an edge and the wall behind.
+    """
     classes = [beam_class(value) for value in values]
     zeros, missing = classes.count("zero"), classes.count("missing")
-    if 2 * (zeros + missing) > len(values):
-        return 0.0 if zeros >= missing else math.nan
+    if not values or 2 * (zeros + missing) > len(values):
+        return 0.0 if zeros >= missing and values else math.nan
     returns = [value for value, beam in zip(values, classes, strict=True) if beam == "return"]
-    nothing = classes.count("nothing")
-    if len(returns) == nothing:
-        return math.nan
-    return statistics.median_low(returns) if len(returns) > nothing else math.inf
+    answers = len(returns) + classes.count("nothing")
+    if 2 * len(returns) >= answers:
+        return statistics.median_low(returns)
+    return math.inf if 4 * len(returns) < answers else math.nan
+
+
+def laser_scan(scan: Scan, angle_min: float, angle_increment: float) -> LaserScan:
+    """A LaserScan with the beams of a contract's scan, without times and limits.
+
+    Args:
+        scan: its beams, by the table above read backwards.
+        angle_min, angle_increment: radians.
+    """
+    nothing = set(scan.no_return)
+    ranges = tuple(
+        math.inf if index in nothing else math.nan if value is None else value
+        for index, value in enumerate(scan.ranges)
+    )
+    last = angle_min + (len(ranges) - 1) * angle_increment
+    return LaserScan(Stamp(), "", angle_min, last, angle_increment, 0.0, 0.0, 0.0, 0.0, ranges)

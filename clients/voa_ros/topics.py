@@ -102,25 +102,29 @@ def resolve(namespace: str, topic: str) -> str:
     return check_topic(f"{above}/{topic}" if above else topic)
 
 
-def expressions(topic: str) -> tuple[str, ...]:
-    """Build the key expressions that meet a resolved topic in all its forms, in any domain.
+def expressions(topic: str, domain: int = 0) -> tuple[str, ...]:
+    """Build the key expressions that meet a resolved topic in all its forms.
 
     Whatever is published on it is met, so that a message of another type can be refused by name. `met` tells which.
+
+    Args:
+        topic: chunks with slashes between.
+        domain: ROS_DOMAIN_ID of the nodes that publish by rmw_zenoh; a bridge's keys have none.
 
     Raises:
         InvalidTopic: it is no topic.
     """
     check_topic(topic)
-    return topic, f"*/{topic}/*/*"
+    return topic, f"{domain}/{topic}/*/*"
 
 
-def met(topic: str, key: str) -> TopicKey | None:
-    """Read a key that the `expressions` of a topic matched; None: it belongs to another topic, such as one below it."""
+def met(topic: str, key: str, domain: int = 0) -> TopicKey | None:
+    """Read the key of a sample on a topic; None: it is of another topic, such as one below it, or another domain."""
     try:
         told = parse_key(key)
     except InvalidTopic:
         return None
-    return told if told.topic == topic else None
+    return told if told.topic == topic and told.domain in (None, domain) else None
 
 
 def rmw_key(topic: str, type_: MessageType, domain: int = 0) -> str:

@@ -1,6 +1,6 @@
 """What the use cases need from the world."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Generic, Literal, Protocol, TypeVar
@@ -29,6 +29,20 @@ class StoredObject:
     name: str
     created_at: datetime
     up: UpAxis = "+Z"
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A mesh file, and how it was read: everything that decides which mesh it becomes."""
+
+    sha256: str
+    """Of its bytes, in lower-case hexadecimal digits."""
+    type: str
+    """The ending of its name, in lower case: "obj", ..."""
+    scale: float
+    """Metres per unit of the file."""
+    up: UpAxis
+    """The axis of the file that became z."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +131,17 @@ class HistoryEntry:
 
 
 @dataclass(frozen=True)
+class RobotLook:
+    """A look of a mapped robot, as a session counts it."""
+
+    robot: str
+    number: int
+    """Counts the looks of this robot that the session has accepted, from 1."""
+    digest: str
+    """Of its times and ranges; the same wherever the same revolutions are received."""
+
+
+@dataclass(frozen=True)
 class Write:
     """One write to a session as it came in."""
 
@@ -126,6 +151,8 @@ class Write:
     key: IdempotencyKey | None
     if_match: frozenset[int] | None
     """The versions that the caller would accept; None: any."""
+    look: RobotLook | None = None
+    """The robot's look that a scan is; it is counted where the scan is accepted, and no number is counted twice."""
 
 
 class Store(Protocol):
@@ -152,6 +179,12 @@ class Store(Protocol):
     def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
         """Oldest first."""
 
+    def put_upload(self, upload: Upload, object_: str) -> None:
+        """Remember that a file became the mesh with a digest, which is stored."""
+
+    def find_upload(self, upload: Upload) -> StoredObject | None:
+        """Find the mesh that a file became when it was uploaded; None: it never was."""
+
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
         """Store a scenario unless an equal one is there; the one that is there then, and whether it is new."""
 
@@ -164,8 +197,13 @@ class Store(Protocol):
     def get_answer(self, key: IdempotencyKey) -> Answered | None:
         """What was answered under a key; `Failure` if the request was another."""
 
-    def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
-        """Store a new session with its prior as history; with a key seen before, what was answered then."""
+    def create_session(
+        self, state: SessionState, write: Write, answer: Answered, robots: Sequence[str] = ()
+    ) -> Answered:
+        """Store a new session with its prior as history, and claim `robots` for it, all or nothing.
+
+        With a key seen before it returns what was answered then, and changes nothing.
+        """
 
     def get_session(self, id_: str) -> SessionState | None:
         """The session as it stands."""
@@ -176,6 +214,23 @@ class Store(Protocol):
     def newest_session(self, scenario: str) -> Opened | None:
         """The session on a scenario that was opened last."""
 
+    def robot_session(self, robot: str, scenario: str) -> str | None:
+        """Find the session that a look of a robot, mapped to a scenario, would be for now; None: there is none.
+
+        In this order: the session that the robot belongs to, where that exists and is on this scenario; none, where
+        the robot was said to be nobody's; where its session was deleted, the newest session on the scenario that was
+        opened after that one; the newest session on the scenario.
+        """
+
+    def settle_robot(self, robot: str, scenario: str) -> str | None:
+        """Make the session that `robot_session` finds the robot's own, where there is one.
+
+        Durable, and the same for all processes: of those that do so at once the first decides, and all return that.
+        """
+
+    def claim_robot(self, robot: str, session: str | None) -> bool:
+        """Say whose session a robot's scans are for, None: nobody's; returns False where there is no such session."""
+
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """Oldest first."""
 
@@ -184,8 +239,12 @@ class Store(Protocol):
 
         In this order: the idempotency key (seen before: that answer again, or `Failure` if the request was
         another), the version that the caller has seen (`Failure` if stale), then `step`, which must be pure and
-        quick: writers on one session wait for each other.
+        quick: writers on one session wait for each other; last, where the step changed the session, the robot's look
+        is counted (`Failure` if its number was counted before, and nothing is changed).
         """
+
+    def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
+        """At most `limit` looks of a robot that a session has accepted, the newest first."""
 
     def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
         """At most `limit` versions of a session above `after`, ascending; -1 begins with the prior."""

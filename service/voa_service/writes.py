@@ -4,7 +4,7 @@ import hashlib
 
 from pydantic import BaseModel
 
-from voa_service.ports import HistoryKind, IdempotencyKey, Write
+from voa_service.ports import HistoryKind, IdempotencyKey, RobotLook, Write
 
 ANYONE = "caller:anonymous"
 """The scope of keys of calls that are not about a session yet."""
@@ -24,8 +24,12 @@ def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel |
 
 
 def write_of(
-    kind: HistoryKind, received: bytes, key: IdempotencyKey | None, if_match: frozenset[int] | None = None
+    kind: HistoryKind,
+    received: bytes,
+    key: IdempotencyKey | None,
+    if_match: frozenset[int] | None = None,
+    look: RobotLook | None = None,
 ) -> Write:
     """One write as it came in."""
     # Without a byte order mark: JSON parsers take one before a body, none takes it back.
-    return Write(kind, received.decode("utf-8-sig"), key, if_match)
+    return Write(kind, received.decode("utf-8-sig"), key, if_match, look)

@@ -15,7 +15,8 @@ from tests.voa_ros.ros_messages import scan, scans
 from voa_msgs.base import Message
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import ScanRequest
-from voa_ros.looks import LookTaker, Taken, Waiting, Where, robot_of, scene_difference
+from voa_ros.grids import BeamGrid
+from voa_ros.looks import PARKED, LookTaker, Taken, Waiting, Where, robot_of
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.places import NoPose
 from voa_ros.robots import LookRule
@@ -23,6 +24,7 @@ from voa_ros.robots import LookRule
 INF, NAN = math.inf, math.nan
 BEAMS = 90
 SCANS = 5
+GRID = BeamGrid(BEAMS, 0.0, math.tau / BEAMS)
 
 
 def at(x: float = 0.0, y: float = 0.0, yaw_rad: float = 0.0) -> UncertainSensorPose:
@@ -70,7 +72,7 @@ class Robot:
         return self.send(self.scan(room() if ranges is None else ranges), where)
 
     def send(self, told: LaserScan, where: Where | NoPose) -> Taken | Waiting:
-        answer = self.taker.heard(told, where)
+        answer = self.taker.receive(told, where)
         if isinstance(answer, Taken):
             self.looks.append(answer)
         else:
@@ -79,7 +81,7 @@ class Robot:
 
 
 def robot(mode: str = "stationary", **more: object) -> Robot:
-    return Robot(LookTaker("tb3_1", LookRule.model_validate({"mode": mode, "scans": SCANS, **more})))
+    return Robot(LookTaker("tb3_1", LookRule.model_validate({"mode": mode, "scans": SCANS, **more}), GRID))
 
 
 def last_reason(own: Robot) -> str:
@@ -179,13 +181,72 @@ def test_a_pose_that_is_missing_now_and_then_ends_no_stop() -> None:
     assert len(own.looks) == 1
 
 
-def test_beams_that_change_begin_the_stop_anew() -> None:
+def irregular(own: Robot, chance: Random) -> LaserScan:
+    """A revolution of an LDS-02 or LD19: another number of beams, first angle and increment than the one before."""
+    beams = chance.randrange(2 * BEAMS - 5, 2 * BEAMS + 5)
+    increment = math.tau / beams
+    first = chance.uniform(-0.5, 0.5) * increment
+    ranges = [1.0 + 0.5 * math.cos(first + beam * increment) for beam in range(beams)]
+    told = scan(*own.measured(ranges), at=0.2 * next(own.turns), increment=increment)
+    return replace(told, angle_min=first, angle_max=first + (beams - 1) * increment)
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_beams_that_differ_from_turn_to_turn_are_a_look_on_the_scenarios_grid(where: Where) -> None:
+    own, chance = robot(), Random(3)  # noqa: S311  # noise, not a secret
+    own.noise = 0.01
+    for _ in range(100):
+        own.send(irregular(own, chance), where)
+    (look,) = own.looks
+    taken = look.request.scan
+    assert (len(taken.ranges), taken.angle_min, taken.angle_increment) == (BEAMS, GRID.angle_min, GRID.angle_increment)
+    for beam, value in enumerate(taken.ranges):
+        assert value == pytest.approx(1.0 + 0.5 * math.cos(GRID.angle_min + beam * GRID.angle_increment), abs=0.1)
+
+
+def test_a_common_grid_is_kept() -> None:
     own = robot()
-    for step in range(40):
-        own.turn(at(), [1.0] * (BEAMS - step % 4))
-    assert own.looks == []
-    for _ in range(SCANS):
-        own.turn(at(), [1.0] * BEAMS)
+    told = [replace(own.scan([1.0] * 50), angle_min=0.3) for _ in range(SCANS)]
+    for each in told:
+        own.send(each, at())
+    (look,) = own.looks
+    taken = look.request.scan
+    assert (len(taken.ranges), taken.angle_min) == (50, 0.3)
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+@pytest.mark.parametrize("value", [INF, 0.0, NAN])
+@pytest.mark.parametrize("half", ["in turn", "by chance", "by sectors"])
+def test_beams_that_answer_now_and_then_are_no_motion(where: Where, value: float, half: str) -> None:
+    own, chance = robot(scans=10), Random(5)  # noqa: S311  # noise, not a secret
+    own.noise = 0.01
+    for turn in range(200):
+        silent = {
+            "in turn": [(beam + turn) % 2 == 0 for beam in range(BEAMS)],
+            "by chance": [chance.random() < 0.5 for _ in range(BEAMS)],
+            "by sectors": [(beam + 9 * turn) % BEAMS < BEAMS // 2 for beam in range(BEAMS)],
+        }[half]
+        own.turn(where, [value if off else seen for off, seen in zip(silent, room(), strict=True)])
+    (look,) = own.looks
+    compared = [
+        (value, seen)
+        for value, seen in zip(look.request.scan.ranges, room(), strict=True)
+        if value is not None and value > 0.0
+    ]
+    assert len(compared) >= BEAMS / 2
+    assert sum(abs(value - seen) > 0.1 for value, seen in compared) <= 4  # at the box's edges
+    assert len(look.request.scan.no_return) <= BEAMS / 10
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_lost_packets_are_no_motion(where: Where) -> None:
+    own = robot(scans=10)
+    for _ in range(200):
+        ranges = room()
+        for packet in range(BEAMS // 6):
+            if own.chance.random() < 0.3:
+                ranges[6 * packet : 6 * packet + 6] = [0.0] * 6
+        own.turn(where, ranges)
     assert len(own.looks) == 1
 
 
@@ -210,7 +271,6 @@ def test_a_look_is_the_median_at_the_mean_pose() -> None:
         "scans": 3,
         "frame_id": "base_scan",
     }
-    assert look.name.startswith("tb3_1:0.200000000:0.600000000:")
     assert robot_of(look.request) == "tb3_1"
 
 
@@ -229,7 +289,7 @@ def test_a_robot_without_a_clock_names_looks_by_what_they_saw() -> None:
     for x in (0.0, 1.0):
         for _ in range(SCANS + 3):
             own.send(replace(own.scan(room()), stamp=Stamp()), at(x))
-    assert len({look.name for look in own.looks}) == len(own.looks) == 2
+    assert len({look.digest for look in own.looks}) == len(own.looks) == 2
 
 
 @given(scans(), st.sampled_from(["every", "stationary", "on_request"]), st.sampled_from(["E", at()]))
@@ -240,7 +300,7 @@ def test_any_scan_can_be_part_of_a_look(told: LaserScan, mode: str, where: Where
     for sec in range(1, 4):
         own.send(replace(told, stamp=Stamp(sec)), where)
     for look in own.looks:
-        assert len(look.name) <= 255
+        assert len(look.digest) <= 255
         assert ScanRequest.model_validate_json(look.request.model_dump_json()) == look.request
     if isinstance(where, Message):
         assert len(own.looks) == (3 if mode == "every" else 1)
@@ -253,7 +313,7 @@ def test_every_scan_is_a_look_where_that_is_the_mode() -> None:
     own = robot("every")
     for step in range(20):
         own.turn(at(x=float(step)))
-    assert len({look.name for look in own.looks}) == 20
+    assert len({look.digest for look in own.looks}) == 20
     assert own.taker.waiting_for is None
     own.turn(NoPose("late"))
     assert last_reason(own) == "the lidar's pose: late"
@@ -292,21 +352,6 @@ def test_a_request_waits_for_the_robot_to_stop() -> None:
 def test_only_looks_on_request_are_requested(mode: str) -> None:
     with pytest.raises(ValueError, match=f"'tb3_1' is in mode '{mode}'"):
         robot(mode).taker.request()
-
-
-# --- samples that come twice
-
-
-def test_a_revolution_that_comes_twice_counts_once() -> None:
-    own = robot(scans=10)
-    told = [own.scan(room()) for _ in range(10)]
-    for first, second in zip(told, [told[0], *told], strict=False):
-        own.send(first, at())
-        own.send(second, at())
-    assert len(own.looks) == 1
-    assert "a scan that was not heard before" in own.reasons
-    every = robot("every")
-    assert [isinstance(every.send(told[0], at()), Taken) for _ in range(3)] == [True, False, False]
 
 
 # --- by the scene
@@ -359,22 +404,102 @@ def test_lost_packets_are_not_in_a_look() -> None:
     assert own.looks[0].request.scan.ranges == pytest.approx(room(), abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "difference"),
-    [
-        ([1.0], [1.0], 0.0),
-        ([1.0], [1.06], 1.0),
-        ([1.0, 1.0, 1.0], [1.0, 1.0, 9.0], 0.0),
-        ([1.0, 1.0], [1.0, 0.0], 2.0),
-        ([1.0, 1.0], [1.0, NAN], 0.0),
-        ([INF, INF], [INF, INF], 0.0),
-        ([1.0], [NAN], INF),
-        ([1.0], [1.0, 1.0], INF),
-    ],
-)
-def test_how_much_two_scenes_differ(one: list[float], other: list[float], difference: float) -> None:
-    assert scene_difference(one, other) == pytest.approx(difference)
-    assert scene_difference(other, one) == pytest.approx(difference)
+# --- looks that are not accepted
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_a_look_that_is_not_accepted_does_not_use_up_the_stop(where: Where) -> None:
+    own = robot()
+    for attempt in range(1, 4):
+        for _ in range(SCANS):
+            own.turn(where)
+        assert len(own.looks) == attempt
+        own.taker.rejected("no_beams")
+        assert own.taker.waiting_for == (
+            f"standing still: 0 of {SCANS} revolutions; the last look was not accepted (no_beams)"
+        )
+    for _ in range(50):
+        own.turn(where)
+    assert len(own.looks) == 4
+    assert own.taker.waiting_for == "the robot to move on: this stop's look is taken"
+
+
+def test_a_request_is_not_used_up_either() -> None:
+    own = robot("on_request")
+    own.taker.request()
+    for _ in range(SCANS):
+        own.turn(at())
+    own.taker.rejected("nothing_seen")
+    assert own.taker.requested
+    for _ in range(20):
+        own.turn(at())
+    assert len(own.looks) == 2
+    assert own.taker.waiting_for == "a request"
+
+
+def test_the_reason_is_forgotten_when_the_robot_moves() -> None:
+    own = robot()
+    for _ in range(SCANS):
+        own.turn(at())
+    own.taker.rejected("no_beams")
+    own.turn(at(1.0))
+    own.turn(at(2.0))
+    assert own.taker.waiting_for == "the robot to stop"
+
+
+def test_an_answer_that_comes_when_the_robot_has_moved_on_disturbs_no_stop() -> None:
+    own = robot()
+    for _ in range(SCANS):
+        own.turn(at())
+    for _ in range(3 + SCANS - 1):
+        own.turn(at(1.0))
+    own.taker.rejected("no_beams")
+    own.turn(at(1.0))
+    assert len(own.looks) == 2
+
+
+def test_an_answer_about_an_earlier_look_takes_no_look_twice() -> None:
+    own = robot()
+    for x in (0.0, 1.0):
+        for _ in range(3 + SCANS):
+            own.turn(at(x))
+    first, second = own.looks
+    own.taker.rejected("no_beams", first.request)
+    for _ in range(50):
+        own.turn(at(1.0))
+    assert len(own.looks) == 2
+    own.taker.rejected("no_beams", second.request)
+    for _ in range(50):
+        own.turn(at(1.0))
+    assert len(own.looks) == 3
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_a_look_that_equals_the_one_before_uses_up_its_stop_too(where: Where) -> None:
+    """Without stamps and noise, a robot that comes back sees to the last bit what it saw before."""
+    own = robot()
+    told = scan(*room(), increment=math.tau / BEAMS)
+    for stop in range(3):
+        for _ in range(5 * SCANS):
+            own.send(told, where)
+        assert len(own.looks) == stop + 1
+        for _ in range(3):
+            own.send(told, at(5.0))
+    assert own.looks[0] == own.looks[1] == own.looks[2]
+
+
+# --- every scan of a parked robot
+
+
+@pytest.mark.parametrize("where", [at(), "E"])
+def test_a_parked_robot_whose_every_scan_is_a_look_is_noticed(where: Where) -> None:
+    own = robot("every")
+    for turn in range(20):
+        own.turn(where)
+        assert own.taker.parked == (turn + 1 >= PARKED)
+    for _ in range(2):
+        own.turn(at(5.0))
+        assert not own.taker.parked
 
 
 # --- after a restart

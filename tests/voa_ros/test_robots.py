@@ -24,8 +24,10 @@ name = "tb3_1"
 session = "4f1c"
 namespace = "lab/tb3_1"
 scan = "front/scan"
+domain = 7
+frame_id = "base_scan"
 stamp = "after_revolution"
-lidar = { x = -0.032, y = 0, yaw_rad = 0.5, height_m = 0.18 }
+lidar = { x = -0.032, y = 0, yaw_rad = 0.5, height_m = 0.18, upside_down = true }
 look = { mode = "on_request", scans = 7 }
 
 [robot.place]
@@ -47,10 +49,11 @@ def with_place(place: str) -> RobotMapping:
     return load(SHORT.replace('from = "sensor", sensor = "E"', place))[0]
 
 
-def test_everything_that_can_be_said_is_heard() -> None:
+def test_everything_that_can_be_said_is_read() -> None:
     (robot,) = load(FULL)
     assert (robot.name, robot.session, robot.scenario, robot.stamp) == ("tb3_1", "4f1c", None, "after_revolution")
-    assert robot.lidar == Mount(x=-0.032, y=0.0, yaw_rad=0.5, height_m=0.18)
+    assert (robot.domain, robot.frame_id) == (7, "base_scan")
+    assert robot.lidar == Mount(x=-0.032, y=0.0, yaw_rad=0.5, height_m=0.18, upside_down=True)
     assert robot.look == LookRule(mode="on_request", scans=7)
     place = robot.place
     assert isinstance(place, OdometryPlace)
@@ -65,6 +68,7 @@ def test_everything_that_can_be_said_is_heard() -> None:
 def test_what_is_not_said_has_a_default() -> None:
     (robot,) = load(SHORT)
     assert (robot.session, robot.scenario, robot.stamp, robot.lidar) == (None, "abc", "first_ray", Mount())
+    assert (robot.domain, robot.frame_id, robot.lidar.upside_down) == (0, None, False)
     assert (robot.look.mode, robot.look.scans) == ("stationary", 10)
     assert robot.look.still_yaw_rad == pytest.approx(math.radians(0.5))
     assert isinstance(robot.place, SensorPlace)
@@ -108,6 +112,12 @@ def test_a_file_may_map_nothing_or_many() -> None:
         ('"front/scan"', '""', "robot 'tb3_1': scan: expected a topic like 'tb3_1/scan'"),
         ("after_revolution", "late", "robot 'tb3_1': stamp: Input should be 'first_ray' or 'after_revolution'"),
         ("y = 0,", "z = 0,", "robot 'tb3_1': lidar.z: no such field: expected one of x, y, yaw_rad, height_m"),
+        ("upside_down = true", "upside_down = 1", "robot 'tb3_1': lidar.upside_down: Input should be a valid boolean"),
+        ("upside_down", "inverted", "robot 'tb3_1': lidar.inverted: no such field: expected one of x, y, yaw_rad"),
+        ("domain = 7", "domain = 233", "robot 'tb3_1': domain: Input should be less than or equal to 232"),
+        ("domain = 7", "domain = -1", "robot 'tb3_1': domain: Input should be greater than or equal to 0"),
+        ("domain = 7", 'domain = "7"', "robot 'tb3_1': domain: Input should be a valid integer"),
+        ('"base_scan"', '""', "robot 'tb3_1': frame_id: String should have at least 1 character"),
         ("x = -0.032", 'x = "a"', "robot 'tb3_1': lidar.x: Input should be a valid number"),
         ("x = -0.032", "x = nan", "robot 'tb3_1': lidar.x: expected a finite number, got nan"),
         ("x = -0.032", "x = true", "robot 'tb3_1': lidar.x: Input should be a valid number"),

@@ -11,10 +11,12 @@ from hypothesis import strategies as st
 from tests.voa_ros.ros_messages import FLOATS, scan, scans
 from voa_msgs.sessions import Scan
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan
+from voa_ros.grids import BeamGrid
 from voa_ros.messages import LaserScan, Stamp
-from voa_ros.scans import median_scan, same_grid, scan_message
+from voa_ros.scans import median_scan, scan_message
 
 NAN, INF = math.nan, math.inf
+GRID = BeamGrid(360, 0.0, math.tau / 360)
 
 
 def float32(value: float) -> float:
@@ -62,7 +64,7 @@ def test_any_scan_becomes_a_message_that_passes(told: LaserScan) -> None:
 
 
 def median_of(values: Sequence[float]) -> float:
-    return median_scan([scan(value) for value in values]).ranges[0]
+    return median_scan([scan(value) for value in values], GRID).ranges[0]
 
 
 @pytest.mark.parametrize(
@@ -77,9 +79,11 @@ def median_of(values: Sequence[float]) -> float:
         ([0.0, NAN, 0.0, 1.0, 2.0], 0.0),
         ([NAN, -INF, 0.0, 1.0, 2.0], NAN),
         ([NAN, NAN, 1.0, 1.0], 1.0),
-        ([INF, INF, 1.0], INF),
         ([INF, 1.0, 1.0], 1.0),
-        ([INF, 1.0], NAN),  # an edge
+        ([INF, 1.0], 1.0),  # a dark surface
+        ([INF, INF, 1.0], NAN),  # an edge
+        ([INF, INF, INF, 1.0], NAN),
+        ([INF, INF, INF, INF, 1.0], INF),  # a stray return
         ([INF, NAN, NAN, INF], INF),
         ([INF, 0.0, NAN], 0.0),
         ([-1.0, -INF, 5.0], NAN),
@@ -102,23 +106,22 @@ def test_the_median_does_not_depend_on_the_order_and_was_measured(values: list[f
 
 def test_beams_are_taken_one_by_one() -> None:
     turns = [scan(1.0, 0.0, INF), scan(1.2, 0.0, INF), scan(1.1, 4.0, INF)]
-    middle = median_scan([replace(turn, intensities=(1.0, 2.0, 3.0)) for turn in turns])
+    middle = median_scan([replace(turn, intensities=(1.0, 2.0, 3.0)) for turn in turns], GRID)
     assert middle == replace(turns[0], ranges=(1.1, 0.0, INF))
 
 
-def test_beams_that_differ_are_refused() -> None:
-    others = [
-        scan(1.0),
-        replace(scan(1.0, 1.0), angle_min=2e-4),
-        replace(scan(1.0, 1.0), angle_increment=0.018),
+def test_beams_that_differ_are_brought_onto_the_grid() -> None:
+    grid = BeamGrid(4, 0.0, math.tau / 4)
+    turns = [
+        replace(scan(1.0, 2.0, 3.0, 4.0, increment=math.tau / 4), angle_min=0.1),
+        scan(4.2, 1.2, 2.2, 3.2, increment=math.tau / 4),
+        replace(scan(2.4, 3.4, 4.4, increment=math.tau / 4), angle_min=math.tau / 4),
     ]
-    for other in others:
-        assert not same_grid(scan(1.0, 1.0), other)
-        with pytest.raises(ValueError, match="expected scans with the same beams"):
-            median_scan([scan(1.0, 1.0), other])
-    assert same_grid(scan(1.0, 1.0), replace(scan(2.0, 3.0), angle_min=5e-5))
+    middle = median_scan([turns[0], replace(turns[1], angle_min=-math.tau / 4), turns[2]], grid)
+    assert middle.ranges == (1.0, 2.2, 3.2, 4.2)
+    assert (middle.angle_min, middle.angle_increment) == (0.0, math.tau / 4)
 
 
 def test_no_scan_has_no_median() -> None:
     with pytest.raises(ValueError, match="at least one"):
-        median_scan([])
+        median_scan([], GRID)

@@ -40,19 +40,32 @@ def test_the_hashes_are_those_that_rosbags_computes(type_: MessageType) -> None:
 
 @given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232))
 def test_a_topic_is_met_in_all_its_forms_and_found_in_each(topic: str, type_: MessageType, domain: int) -> None:
-    bridge, rmw = expressions(topic)
+    bridge, rmw = expressions(topic, domain)
     humble = f"{domain}/{topic}/{type_.dds_name}/TypeHashNotSupported"
     assert bridge == topic
     assert parse_key(topic) == met(topic, topic) == TopicKey(topic)
     for key in (rmw_key(topic, type_, domain), humble):
         assert meets(rmw, key)
-        assert parse_key(key) == met(topic, key) == TopicKey(topic, type_.name, domain)
+        assert parse_key(key) == met(topic, key, domain) == TopicKey(topic, type_.name, domain)
+
+
+@given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232), st.integers(0, 232))
+def test_only_the_domain_that_is_mapped_is_met(topic: str, type_: MessageType, mapped: int, other: int) -> None:
+    key = rmw_key(topic, type_, other)
+    assert (met(topic, key, mapped) is not None) == (mapped == other)
+    assert meets(expressions(topic, mapped)[1], key) == (mapped == other)
+    assert met(topic, topic, mapped) == TopicKey(topic)  # a bridge's key has no domain
+
+
+def test_the_domain_is_0_unless_it_is_said() -> None:
+    assert met("scan", rmw_key("scan", LASER_SCAN)) == TopicKey("scan", LASER_SCAN.name, 0)
+    assert met("scan", rmw_key("scan", LASER_SCAN, 5)) is None
 
 
 def test_a_key_of_rmw_zenoh_as_it_was_seen() -> None:
     seen = f"0/tb3_1/scan/{DDS_SCAN}/RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
     assert rmw_key("tb3_1/scan", LASER_SCAN) == seen
-    assert expressions("tb3_1/scan") == ("tb3_1/scan", "*/tb3_1/scan/*/*")
+    assert expressions("tb3_1/scan") == ("tb3_1/scan", "0/tb3_1/scan/*/*")
 
 
 def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> None:

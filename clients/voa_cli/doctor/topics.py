@@ -1,61 +1,24 @@
 """Mapped ROS 2 topics: does anything come, and is it what it should be."""
 
-import threading
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Any
 
 import zenoh
 from zenoh.handlers import Callback
 
 from voa_cli.doctor.findings import Budget, Finding
-from voa_cli.doctor.over_http import CLOCK_S
+from voa_cli.doctor.messages import judged
 from voa_cli.doctor.over_zenoh import alive
-from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
+from voa_cli.doctor.samples import Sample, Samples
+from voa_cli.zenoh_session import declare_latched_subscriber
 from voa_ros.robots import RobotMapping, Subscription
-from voa_ros.topics import LASER_SCAN, ODOMETRY, expressions, met
+from voa_ros.topics import LASER_SCAN, POSE_WITH_COVARIANCE_STAMPED
 
-_TRAVELS_S = 0.5
-"""A scan is stamped at the beginning of its revolution of 0.2 s, or at its end, and travels."""
+_SCANS = 4
+"""Scans of a topic that show whether their stamps and frames are all right."""
 _RMW_PUBLISHERS = "@ros2_lv/**"
 _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
-
-
-@dataclass(frozen=True)
-class _Sample:
-    payload: bytes
-    at_s: float
-    type_name: str | None
-    """As its key says; None: the key does not say."""
-
-
-class _First:
-    """The first sample of each topic."""
-
-    def __init__(self) -> None:
-        self._samples: dict[str, _Sample] = {}
-        self._changed = threading.Condition()
-
-    def hearer(self, topic: str) -> Callable[[zenoh.Sample], None]:
-        """A callback for one topic's subscribers."""
-
-        def hear(sample: zenoh.Sample) -> None:
-            told = met(topic, str(sample.key_expr))
-            with self._changed:
-                if told is not None and topic not in self._samples:
-                    self._samples[topic] = _Sample(sample.payload.to_bytes(), time.time(), told.type_name)
-                    self._changed.notify_all()
-
-        return hear
-
-    def wait(self, topics: Sequence[str], seconds: float) -> dict[str, _Sample]:
-        """What has come, when all have, or the time is over."""
-        with self._changed:
-            self._changed.wait_for(lambda: all(topic in self._samples for topic in topics), seconds)
-            return dict(self._samples)
 
 
 def check_topics(
@@ -70,22 +33,31 @@ def check_topics(
         budget: the time that is left.
     """
     wanted = [(robot, each) for robot in robots for each in robot.subscriptions]
-    first = _First()
+    samples = Samples()
     with ExitStack() as stack:
-        for topic in {each.topic for _, each in wanted}:
-            for expression in expressions(topic):
-                hear = Callback(first.hearer(topic), indirect=False)
-                declared: Any = session.declare_subscriber(expression, hear)
-                stack.callback(declared.undeclare)
-        heard = first.wait([each.topic for _, each in wanted], budget.step(listen_s))
-    silent = [each for _, each in wanted if each.topic not in heard]
-    published = _published(session, budget) if silent else []
+        for each in {each.topic: each for _, each in wanted}.values():
+            for expression in (each.topic, f"*/{each.topic}/*/*"):  # in any domain: a wrong one is worth a word
+                receive = Callback(samples.receiver(each.topic), indirect=False)
+                stack.callback(_declare(session, each, expression, receive).undeclare)
+        counts = {each.topic: _SCANS if each.type == LASER_SCAN else 1 for _, each in wanted}
+        received = samples.wait(counts, budget.step(listen_s))
+    published = _published(session, budget) if any(each.topic not in received for _, each in wanted) else []
     for robot, each in wanted:
         check = f"{robot.name} /{each.topic}"
-        if each.topic in heard:
-            yield _heard(check, each, heard[each.topic])
+        of_topic = received.get(each.topic, [])
+        ours = [sample for sample in of_topic if sample.domain in (None, robot.domain)]
+        if ours:
+            yield judged(check, robot, each, ours)
+        elif of_topic:
+            yield _other_domain(check, robot, of_topic)
         else:
             yield _silent(check, each, published, listen_s)
+
+
+def _declare(session: zenoh.Session, each: Subscription, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
+    if each.type == POSE_WITH_COVARIANCE_STAMPED:
+        return declare_latched_subscriber(session, expression, receive)
+    return session.declare_subscriber(expression, receive)
 
 
 def _published(session: zenoh.Session, budget: Budget) -> list[str]:
@@ -102,6 +74,13 @@ def _published(session: zenoh.Session, budget: Budget) -> list[str]:
     return sorted(set(found))
 
 
+def _other_domain(check: str, robot: RobotMapping, samples: list[Sample]) -> Finding:
+    domains = sorted({sample.domain for sample in samples if sample.domain is not None})
+    listed = " and ".join(str(domain) for domain in domains)
+    seen = f"messages come in ROS domain {listed} only, the mapping says {robot.domain}"
+    return Finding(check, "wrong", seen, f"set domain = {domains[0]} for this robot in the mapping")
+
+
 def _silent(check: str, each: Subscription, published: list[str], listen_s: float) -> Finding:
     seen = f"nothing within {listen_s:g} s"
     if each.topic in published:
@@ -112,27 +91,3 @@ def _silent(check: str, each: Subscription, published: list[str], listen_s: floa
         return Finding(check, "wrong", seen, "check namespace and topic in the mapping")
     advice = "is the robot on, and its bridge or rmw_zenoh joined to this router? ROS_DOMAIN_ID, namespace?"
     return Finding(check, "wrong", seen, advice)
-
-
-def _heard(check: str, each: Subscription, sample: _Sample) -> Finding:
-    if sample.type_name not in (None, each.type.name):
-        found = f"found a {sample.type_name}"
-        return Finding(check, "wrong", found, f"expected {each.type.name}: is it the right topic?")
-    try:
-        message = _decoded(each, sample.payload)
-    except InvalidCdr as error:
-        return Finding(check, "wrong", str(error), f"expected {each.type.name}: is it the right topic?")
-    seen = f"{len(message.ranges)} beams" if isinstance(message, LaserScan) else "heard"
-    if message.stamp.sec == 0:
-        return Finding(check, "warning", f"{seen}, without a time", "poses cannot be matched with scans: stamp both")
-    late = sample.at_s - message.stamp.seconds
-    if -CLOCK_S <= late <= _TRAVELS_S:
-        return Finding(check, "ok", f"{seen}, stamped {late:.2f} s before it came")
-    seen += f", stamped {abs(late):.2f} s {'before' if late > 0.0 else 'after'} it came"
-    return Finding(check, "warning", seen, "set the robot's clock by NTP or chrony")
-
-
-def _decoded(each: Subscription, payload: bytes) -> LaserScan | Odometry | PoseWithCovariance:
-    if each.type == LASER_SCAN:
-        return decode_laser_scan(payload)
-    return decode_odometry(payload) if each.type == ODOMETRY else decode_pose(payload)

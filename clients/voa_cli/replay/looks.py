@@ -1,6 +1,6 @@
 """The scans of robots in a bag, through a service: looks and places are found as they are live.
 
-Every robot of a mapping hears its own topics in the order of the recording. Robots that the mapping sends to one
+Every robot of a mapping receives its own topics in the order of the recording. Robots that the mapping sends to one
 session feed one here, new and on the scenario that is named.
 """
 
@@ -11,18 +11,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from voa_cli.limits import most_beams
 from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
 from voa_cli.recordings.reading import Recording
-from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY
 from voa_cli.scenario_file import load_scenario
 from voa_client import Client, ProblemError, VoaClientError
 from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
-from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.looks import LookTaker, Taken, Where
-from voa_ros.places import NoPose, localisation, middle_s
+from voa_msgs.warnings import ProbableMistake
+from voa_ros.grids import BeamGrid
+from voa_ros.looks import Taken, look_name
+from voa_ros.mapped import MappedLooks, Received, UnusableMessage
 from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.topics import LASER_SCAN, MessageType, met
 
 _OF_ITS_OWN = "replay"
 
@@ -41,60 +43,73 @@ class Look:
     refused: str | None
 
 
-@dataclass
-class Heard:
-    """A robot, and what has come of its scans."""
+class Replayed:
+    """A robot of the mapping, and what has come of its scans.
 
-    mapping: RobotMapping
-    session: str
-    scans: int = 0
-    unreadable: str | None = None
-    """Why, of the newest payload on a topic of this robot that could not be read."""
+    Attributes:
+        mapping: as the mapping says.
+        session: that its looks go to.
+        scans: received on its topic.
+        unreadable: why the newest message on one of its topics could not be used; None: all could.
+    """
 
-    def __post_init__(self) -> None:
-        self._taker = LookTaker(self.mapping.name, self.mapping.look)
-        self._localisation = localisation(self.mapping)
+    def __init__(self, mapping: RobotMapping, session: str, scenario: Scenario, most: int) -> None:
+        self.mapping = mapping
+        self.session = session
+        self.scans = 0
+        self.unreadable: str | None = None
+        self._looks = MappedLooks(mapping, _grid(scenario), most)
+        self._accepted = 0
 
     @property
     def waiting_for(self) -> str | None:
-        """What the next look would need."""
-        return self._taker.waiting_for
+        """Condition for the next look that is not met yet."""
+        return self._looks.waiting_for
 
-    def hear(self, message: RecordedMessage) -> Taken | None:
-        """Take a message in that may be this robot's; the look, if there is one now."""
-        topic = message.topic.removeprefix("/")
-        expected = next((each.type.name for each in self.mapping.subscriptions if each.topic == topic), None)
-        if expected is None:
+    @property
+    def warnings(self) -> list[ProbableMistake]:
+        """Probable mistakes in how the robot is used."""
+        return self._looks.warnings
+
+    def receive(self, message: RecordedMessage) -> Taken | None:
+        """Take a message that may be this robot's; returns a look if there is one now."""
+        type_ = self._type_of(message)
+        if type_ is None:
             return None
-        if message.type_name not in ("", expected) or message.encoding != "cdr":
+        self.scans += type_ == LASER_SCAN
+        if message.type_name not in ("", type_.name) or message.encoding != "cdr":
             found = f"{message.type_name or 'message of unknown type'} in {message.encoding or 'an unknown encoding'}"
-            self.unreadable = f"{message.topic}: expected a {expected} in cdr, found a {found}"
+            self.unreadable = f"{message.topic}: expected a {type_.name} in cdr, found a {found}"
             return None
         try:
-            return self._heard(expected, message)
-        except InvalidCdr as error:
+            taken = self._looks.receive(Received(type_, message.data, message.log_ns * 1e-9))
+        except UnusableMessage as error:
             self.unreadable = f"{message.topic}: {error}"
-        return None
-
-    def _heard(self, type_name: str, message: RecordedMessage) -> Taken | None:
-        if type_name == LASER_SCAN:
-            return self._scan(message)
-        if self._localisation is not None and type_name == ODOMETRY:
-            self._localisation.hear_odometry(decode_odometry(message.data))
-        elif self._localisation is not None:
-            self._localisation.hear_amcl(decode_pose(message.data))
-        return None
-
-    def _scan(self, message: RecordedMessage) -> Taken | None:
-        scan = decode_laser_scan(message.data)
-        self.scans += 1
-        where: Where | NoPose
-        if self._localisation is not None:
-            where = self._localisation.at(middle_s(scan, self.mapping.stamp))
-        else:
-            where = self.mapping.place.sensor if isinstance(self.mapping.place, SensorPlace) else NoPose("not told")
-        taken = self._taker.heard(scan, where)
+            return None
         return taken if isinstance(taken, Taken) else None
+
+    def _type_of(self, message: RecordedMessage) -> MessageType | None:
+        """The type of the mapped topic that a message is on; None: it is on none, or of another domain."""
+        for subscription in self.mapping.subscriptions:
+            key = getattr(message, "key", "") or message.topic.removeprefix(
+                "/"
+            )  # of rmw_zenoh, with the domain, where it was kept
+            if met(subscription.topic, key, self.mapping.domain) is not None:
+                return subscription.type
+        return None
+
+    def answered(self, look: Look) -> None:
+        """Note what became of a look: one that was not accepted does not use up the stop."""
+        if look.answer is None:
+            self._looks.rejected(look.refused or "refused")
+        elif not look.answer.update.accepted:
+            self._looks.rejected(look.answer.update.reason or "not accepted")
+        else:
+            self._accepted += 1
+
+    def name(self, taken: Taken) -> str:
+        """Name of its next look."""
+        return look_name(self.mapping.name, self.session, self._accepted + 1, taken)
 
 
 @dataclass(frozen=True)
@@ -102,7 +117,7 @@ class Found:
     """All that came of a recording."""
 
     scenario: Scenario
-    robots: list[Heard]
+    robots: list[Replayed]
     looks: list[Look] = field(default_factory=list)
 
 
@@ -127,28 +142,41 @@ def replay(client: Client, recording: Recording, options: argparse.Namespace) ->
         target = mapping.session or mapping.scenario or ""
         if target not in sessions:
             sessions[target] = client.create_session(SessionRequest(scenario=scenario.id)).id
-    robots = [Heard(mapping, sessions[mapping.session or mapping.scenario or ""]) for mapping in mappings]
+    most = most_beams()
+    robots = [
+        Replayed(mapping, sessions[mapping.session or mapping.scenario or ""], scenario, most) for mapping in mappings
+    ]
     found = Found(scenario, robots)
     for message in recording.messages():
         for robot in robots:
-            taken = robot.hear(message)
+            taken = robot.receive(message)
             if taken is not None:
-                found.looks.append(_look(client, robot, taken))
+                look = _look(client, robot, taken)
+                robot.answered(look)
+                found.looks.append(look)
     if not any(robot.scans for robot in robots):
         raise UnreadableRecording(_no_scans(robots, recording))
     return found
 
 
-def _no_scans(robots: list[Heard], recording: Recording) -> str:
+def _grid(scenario: Scenario) -> BeamGrid:
+    """Beams of the scenario's lidar, which a service answers with its preset filled in."""
+    lidar = scenario.lidar
+    if lidar.beams is None or lidar.angle_min is None or lidar.angle_increment is None:
+        raise VoaClientError("expected a scenario whose lidar has its beams filled in: is the service of this version?")
+    return BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
+
+
+def _no_scans(robots: list[Replayed], recording: Recording) -> str:
     topics = ", ".join(f"/{robot.mapping.scan_topic}" for robot in robots)
     why = next((f"; {robot.unreadable}" for robot in robots if robot.unreadable is not None), "")
-    return f"no {LASER_SCAN} on {topics}{recording.found}{why}"
+    return f"no {LASER_SCAN.name} on {topics}{recording.found}{why}"
 
 
-def _look(client: Client, robot: Heard, taken: Taken) -> Look:
+def _look(client: Client, robot: Replayed, taken: Taken) -> Look:
     name = robot.mapping.name
     try:
-        answer = client.apply_scan(robot.session, taken.request, key=taken.name)
+        answer = client.apply_scan(robot.session, taken.request, key=robot.name(taken))
     except ProblemError as error:
         return Look(name, taken.request, None, f"{error.kind}: {error.problem.detail}")
     return Look(name, taken.request, answer, None)
@@ -202,7 +230,7 @@ def _simple(options: argparse.Namespace, recording: Recording) -> RobotMapping:
 
 def _only_topic(recording: Recording) -> str:
     """The topic that has scans; raises InvalidMapping where there are several, or none."""
-    topics = sorted({message.topic for message in recording.messages() if message.type_name == LASER_SCAN})
+    topics = sorted({message.topic for message in recording.messages() if message.type_name == LASER_SCAN.name})
     if len(topics) != 1:
         raise InvalidMapping(f"--topic: expected one topic with scans, name which{recording.found}")
     return topics[0]

@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from voa_cli.recordings.reading import Recording
-from voa_cli.replay.looks import Found, Heard, Look
+from voa_cli.replay.looks import Found, Look, Replayed
 from voa_cli.replay.recordings import show_damage
 from voa_client.readable import share
 
@@ -25,7 +25,7 @@ def report(found: Found, recording: Recording) -> dict[str, Any]:
     }
 
 
-def _robot(robot: Heard, looks: list[Look]) -> dict[str, Any]:
+def _robot(robot: Replayed, looks: list[Look]) -> dict[str, Any]:
     name = robot.mapping.name
     return {
         "robot": name,
@@ -33,6 +33,7 @@ def _robot(robot: Heard, looks: list[Look]) -> dict[str, Any]:
         "scans": robot.scans,
         "looks": sum(look.robot == name for look in looks),
         "waiting_for": robot.waiting_for,
+        "warnings": [warning.model_dump(mode="json", exclude_none=True) for warning in robot.warnings],
         "unreadable": robot.unreadable,
     }
 
@@ -67,6 +68,8 @@ def show(console: Console, found: Found, recording: Recording) -> None:
         count = sum(look.robot == robot.mapping.name for look in found.looks)
         told = f"{robot.mapping.name}: {robot.scans} scans, {count} looks{waits}; session {robot.session}"
         console.print(told, highlight=False, markup=False)
+        for warning in robot.warnings:
+            console.print(f"! {warning.kind}: {warning.detail}", highlight=False, markup=False)
         if robot.unreadable is not None:
             console.print(f"! {robot.unreadable}", highlight=False, markup=False)
     show_damage(console, recording)

@@ -1,14 +1,16 @@
 """ROS 2 topics of mapped robots: their scans, gathered into looks, update the sessions that they are mapped to.
 
-Every replica hears everything and gathers the same looks, which have the same names. One of them applies a look at
-once, the others after a while, unless the session has it by then.
+Every replica receives everything and gathers the same looks. One of them applies a look at once, the others after a
+while, unless the session has it by then. A look that the session does not accept is published like a scan that cannot
+be used, and the robot's next revolutions make another.
 """
 
 import secrets
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -16,21 +18,35 @@ import structlog
 import zenoh
 from zenoh.handlers import Callback
 
-from voa_ros.looks import Taken
+from voa_ros.looks import look_name
 from voa_ros.robots import RobotMapping, Subscription, load
-from voa_ros.topics import expressions, met
-from voa_service.failures import INTERNAL, INVALID, KEY_REUSED, OVERLOADED, TOO_LARGE, Failure
-from voa_service.ports import IdempotencyKey
+from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
+from voa_service.failures import (
+    INTERNAL,
+    INVALID,
+    KEY_REUSED,
+    LOOK_COUNTED,
+    NOT_ACCEPTED,
+    OVERLOADED,
+    TOO_LARGE,
+    Failure,
+)
+from voa_service.ports import RobotLook
 from voa_service.services import Services
+from voa_service.usecases.robots import LookOutcome
 from voa_service.writes import idempotency_key, scope_of, write_of
+from voa_service.zenoh.latched import declare_latched_subscriber
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
-from voa_service.zenoh.mapped_robot import LOOK_SECONDS, Heard, MappedRobot, last_look
+from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, DueLook, MappedRobot, Sample, last_look
 from voa_service.zenoh.outbox import Outbox
+from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 2
 _END_SECONDS = 0.4
-_SAME_STOP_SECONDS = 600
+_COMPARED = 64
+"""Looks of a robot, the newest, among which one is searched that another replica applied."""
+_TRIES = 3
 
 
 @dataclass(frozen=True)
@@ -38,11 +54,8 @@ class _Look:
     """A look to be applied."""
 
     robot: MappedRobot
-    session: str
     key: str
-    taken: Taken
-    second: bool = False
-    """Another replica should have applied it by now."""
+    due: DueLook
 
 
 class Ros2:
@@ -57,7 +70,7 @@ class Ros2:
         self._outbox = outbox
         self._robots: dict[str, tuple[MappedRobot, ExitStack]] = {}
         self._read: str | None = None
-        self._boxes: Mailboxes[tuple[MappedRobot, Heard | _Look]] = Mailboxes(
+        self._boxes: Mailboxes[tuple[MappedRobot, Sample | _Look]] = Mailboxes(
             self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
         self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
@@ -85,7 +98,7 @@ class Ros2:
                 self._services.metrics.zenoh("ROS message dropped at the end")
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
-        while not ended.wait(LOOK_SECONDS):
+        while not ended.wait(FOLLOW_SECONDS):
             self._follow_file(session)
 
     def _follow_file(self, session: zenoh.Session) -> None:
@@ -115,25 +128,29 @@ class Ros2:
         robot = MappedRobot(mapping, self._services)
         stack = ExitStack()
         for subscription in mapping.subscriptions:
-            for expression in expressions(subscription.topic):
-                hear = Callback(partial(self._heard, robot, subscription), indirect=False)
-                stack.enter_context(session.declare_subscriber(expression, hear))
+            latched = subscription.type == POSE_WITH_COVARIANCE_STAMPED
+            for expression in expressions(subscription.topic, mapping.domain):
+                receive = Callback(partial(self._receive, robot, subscription), indirect=False)
+                declare = declare_latched_subscriber if latched else zenoh.Session.declare_subscriber
+                stack.callback(declare(session, expression, receive).undeclare)
         self._robots[mapping.name] = robot, stack
-        self._services.robots.mapped(mapping.name, mapping.scan_topic, lambda: robot.waiting_for, robot.request)
+        self._services.robots.mapped(
+            mapping.name, mapping.scan_topic, robot, scenario=mapping.scenario, session=mapping.session
+        )
 
     def _drop(self, name: str) -> None:
         _, stack = self._robots.pop(name)
         stack.close()
         self._services.robots.unmapped(name)
 
-    def _heard(self, robot: MappedRobot, subscription: Subscription, sample: zenoh.Sample) -> None:
+    def _receive(self, robot: MappedRobot, subscription: Subscription, sample: zenoh.Sample) -> None:
         """In a Zenoh thread: hand over, or refuse."""
         key, type_ = str(sample.key_expr), subscription.type
-        told = met(subscription.topic, key)
-        if sample.kind != zenoh.SampleKind.PUT or told is None:
+        named = met(subscription.topic, key, robot.mapping.domain)
+        if sample.kind != zenoh.SampleKind.PUT or named is None:
             return
-        if told.type_name not in (None, type_.name):
-            found = f"expected a {type_.name}, found a {told.type_name}: is it the right topic?"
+        if named.type_name not in (None, type_.name):
+            found = f"expected a {type_.name}, found a {named.type_name}: is it the right topic?"
             self._refuse(robot, key, Failure(INVALID, found))
             return
         size, most = len(sample.payload), self._services.limits.scan_bytes
@@ -142,15 +159,16 @@ class Ros2:
             self._refuse(robot, key, Failure(TOO_LARGE, f"expected a message of at most {most} bytes, got {size}"))
             return
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
-        heard = Heard(type_, key, sample.payload.to_bytes(), attachment)
-        if not self._boxes.put(robot.name, (robot, heard), size):
+        received = Sample(type_, key, sample.payload.to_bytes(), attachment, time.monotonic())
+        if not self._boxes.put(robot.name, (robot, received), size):
             self._refuse(robot, key, Failure(OVERLOADED, "more messages are waiting than this service can work on"))
 
     def _hand_on(self, look: _Look) -> None:
         if not self._boxes.put(look.robot.name, (look.robot, look), 0):
+            look.robot.rejected(look.due.number, OVERLOADED[0])
             self._refuse(look.robot, look.key, Failure(OVERLOADED, "more messages are waiting than can be worked on"))
 
-    def _work(self, item: tuple[MappedRobot, Heard | _Look]) -> None:
+    def _work(self, item: tuple[MappedRobot, Sample | _Look]) -> None:
         """In a worker thread."""
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
@@ -159,14 +177,14 @@ class Ros2:
             if isinstance(what, _Look):
                 self._apply(what)
                 return
-            found = robot.heard(what)
-            if found is None:
+            due = robot.receive(what)
+            if due is None:
                 return
-            look = _Look(robot, found[0], what.key, found[1])
+            look = _Look(robot, what.key, due)
             if self._replicas.owns(robot.name):
                 self._apply(look)
             else:
-                for _ in range(self._later.put(replace(look, second=True), 0)):
+                for _ in range(self._later.put(look, 0)):
                     self._services.metrics.zenoh("look forgotten")
         except Failure as failure:
             self._refuse(robot, what.key, failure)
@@ -176,33 +194,59 @@ class Ros2:
             self._refuse(robot, what.key, defect)
 
     def _apply(self, look: _Look) -> None:
-        request, sessions = look.taken.request, self._services.sessions
-        key = idempotency_key(look.taken.name, scope_of(look.session), "scan", request)
-        if self._has_been_applied(look, key):
-            self._services.metrics.zenoh("look applied already")
-            return
-        body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
+        """Apply a look unless the session has it; a look that comes to nothing does not use up the robot's stop."""
         try:
-            sessions.apply_scan(look.session, request, write_of("scan", body, key))
-        except Failure as failure:
-            if failure.kind == KEY_REUSED[0]:  # another replica's poses were a hair apart
-                self._services.metrics.zenoh("look applied already")
-                return
+            for _ in range(_TRIES):
+                number = self._number(look)
+                if number is None or self._applied(look, number):
+                    return
+            look.robot.rejected(look.due.number, NOT_ACCEPTED[0])  # by another replica, which says so to the robot
+        except BaseException as error:
+            look.robot.rejected(look.due.number, error.kind if isinstance(error, Failure) else INTERNAL[0])
             raise
-        self._services.robots.looked(look.robot.name, "ros2", look.key, look.session)
 
-    def _has_been_applied(self, look: _Look, key: IdempotencyKey | None) -> bool:
-        """Whether the session has this look, or, where one stop is one look, another one of the same stop."""
-        if look.robot.mapping.look.mode != "stationary":
-            return look.second and key is not None and self._services.sessions.has_answered(key)
-        newest = last_look(self._services, look.session, look.robot.name)
-        if newest is None:
-            return False
-        overlap = _seconds(newest.scan.stamp, "to") - _seconds(look.taken.request.scan.stamp, "from")
-        if not 0.0 <= overlap < _SAME_STOP_SECONDS:  # else the robot's clock was set back
-            return False
-        look.robot.has_look(newest)
+    def _number(self, look: _Look) -> int | None:
+        """The number under which a look is to be applied; None: the session has it, by whichever replica."""
+        every, due = look.robot.mapping.look.mode == "every", look.due
+        newest = self._services.sessions.robot_looks(due.session, look.robot.name, _COMPARED)
+        count = newest[0].number if newest else 0
+        has_it = any(each.digest == due.taken.digest for each in newest)
+        if has_it or (not every and due.number <= count):
+            self._services.metrics.zenoh("look applied already")
+            last = None if every else last_look(self._services, due.session, look.robot.name)
+            look.robot.counted(count, last)
+            return None
+        return count + 1 if every else due.number
+
+    def _applied(self, look: _Look, number: int) -> bool:
+        """Apply a look under a number; False: another replica did, with poses that may differ by a hair."""
+        due, robot = look.due, look.robot
+        request = due.taken.request
+        key = idempotency_key(
+            look_name(robot.name, due.session, number, due.taken), scope_of(due.session), "scan", request
+        )
+        body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
+        counted = RobotLook(robot.name, number, due.taken.digest)
+        try:
+            answered = self._services.sessions.apply_scan(
+                due.session, request, write_of("scan", body, key, look=counted)
+            )
+        except Failure as failure:
+            if failure.kind in (LOOK_COUNTED[0], KEY_REUSED[0]):
+                return False
+            raise
+        self._answered(look, number, LookOutcome.model_validate_json(answered.body))
         return True
+
+    def _answered(self, look: _Look, number: int, answer: LookOutcome) -> None:
+        """Note what became of a look."""
+        robot, due = look.robot, look.due
+        self._services.robots.looked(robot.name, "ros2", look.key, due.session, due.taken.request, answer)
+        if answer.update.accepted:
+            robot.accepted(number)
+            return
+        robot.rejected(due.number, answer.update.reason or NOT_ACCEPTED[0])
+        self._refuse(robot, look.key, not_accepted(answer.update.reason))
 
     def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
@@ -211,9 +255,3 @@ class Ros2:
             structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
         if self._replicas.owns(robot.name):  # else another replica says so to the robot
             self._outbox.refused(robot.session or "none", robot.name, failure)
-
-
-def _seconds(stamp: object, which: str) -> float:
-    """When a look began or ended, by the robot's clock."""
-    end = stamp.get(which) if isinstance(stamp, dict) else None
-    return float(end.get("sec", 0)) + 1e-9 * float(end.get("nanosec", 0)) if isinstance(end, dict) else 0.0

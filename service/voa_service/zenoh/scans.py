@@ -19,15 +19,18 @@ from zenoh.handlers import Callback
 from voa_msgs.keys import Keys
 from voa_msgs.sessions import ScanRequest
 from voa_ros.cdr import InvalidCdr, decode_laser_scan
+from voa_ros.messages import header_contradiction
 from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
-from voa_service.failures import INTERNAL, INVALID, OVERLOADED, TOO_LARGE, Failure
+from voa_service.failures import GRID_MISMATCH, INTERNAL, INVALID, OVERLOADED, TOO_LARGE, Failure
 from voa_service.reading import json_object, message
 from voa_service.rpc import attachment_of, place_in
 from voa_service.services import Services
+from voa_service.usecases.robots import LookOutcome
 from voa_service.writes import idempotency_key, scope_of, write_of
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
 from voa_service.zenoh.outbox import Outbox
+from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 4
@@ -131,8 +134,11 @@ class Scans:
         sessions = self._services.sessions
         if heard.second and key is not None and sessions.has_answered(key):
             return
-        sessions.apply_scan(heard.session, request, write_of("scan", json.dumps(fields).encode(), key))
-        self._services.robots.looked(heard.robot, "scan", heard.key, heard.session)
+        answered = sessions.apply_scan(heard.session, request, write_of("scan", json.dumps(fields).encode(), key))
+        outcome = LookOutcome.model_validate_json(answered.body)
+        self._services.robots.looked(heard.robot, "scan", heard.key, heard.session, request, outcome)
+        if not outcome.update.accepted:
+            self._refuse(heard.session, heard.robot, heard.key, not_accepted(outcome.update.reason))
 
     def _refuse(self, session: str, robot: str, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
@@ -168,8 +174,11 @@ def _fields(heard: Heard, services: Services) -> dict[str, Any]:
         if found not in (None, LASER_SCAN.name):
             raise Failure(INVALID, f"expected a {LASER_SCAN.name}, found a {found}")
         try:
-            scan = scan_message(decode_laser_scan(heard.payload, services.limits.beams))
+            scan = decode_laser_scan(heard.payload, services.limits.beams)
         except InvalidCdr as error:
             raise Failure(INVALID, str(error)) from error
-        return {"scan": scan.model_dump(exclude_unset=True)}
+        wrong = header_contradiction(scan)
+        if wrong is not None:
+            raise Failure(GRID_MISMATCH, wrong)
+        return {"scan": scan_message(scan).model_dump(exclude_unset=True)}
     raise Failure(INVALID, f"expected application/json or application/cdr, got {heard.encoding!r}")

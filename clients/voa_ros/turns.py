@@ -1,0 +1,133 @@
+"""Whole revolutions out of the segments that some lidars send.
+
+A picoScan150 publishes each revolution in segments of some 30 degrees. One segment is no look: where two scans in a row
+cover much less than the scenario's lidar, and other angles, they are segments. These are kept until they complete the
+turn, or until one comes that covers the same angles again, which begins the next turn.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from voa_ros.grids import BeamGrid, grid_of, on_grid
+from voa_ros.messages import LaserScan
+
+PARTIAL_SHARE = 0.7
+"""A scan that covers less of the lidar's angles than this share may be a segment of a turn."""
+MOST_SEGMENTS = 256
+LONGEST_TURN_S = 2.0
+"""A segment that arrives so much later than the one before it belongs to another turn."""
+_DISJOINT = 0.1
+"""Scans that share less of their angles are different segments."""
+_AGAIN = 0.5
+"""Scans that share more of their angles cover the same ones."""
+
+M = TypeVar("M")
+
+
+@dataclass(frozen=True)
+class Turn(Generic[M]):
+    """A whole turn of a lidar.
+
+    Attributes:
+        scan: all its beams.
+        message: that brought the last of them.
+    """
+
+    scan: LaserScan
+    message: M
+
+
+@dataclass(frozen=True)
+class _Segment(Generic[M]):
+    scan: LaserScan
+    message: M
+    received_s: float
+
+
+class TurnGatherer(Generic[M]):
+    """Joins the segments of a turn; scans that cover the whole turn pass at once."""
+
+    def __init__(self, grid: BeamGrid) -> None:
+        """Begin with no segment.
+
+        Args:
+            grid: of the scenario's lidar, on which the segments are joined.
+        """
+        self._grid = grid
+        self._before: LaserScan | None = None
+        self._segments: list[_Segment[M]] = []
+
+    @property
+    def segments(self) -> int:
+        """Segments of the turn that is not complete yet."""
+        return len(self._segments)
+
+    def receive(self, scan: LaserScan, message: M, received_s: float) -> Turn[M] | None:
+        """Take the next scan; returns a whole turn where there is one now, else None.
+
+        The very first segment is passed on as if it were a turn: only the next one shows that it was a segment. A lidar
+        that always covers the same few angles has no segments.
+
+        Args:
+            scan: a segment or a whole turn.
+            message: that brought it; comes back with the turn.
+            received_s: when it arrived, by any steady clock.
+        """
+        before, self._before = self._before, scan
+        if before is None or not self._is_segment(scan, before):
+            self._segments.clear()
+            return Turn(scan, message)
+        segment = _Segment(scan, message, received_s)
+        if self._segments and received_s - self._segments[-1].received_s > LONGEST_TURN_S:
+            self._segments.clear()
+        if any(_overlap(scan, other.scan) > _AGAIN for other in self._segments) or self.segments >= MOST_SEGMENTS:
+            turn = self._joined()
+            self._segments = [segment]
+            return turn
+        self._segments.append(segment)
+        covered = sum(_shared_rad(grid_of(other.scan), self._grid) for other in self._segments)
+        if covered < self._grid.span_rad - 1.5 * abs(self._grid.angle_increment):
+            return None
+        turn = self._joined()
+        self._segments = []
+        return turn
+
+    def _is_segment(self, scan: LaserScan, before: LaserScan) -> bool:
+        partial = _shared_rad(grid_of(scan), self._grid) < PARTIAL_SHARE * self._grid.span_rad
+        return partial and _overlap(scan, before) < (_AGAIN if self._segments else _DISJOINT)
+
+    def _joined(self) -> Turn[M]:
+        scans = [segment.scan for segment in self._segments]
+        whole = scans[0]
+        if len(scans) > 1:
+            whole = replace(on_grid(scans, self._grid), scan_time=_duration_s(scans))
+        return Turn(whole, self._segments[-1].message)
+
+
+def _duration_s(segments: Sequence[LaserScan]) -> float:
+    """Seconds from the first ray of the first segment to the last ray of the last; as the first says if stamps lie."""
+    first, last = segments[0], segments[-1]
+    seconds = last.stamp.seconds - first.stamp.seconds + (last.scan_time if math.isfinite(last.scan_time) else 0.0)
+    return seconds if 0.0 < seconds <= LONGEST_TURN_S else first.scan_time
+
+
+def _overlap(one: LaserScan, other: LaserScan) -> float:
+    """Share of the smaller of two spans that both cover, modulo a full turn."""
+    first, second = grid_of(one), grid_of(other)
+    return _shared_rad(first, second) / min(first.span_rad, second.span_rad)
+
+
+def _shared_rad(one: BeamGrid, other: BeamGrid) -> float:
+    """Angle that two grids both cover, modulo a full turn."""
+    apart = math.remainder(_middle(one) - _middle(other), math.tau)
+    half, whole = min(one.span_rad, math.tau) / 2.0, min(other.span_rad, math.tau) / 2.0
+    return sum(
+        max(0.0, min(apart + turned + half, whole) - max(apart + turned - half, -whole))
+        for turned in (-math.tau, 0.0, math.tau)
+    )
+
+
+def _middle(grid: BeamGrid) -> float:
+    return grid.angle_min + (grid.beams - 1) * grid.angle_increment / 2.0
