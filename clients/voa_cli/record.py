@@ -122,7 +122,7 @@ class Recorder:
         os.fsync(self._file.fileno())
 
     def report(self, console: Console, path: Path, most_beams: int) -> None:
-        """What there is in the file, and what others will not be able to read of it."""
+        """Print the topics of the file, and what others will not be able to read of it."""
         console.print(status.summary(self._writer.counts))
         console.print(f"{path}: {status.size(path.stat().st_size)}", highlight=False)
         if self._inbox.dropped:
@@ -143,7 +143,7 @@ class Recorder:
         return True
 
     def _keep(self) -> None:
-        """What was written survives a power cut from now on."""
+        """Bring what was written onto the disk: from now on it survives a power cut."""
         self._writer.flush()
         os.fsync(self._file.fileno())
 

@@ -59,6 +59,7 @@ PACKAGES = {
         "rich",
         "rosbags",
         "zenoh",
+        only_in={"ruamel": "folder.py", "zstandard": "packed.py"},
     ),
     "voa_fleet": _package(
         "clients/voa_fleet",

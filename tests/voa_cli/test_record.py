@@ -63,7 +63,7 @@ class Recorder:
         wait_for(listens, "the recorder listens")
 
     def stop(self, number: signal.Signals) -> str:
-        """What it printed in the end."""
+        """Stop it, and return its report."""
         self.process.send_signal(number)
         assert self.process.wait(30) == 0, self._said.read_text()
         assert self._said.read_text().count("\n") == 1

@@ -21,7 +21,7 @@ _LAST = 3
 
 
 class BridgeTypes:
-    """What bridges have announced so far; written by Zenoh's threads."""
+    """Types that bridges have announced so far; written by Zenoh's threads."""
 
     def __init__(self) -> None:
         self._types: dict[str, str] = {}

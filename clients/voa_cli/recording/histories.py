@@ -1,4 +1,4 @@
-"""What a session needs to be made anew: asked of the service as soon as the session is seen, in a thread of its own."""
+"""Histories and scenarios, by which sessions are made anew: asked of the service in a thread of its own."""
 
 import threading
 from collections.abc import Callable
@@ -32,7 +32,7 @@ class Histories:
         self._thread = threading.Thread(target=self._run, name="voa-histories", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread that asks."""
         self._thread.start()
 
     def want(self, session: str) -> None:

@@ -74,7 +74,7 @@ class Inbox:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What to listen to.
+    """Key expressions to listen to.
 
     Attributes:
         expressions: key expressions in Zenoh's canonical form.

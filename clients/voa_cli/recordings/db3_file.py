@@ -125,9 +125,14 @@ class Db3File:
         self._topics = {row[0]: (row[1], row[2], row[3]) for row in topics}
         self.topics = {name: type_name for name, type_name, _ in self._topics.values()}
         if "message_definitions" in tables:
-            columns = "topic_type, encoding, encoded_message_definition"
-            definitions = self._database.execute(f"SELECT {columns} FROM message_definitions")  # noqa: S608 - ours
-            self._definitions = {row[0]: (row[1], row[2]) for row in definitions}
+            try:
+                self._define()
+            except sqlite3.Error as error:  # messages are read without, as those of older releases
+                self._why = str(error)
+
+    def _define(self) -> None:
+        query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        self._definitions = {row[0]: (row[1], row[2]) for row in self._database.execute(query)}
 
     def _message(self, row: int) -> RecordedMessage | None:
         """Read one message; None: it cannot be read."""

@@ -23,7 +23,7 @@ _PARTS = re.compile(r"(\d+)")
 
 @dataclass
 class Folder:
-    """What is to be read of a folder.
+    """The part of a folder that is to be read.
 
     Attributes:
         files: storages, in the order of the metadata or of the numbers in their names.

@@ -1,4 +1,4 @@
-"""What a file is, by its first bytes: a storage of messages, something compressed, or an archive."""
+"""Kinds of files, by their first bytes: storages of messages, compressed files, archives."""
 
 from enum import Enum
 from pathlib import Path

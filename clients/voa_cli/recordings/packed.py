@@ -117,7 +117,7 @@ class _Decompressor(Protocol):
 
     @property
     def unused_data(self) -> bytes:
-        """What was given after its end."""
+        """Bytes that were given after its end."""
 
     def decompress(self, data: bytes, /) -> bytes:
         """Unpack what comes next."""

@@ -34,7 +34,7 @@ def is_recording(path: Path) -> bool:
 
 
 class Recording:
-    """What was recorded at `path`.
+    """The recording at `path`, whatever it is stored in.
 
     Attributes:
         topics: name to type, of what has been read so far.
@@ -61,7 +61,7 @@ class Recording:
 
     @property
     def found(self) -> str:
-        """What has been read so far, for people."""
+        """Topics and damage that have been found so far, for people."""
         topics = ", ".join(f"{topic} ({name or 'of unknown type'})" for topic, name in sorted(self.topics.items()))
         return f" (found: {topics or 'nothing'}{'' if self.damage is None else '; it ' + self.damage})"
 

@@ -48,7 +48,7 @@ class RosTypes:
         return self.store.generate_msgdef(type_name, ros_version=2)[0]
 
     def to_standard(self, type_name: str, own: Typestore) -> Decoded:
-        """What brings a payload from the layout that a recording defines into the standard one.
+        """Make a function that brings a payload from the layout that a recording defines into the standard one.
 
         Args:
             type_name: of the payload, one of `UNDERSTOOD`.

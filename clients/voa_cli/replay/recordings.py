@@ -75,7 +75,7 @@ def show(console: Console, found: list[Again], recording: Recording) -> None:
 
 
 def show_damage(console: Console, recording: Recording) -> None:
-    """What is wrong with the recording, if anything is."""
+    """Print the damage of the recording, if it has any."""
     if recording.damage is not None:
         told = f"! the recording {recording.damage}: {recording.recovered} messages recovered"
         console.print(told, highlight=False, markup=False)

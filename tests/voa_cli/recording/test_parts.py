@@ -1,4 +1,4 @@
-"""What `voa record` is made of, without a network."""
+"""Parts of `voa record`, without a network."""
 
 import json
 from collections import Counter

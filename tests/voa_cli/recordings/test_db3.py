@@ -94,6 +94,15 @@ def test_a_topic_that_is_not_described_is_counted(tmp_path: Path) -> None:
     assert recording.damage == "has 2 messages that cannot be read"
 
 
+def test_definitions_that_cannot_be_read_cost_no_message(tmp_path: Path) -> None:
+    path = db3(tmp_path / "x.db3", scans(5))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("ALTER TABLE message_definitions RENAME COLUMN encoding TO other")
+    recording, found = read(path)
+    assert found == scans(5)
+    assert recording.damage == "is damaged (no such column: encoding)"
+
+
 @pytest.mark.parametrize("tables", ["CREATE TABLE x(y INTEGER)", DB3_TABLES.replace("topics", "other")])
 def test_another_database_is_no_recording(tmp_path: Path, tables: str) -> None:
     path = tmp_path / "x.db3"
