@@ -22,7 +22,7 @@ COMMANDS = {
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
     "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
-    "sessions": Command("voa_cli.sessions", "list, show and export the sessions of a service", "cli"),
+    "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
     "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
     "fleet": Command("voa_fleet.commands.fleet", "simulated robots as customers of the service", "fleet"),
     "check": Command("voa_cli.check", "say what is probably wrong with a scenario file", "cli"),

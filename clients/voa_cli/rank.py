@@ -3,6 +3,8 @@
 voa rank scenario.json                              under the scenario's prior
 voa rank scenario.json --belief 0.5,0.3,0.2         under a belief (or a JSON file with one)
 voa rank --session ID --url http://lab:8000         under a session's belief
+
+With a file, the service of `--url` keeps the scenario and its mesh, named by their content, and opens no session.
 """
 
 import argparse
@@ -22,7 +24,6 @@ from voa_client.readable import recommendation, share
 from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
 from voa_msgs.reading import InvalidMessage, in_one_line, read_json
 from voa_msgs.scenarios import Scenario
-from voa_msgs.sessions import SessionRequest
 from voa_msgs.warnings import ProbableMistake
 
 
@@ -71,10 +72,7 @@ def _rank(client: Client, options: argparse.Namespace) -> tuple[Scenario, list[P
         return scenario, scenario.warnings, client.rank_looks(options.session, asked)
     scenario, of_mesh = load_with_warnings(client, options.scenario)
     warnings = [*of_mesh, *scenario.warnings]
-    if options.belief is None:
-        session = client.create_session(SessionRequest(scenario=scenario.id))
-        return scenario, warnings, client.rank_looks(session.id, asked)
-    belief = _belief(options.belief)
+    belief = None if options.belief is None else _belief(options.belief)  # None: the scenario's prior
     request = RankingRequest(scenario=scenario.id, belief=belief, **asked.model_dump(exclude_unset=True))
     return scenario, warnings, client.rank_once(request)
 

@@ -3,6 +3,7 @@
 voa record -o look.mcap                                        every session on this machine's router
 voa record -o look.mcap --url zenoh://lab:7447/voa/v1/lab7     of another one, under another root
 voa record -o look.mcap --session ID --topic /tb3_1/scan --topic /tb3_1/odom
+voa record -o look.mcap --topic '/tb3_1/**'                    all topics of a robot
 
 Recorded are raw scans, beliefs and refused scans, of each session that is seen its scenario and history, and the ROS 2
 topics that are named (by zenoh-bridge-ros2dds and by rmw_zenoh). Foxglove opens the file, and `voa replay` makes the
@@ -25,10 +26,12 @@ from rich.console import Console
 from rich.status import Status
 from rich.text import Text
 
+from voa_cli.limits import most_beams
 from voa_cli.recording import status
+from voa_cli.recording.bridges import announced
 from voa_cli.recording.filing import Filing
 from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Inbox, listening
+from voa_cli.recording.inbox import Inbox, Wanted, listening
 from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_cli.zenoh_session import address_of, joined
@@ -51,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console(stderr=True)
     try:
         address = address_of(options.url)
-        expressions = _expressions(Keys(address.root), options.session, options.topic)
+        most = most_beams()
+        wanted = _wanted(Keys(address.root), options.session, options.topic)
         with (
             joined(address, _OPEN_MS) as session,
             Client(options.url, timeout_s=_CALL_S) as client,
@@ -59,14 +63,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _stopping() as stop,
         ):
             recorder = Recorder(session, client, file, Keys(address.root))
-            recorder.record(expressions, options.session, stop, options.seconds, console)
+            recorder.record(wanted, options.session, stop, options.seconds, console)
     except VoaClientError as error:
         print(f"voa record: {error}", file=sys.stderr)
         return 1
     except OSError as error:
         print(f"voa record: {options.out}: {error.strerror or error}", file=sys.stderr)
         return 1
-    recorder.report(Console(), options.out)
+    recorder.report(Console(), options.out, most)
     return 0
 
 
@@ -78,13 +82,14 @@ class Recorder:
         self._file = file
         self._inbox = Inbox()
         self._writer = RecordingWriter(file, RosTypes())
+        self._keys = keys
         self._filing = Filing(self._writer, keys)
         self._histories = Histories(client, self._inbox, time.time_ns)
         self._last: float | None = None
 
     def record(
         self,
-        expressions: Sequence[str],
+        wanted: Wanted,
         sessions: Sequence[str],
         stop: threading.Event,
         seconds: float | None,
@@ -95,8 +100,14 @@ class Recorder:
         self._histories.start()
         for session in sessions:
             self._histories.want(session)
-        with listening(self._session, expressions, self._inbox, time.time_ns), _live(console) as live:
-            print(f"voa record: listening to {', '.join(expressions)}", file=sys.stderr, flush=True)
+        with (
+            announced(self._session) as bridges,  # first: the type of a topic is known before its messages come
+            listening(self._session, wanted, self._inbox, time.time_ns),
+            _live(console) as live,
+        ):
+            self._filing = Filing(self._writer, self._keys, bridges.type_of)
+            expressions = ", ".join((*wanted.expressions, *wanted.of_rmw))
+            print(f"voa record: listening to {expressions}", file=sys.stderr, flush=True)
             flushed = time.monotonic()
             while not stop.is_set() and (until is None or time.monotonic() < until):
                 self._take(0.1)
@@ -110,14 +121,14 @@ class Recorder:
         self._writer.finish()
         os.fsync(self._file.fileno())
 
-    def report(self, console: Console, path: Path) -> None:
-        """What there is in the file."""
+    def report(self, console: Console, path: Path, most_beams: int) -> None:
+        """What there is in the file, and what others will not be able to read of it."""
         console.print(status.summary(self._writer.counts))
         console.print(f"{path}: {status.size(path.stat().st_size)}", highlight=False)
         if self._inbox.dropped:
             console.print(f"! {self._inbox.dropped} messages came faster than they could be written, and are missing")
-        if self._filing.unknown:
-            console.print(f"! {self._filing.unknown} messages have no type: their keys do not tell it")
+        for told in status.shortcomings(self._filing.unknown, self._filing.beams, most_beams):
+            console.print(f"! {told}", markup=False, highlight=False, soft_wrap=True)
         for session, why in sorted(self._histories.failed.items()):
             console.print(f"! session {session} cannot be made anew, its history is missing: {why}", markup=False)
 
@@ -145,15 +156,17 @@ class Recorder:
             live.update(Text(told, no_wrap=True, overflow="ellipsis"))
 
 
-def _expressions(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> list[str]:
-    """Key expressions to listen to."""
-    found = []
+def _wanted(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> Wanted:
+    """Key expressions to listen to: a topic as a bridge writes it, and as rmw_zenoh does, wildcards included."""
+    plain, of_rmw = [], []
     for session in sessions or ["*"]:
-        found += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
+        plain += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
     for topic in topics:
-        found += [topic] if "::" in topic else [topic.strip("/"), f"*/{topic.strip('/')}/*/*"]
+        plain.append(topic.strip("/"))
+        if "::" not in topic:
+            of_rmw.append(f"*/{topic.strip('/')}/*/*")
     try:
-        return [str(zenoh.KeyExpr(expression)) for expression in found]
+        return Wanted(*([str(zenoh.KeyExpr.autocanonize(each)) for each in found] for found in (plain, of_rmw)))
     except zenoh.ZError as error:
         raise CannotRecord(f"expected a topic like /tb3_1/scan, or a Zenoh key expression: {error}") from error
 

@@ -76,11 +76,20 @@ def _mesh(told: ScenarioFile, path: Path) -> Path | None:
 
 
 def _uploaded(client: Client, told: ScenarioFile, path: Path, mesh: Path) -> Object:
-    """The object of a mesh file, once it is stored."""
+    """Find the object of a mesh file on the service, or upload the file."""
+    scale = 1.0 if told.scale is None else told.scale
     try:
-        return client.create_object(mesh, scale=1.0 if told.scale is None else told.scale, up=told.up)
+        return _found(client, mesh, scale, told.up) or client.create_object(mesh, scale=scale, up=told.up)
     except OSError as error:
         raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.strerror}") from error
     except InvalidRequestError as error:
         hint = f' (in {path.name}, "scale" stands beside "object")' if "scale" in error.problem.detail else ""
         raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.problem.detail}{hint}") from error
+
+
+def _found(client: Client, mesh: Path, scale: float, up: UpAxis | None) -> Object | None:
+    """Find the object of a mesh file that was uploaded before; None: upload it, and hear then what is wrong with it."""
+    try:
+        return client.find_object(mesh, scale, up)
+    except InvalidRequestError:  # no mesh file; or, over Zenoh, an older service
+        return None

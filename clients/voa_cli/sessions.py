@@ -4,10 +4,15 @@ voa sessions list                           every session
 voa sessions show ID                        what it believes, and its best grasp
 voa sessions history ID                     every version and what made it
 voa sessions export ID > session.json       a file that `voa replay` makes anew elsewhere
+voa sessions delete ID...                   remove sessions with their histories, for good
+
+`delete` asks first at a terminal; anywhere else it needs --yes.
 """
 
 import argparse
+import json
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 
 from rich.box import SIMPLE_HEAD
@@ -21,6 +26,12 @@ from voa_client.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
 _BAR = 30
+_WIDE = ("scenario", "best grasp", "robots")
+"""Columns of names that people gave."""
+
+
+class NotDeleted(VoaClientError):
+    """Nobody confirmed that sessions are to be deleted."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,15 +48,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _list(client: Client, options: argparse.Namespace) -> None:
     found = list(client.list_sessions())
+    names = {scenario.id: scenario.name for scenario in client.list_scenarios()} if found else {}
+    robots = _robots(client)
     if options.json:
-        print(f"[{', '.join(session.model_dump_json() for session in found)}]")
+        more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in found]
+        print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(found, more, strict=True)]))
         return
-    table = _table("session", "version", "best grasp", "score", "updated")
+    table = _table("session", "scenario", "version", "best grasp", "score", "updated", "robots")
     for session in found:
-        updated = f"{session.updated_at:%m-%d %H:%M:%S}"
-        best = session.best_grasp or "none"
-        table.add_row(session.id, str(session.version), best, share(session.expected_score, 3), updated)
+        table.add_row(
+            session.id,
+            names.get(session.scenario, ""),
+            str(session.version),
+            session.best_grasp or "none",
+            share(session.expected_score, 3),
+            f"{session.updated_at:%m-%d %H:%M:%S}",
+            " ".join(robots[session.id]),
+        )
     _console().print(table if found else f"no sessions at {options.url}")
+
+
+def _robots(client: Client) -> defaultdict[str, list[str]]:
+    """The mapped robots by the session that their scans are for."""
+    robots: defaultdict[str, list[str]] = defaultdict(list)
+    for report in client.robots().items:
+        if report.source == "ros2" and report.session is not None:
+            robots[report.session].append(report.robot)
+    return robots
 
 
 def _show(client: Client, options: argparse.Namespace) -> None:
@@ -84,33 +113,63 @@ def _export(client: Client, options: argparse.Namespace) -> None:
     print(export_session(client, options.id).model_dump_json(indent=1))
 
 
+def _delete(client: Client, options: argparse.Namespace) -> None:
+    """Delete sessions, all of which must be there; raises NotDeleted where nobody agrees."""
+    ids = list(dict.fromkeys(options.id))
+    found = [client.get_session(id_) for id_ in ids]
+    if not options.yes:
+        robots = _robots(client)
+        of = {id_: f" (session of {', '.join(names)})" for id_, names in robots.items()}
+        _confirm([f"{each.id} at version {each.version}{of.get(each.id, '')}" for each in found])
+    for id_ in ids:
+        client.delete_session(id_)
+        print(f"deleted {id_}")
+
+
+def _confirm(sessions: Sequence[str]) -> None:
+    """Ask a person; raises NotDeleted where there is none, or the answer is not yes."""
+    what = ", ".join(sessions)
+    if not sys.stdin.isatty():
+        raise NotDeleted(f"nothing deleted: there is no terminal to ask at, add --yes to delete {what}")
+    print(f"delete {what} with everything that happened there? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+        raise NotDeleted("nothing deleted")
+
+
 def _console() -> Console:
     """Open a terminal that prints names as they are: brackets in them are no markup."""
     return Console(markup=False, highlight=False)
 
 
 def _table(*headings: str) -> Table:
-    """Narrow enough for 80 columns, ids whole."""
-    return Table(*(Column(heading, no_wrap=True) for heading in headings), box=SIMPLE_HEAD, pad_edge=False)
+    """Narrow enough for 80 columns, ids whole: what may be long without end is folded."""
+    columns = (Column(heading, no_wrap=heading not in _WIDE, overflow="fold") for heading in headings)
+    return Table(*columns, box=SIMPLE_HEAD, pad_edge=False)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa sessions", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    commands = parser.add_subparsers(required=True, metavar="list | show | history | export")
+    commands = parser.add_subparsers(required=True, metavar="list | show | history | export | delete")
 
-    def command(name: str, act: Callable[[Client, argparse.Namespace], None], *, of_one: bool) -> None:
+    def command(
+        name: str, act: Callable[[Client, argparse.Namespace], None], *, of_one: bool, has_json: bool = True
+    ) -> argparse.ArgumentParser:
         one = commands.add_parser(name)
         if of_one:
             one.add_argument("id", help="of the session")
-        if name != "export":
+        if has_json:
             one.add_argument("--json", action="store_true", help="print one JSON document")
         one.add_argument("--url", default=DEFAULT_URL, help=f"of the service (default {DEFAULT_URL})")
         one.set_defaults(act=act)
+        return one
 
     command("list", _list, of_one=False)
     command("show", _show, of_one=True)
     command("history", _history, of_one=True)
-    command("export", _export, of_one=True)
+    command("export", _export, of_one=True, has_json=False)
+    delete = command("delete", _delete, of_one=False, has_json=False)
+    delete.add_argument("id", nargs="+", help="of a session")
+    delete.add_argument("--yes", "-y", action="store_true", help="do not ask")
     return parser

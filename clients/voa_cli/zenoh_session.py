@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import zenoh
+import zenoh.ext
+from zenoh.handlers import Callback
 
 from voa_client import VoaClientError
 from voa_client.errors import UsageError
@@ -53,6 +55,12 @@ def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
     finally:
         close: Any = session.close  # the stub leaves it untyped
         close()
+
+
+def declare_latched_subscriber(session: zenoh.Session, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
+    """Subscribe to a key expression, and fetch the newest message that its publishers keep (transient local in ROS)."""
+    history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=1)
+    return zenoh.ext.declare_advanced_subscriber(session, expression, receive, history=history)
 
 
 def _config(address: ZenohAddress, open_ms: int, more: Mapping[str, Any]) -> zenoh.Config:

@@ -8,6 +8,7 @@ from voa_client.async_client import AsyncClient
 from voa_client.attempts import Retries
 from voa_client.client import Client
 from voa_client.errors import (
+    ConflictError,
     DeniedError,
     InvalidRequestError,
     NotFoundError,
@@ -30,6 +31,7 @@ __all__ = [
     "AsyncClient",
     "AsyncSensorClient",
     "Client",
+    "ConflictError",
     "DeniedError",
     "InvalidRequestError",
     "NotFoundError",

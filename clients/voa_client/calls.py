@@ -5,8 +5,10 @@ transports, whose payload has the ids and the query beside the body's fields.
 """
 
 import base64
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import PurePath
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
@@ -19,7 +21,7 @@ from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.robots import RobotReport, Robots
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
 from voa_msgs.sessions import (
     BeliefRequest,
@@ -83,6 +85,7 @@ class Call(Generic[M]):
         writes: whether it takes an idempotency key.
         heavy: whether its answer may take long: one long attempt instead of several short ones.
         if_match: the version that the session must be at.
+        http_only: whether the service answers it over HTTP alone.
     """
 
     rpc: str
@@ -90,17 +93,25 @@ class Call(Generic[M]):
     path: str
     answer: type[M]
     ids: Mapping[str, str] = field(default_factory=dict)
-    query: Mapping[str, str | int | list[str] | None] = field(default_factory=dict)
+    query: Mapping[str, str | int | float | list[str] | None] = field(default_factory=dict)
     body: BaseModel | None = None
     upload: Upload | None = None
     writes: bool = False
     heavy: bool = False
     if_match: int | None = None
+    http_only: bool = False
 
     def __post_init__(self) -> None:
         for what, id_ in self.ids.items():
             if not id_:
                 raise UsageError(f"{self.rpc}: expected the {what}, got an empty text")
+
+    def check_has_rpc(self) -> None:
+        """Raise UsageError unless the call means the same by name as over HTTP."""
+        if self.http_only:
+            raise UsageError(f"{self.rpc}: goes over HTTP only; make the client with the service's http:// address")
+        if self.if_match is not None:
+            raise UsageError(f"{self.rpc}: if_match goes over HTTP only; the other transports have no such condition")
 
     @property
     def url(self) -> str:
@@ -108,7 +119,7 @@ class Call(Generic[M]):
         return self.path.format(**{name: _quoted(id_) for name, id_ in self.ids.items()})
 
     @property
-    def asked(self) -> dict[str, str | int | list[str]]:
+    def asked(self) -> dict[str, str | int | float | list[str]]:
         """The query, without what is None."""
         return {name: value for name, value in self.query.items() if value is not None}
 
@@ -151,6 +162,17 @@ def get_object(object_id: str) -> Call[Object]:
 def list_objects(after: str | None) -> Call[ObjectPage]:
     """A page of meshes."""
     return Call("object.list", "GET", "/v1/objects", ObjectPage, query={"after": after})
+
+
+def find_object(filename: str, content: bytes, scale: float, up: UpAxis | None = None) -> Call[ObjectPage]:
+    """Ask for the mesh that a file became when it was uploaded, by the digest of its bytes; see `found_object`."""
+    file = {"sha256": hashlib.sha256(content).hexdigest(), "type": PurePath(filename).suffix.lower().removeprefix(".")}
+    return Call("object.list", "GET", "/v1/objects", ObjectPage, query=file | {"scale": float(scale), "up": up})
+
+
+def found_object(call: Call[ObjectPage], answer: ObjectPage) -> Object | None:
+    """Pick the mesh that `find_object` asked for; a service that does not know the question lists any meshes."""
+    return next((item for item in answer.items if item.sha256 == call.query["sha256"]), None)
 
 
 def stable_poses(object_id: str) -> Call[StablePoses]:
@@ -265,3 +287,9 @@ def robots() -> Call[Robots]:
 def request_look(robot: str) -> Call[RobotReport]:
     """The next scans of a robot are a look."""
     return Call("robot.look", "POST", "/v1/robots/{robot}/look", RobotReport, {"robot": robot})
+
+
+def claim_robot(robot: str, request: ClaimRequest) -> Call[RobotReport]:
+    """Say whose session a mapped robot's scans are for."""
+    path = "/v1/robots/{robot}/session"
+    return Call("robot.claim", "PUT", path, RobotReport, {"robot": robot}, body=request, http_only=True)

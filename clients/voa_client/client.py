@@ -19,7 +19,7 @@ from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.robots import RobotReport, Robots
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
 from voa_msgs.sessions import (
     BeliefRequest,
@@ -104,6 +104,14 @@ class Client:
         """
         return self._do(calls.create_object(mesh.name, mesh.read_bytes(), name, scale, up))
 
+    def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
+        """Find what `create_object` would return for a mesh file that was uploaded before, without uploading it again.
+
+        None: this file was never uploaded so, or the service is an older one, which does not know.
+        """
+        call = calls.find_object(mesh.name, mesh.read_bytes(), scale, up)
+        return calls.found_object(call, self._do(call))
+
     def get_object(self, object_id: str) -> Object:
         """A stored mesh."""
         return self._do(calls.get_object(object_id))
@@ -141,7 +149,12 @@ class Client:
         return self._do(calls.predict(scenario_id, request or PredictionsRequest()))
 
     def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
-        """Open a session."""
+        """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
+
+        Raises:
+            InvalidRequestError: there is no such scenario or mapped robot, or the prior is none.
+            ConflictError: the mapping of a robot names a session, or another scenario.
+        """
         return self._do(calls.create_session(request), key)
 
     def get_session(self, session_id: str) -> Session:
@@ -208,6 +221,17 @@ class Client:
     def request_look(self, robot: str) -> RobotReport:
         """The next scans of a robot that looks on request are a look."""
         return self._do(calls.request_look(robot))
+
+    def claim_robot(self, robot: str, session_id: str | None) -> RobotReport:
+        """Say whose session a mapped robot's scans are for from now on, over HTTP; None: nobody's until the next claim.
+
+        Raises:
+            NotFoundError: no such robot is mapped.
+            InvalidRequestError: there is no such session.
+            ConflictError: the mapping names a session, or another scenario than the session's.
+            UsageError: the client does not speak HTTP.
+        """
+        return self._do(calls.claim_robot(robot, ClaimRequest(session=session_id)))
 
     def follow(self, session_id: str, for_s: float | None = None) -> Generator[Session, None, None]:
         """A session as it stands, then every newer version: in order, none twice.

@@ -10,6 +10,7 @@ VoaClientError
     |-- InvalidRequestError   400, 413, 415, 422: sent again, it will be refused again
     |-- DeniedError           401, 403
     |-- NotFoundError         404
+    |-- ConflictError         409: it contradicts what is there
     |-- StaleVersionError     412: the session has moved on
     `-- UnavailableError      502, 503, 504: later, perhaps
         `-- OverloadedError   too much to do at the moment
@@ -67,6 +68,10 @@ class NotFoundError(ProblemError):
     """There is no such thing, or no longer."""
 
 
+class ConflictError(ProblemError):
+    """The request contradicts what is there, such as a robot's mapping; `problem` says what to change."""
+
+
 class StaleVersionError(ProblemError):
     """The session is at another version than the caller had seen."""
 
@@ -93,6 +98,7 @@ _BY_STATUS: dict[int, type[ProblemError]] = {
     401: DeniedError,
     403: DeniedError,
     404: NotFoundError,
+    409: ConflictError,
     412: StaleVersionError,
     413: InvalidRequestError,
     415: InvalidRequestError,

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from voa_client.answers import Reply
 from voa_client.calls import Call
-from voa_client.errors import TimedOutError, UsageError
+from voa_client.errors import TimedOutError
 from voa_client.transport import Tell
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Attachment
@@ -81,8 +81,7 @@ class AsyncInProcessTransport:
 
 
 def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Reply:
-    if call.if_match is not None:
-        raise UsageError(f"{call.rpc}: if_match goes over HTTP only")
+    call.check_has_rpc()
     attachment = Attachment(id=key, wire=WIRE_VERSION).model_dump_json(exclude_none=True).encode()
     answered = service.answer(call.rpc, call.payload(), attachment)
     return Reply(answered.body, refused=answered.is_problem)

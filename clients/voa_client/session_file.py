@@ -82,7 +82,8 @@ def replay_session(client: Client, told: SessionFile, mesh: Path | None = None) 
             lacking = f"this service has no object {told.scenario.object}"
             raise InvalidSessionFile(f"{lacking}: name its mesh, with `voa replay --mesh FILE`") from error
     scenario = client.create_scenario(told.scenario)
-    session = client.create_session(SessionRequest.model_validate(_body(told.history[0]) | {"scenario": scenario.id}))
+    opened = {name: value for name, value in _body(told.history[0]).items() if name != "robots"}  # they are live ones
+    session = client.create_session(SessionRequest.model_validate(opened | {"scenario": scenario.id}))
     for entry in told.history[1:]:
         session = _again(client, session.id, entry)
     return Replayed(session, session.belief == told.belief)

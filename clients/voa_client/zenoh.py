@@ -49,7 +49,7 @@ class ZenohTransport:
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
-        _check(call)
+        call.check_has_rpc()
         asked = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
         session = self._link.wait(seconds)
@@ -92,7 +92,7 @@ class AsyncZenohTransport:
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
-        _check(call)
+        call.check_has_rpc()
         asked = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
         session = await self._joined(seconds)
@@ -232,11 +232,6 @@ def _library() -> Any:
     except ModuleNotFoundError as error:
         raise MissingLibraryError(f"Zenoh is not installed; install it with: {install_hint('zenoh')}") from error
     return zenoh
-
-
-def _check(call: Call[Any]) -> None:
-    if call.if_match is not None:
-        raise UsageError(f"{call.rpc}: if_match goes over HTTP only; Zenoh has no such condition")
 
 
 def _ask(

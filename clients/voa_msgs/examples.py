@@ -29,6 +29,7 @@ SCAN: dict[str, Any] = {"sensor": "Q1", "scan": {"ranges": BEAMS, "no_return": [
 VOA: dict[str, Any] = {"sensors": ["Q1"], "grasps": ["G1", "G2"], "outcomes": True}
 PREDICTIONS: dict[str, Any] = {"sensors": ["Q1"]}
 SESSION: dict[str, Any] = {"scenario": SCENARIO_ID, "prior": [0.5, 0.5]}
+CLAIM: dict[str, Any] = {"session": "4f1c0a5e9b7d2c38"}
 BELIEF: dict[str, Any] = {"belief": [0.25, 0.75]}
 OUTCOME: dict[str, Any] = {"grasp": "G1", "success": True}
 UPDATE: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **SCAN}

@@ -5,7 +5,7 @@ import binascii
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import EncodedBytes, EncoderProtocol, Field
+from pydantic import EncodedBytes, EncoderProtocol, Field, StringConstraints
 from pydantic_core import PydanticCustomError
 
 from voa_msgs.base import Message, Name, Page, Point3, Positive, Quaternion
@@ -35,6 +35,13 @@ UpAxis = Literal["+Y", "+Z"]
 """The axis of a mesh file that points up; stored meshes have z up."""
 
 
+MeshType = Literal["obj", "stl", "ply", "glb"]
+"""The ending of a mesh file's name, in lower case."""
+
+Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+"""A digest in lower-case hexadecimal digits."""
+
+
 class ObjectUpload(Message):
     """A mesh file where there are no forms (Zenoh)."""
 
@@ -62,6 +69,8 @@ class Object(Message):
     watertight: bool
     up: UpAxis = "+Z"
     """The axis of the uploaded file that became z."""
+    sha256: str | None = None
+    """Digest of the uploaded file's bytes, where a list was asked for the mesh of that file; null everywhere else."""
     warnings: list[ProbableMistake] = Field(default=[])
     created_at: datetime
 

@@ -37,7 +37,8 @@ class RankingRequest(VoaRequest):
     model_config = exemplified(examples.RANKING)
 
     scenario: Id
-    belief: Distribution
+    belief: Distribution | None
+    """Null: the scenario's prior."""
 
 
 class Outcome(Message):

@@ -5,7 +5,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from voa_msgs.base import Message
+from voa_msgs import examples
+from voa_msgs.base import Id, Message
+from voa_msgs.examples import exemplified
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.warnings import ProbableMistake
 
@@ -31,7 +33,7 @@ class RobotReport(Message):
 
     robot: str
     session: str | None
-    """Where its scans go; null while that is not known."""
+    """Whose session its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
     source: Literal["scan", "ros2"]
     """Put on `scan/<session>/<robot>`, or a ROS 2 topic that is mapped."""
     key: str
@@ -66,3 +68,12 @@ class LookRequest(Message):
     """The next scans of a robot are to be a look (mode `on_request`)."""
 
     robot: str
+
+
+class ClaimRequest(Message):
+    """Say whose session a mapped robot's scans are for from now on."""
+
+    model_config = exemplified(examples.CLAIM)
+
+    session: Id | None
+    """Null: nobody's, until the next claim."""

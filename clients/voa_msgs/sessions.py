@@ -22,6 +22,8 @@ class SessionRequest(Message):
     scenario: Id
     prior: Prior | None = None
     """Null: the scenario's."""
+    robots: list[Name] | None = Field(default=None, exclude_if=lambda robots: robots is None)
+    """Mapped robots whose scans go to this session from now on, by name; absent or null: none is claimed."""
 
 
 class Estimate(Message):
@@ -109,7 +111,8 @@ class UpdateRequest(ScanRequest):
     model_config = exemplified(examples.UPDATE)
 
     scenario: Id
-    belief: Distribution
+    belief: Distribution | None
+    """Null: the scenario's prior."""
 
 
 Reason = Literal["no_beams", "nothing_seen", "bad_fit", "no_match", "nearest"]

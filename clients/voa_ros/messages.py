@@ -82,7 +82,7 @@ class LaserScan:
             )
         returns = any(0.0 < value < math.inf for value in self.ranges)  # limits of a picoScan's empty segments differ
         ordered = self.range_min <= self.range_max if returns else self.range_max >= 0.0
-        if not (0.0 <= self.range_min and math.isfinite(self.range_min) and ordered):
+        if not (self.range_min >= 0.0 and math.isfinite(self.range_min) and ordered):
             raise ValueError(
                 f"range_min, range_max: expected 0 <= range_min <= range_max, got {self.range_min} and {self.range_max}"
             )

@@ -24,8 +24,8 @@ def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
 
     The median over the beams that return in both of `|a - b| / (NOISE_M + NOISE_SHARE * min(a, b))`; 0 where there is
     no such beam. Infinite where the share of returns among the beams that answered (returned, or reported that nothing
-    is in range) differs by more than `APPEARED_SHARE`: from a room into the open, for instance. Zeros are no answer: an
-    LDS-01 writes them for lost packets too.
+    is in range) differs by more than `APPEARED_SHARE`: from a room into the open, for instance. Zeros are no answer:
+    an LDS-01 writes them for lost packets too.
 
     Args:
         one: ranges as LaserScans have them.

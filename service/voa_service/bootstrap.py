@@ -19,6 +19,7 @@ from voa_service.ports import Clock, IdSource
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
 from voa_service.store.sql import SqlStore
+from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
@@ -59,7 +60,11 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     store.listen(changes.moved)
-    sessions = Sessions(store, models, now, ids, Cache(_TOLD_BYTES), changes.committed, metrics.observation)
+    robots = Robots(now, store.robot_session)
+    claims = Claims(store, robots)
+    sessions = Sessions(
+        store, models, now, ids, Cache(_TOLD_BYTES), changes.committed, metrics.observation, claims.check
+    )
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
@@ -68,7 +73,8 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
                 rankings=Rankings(sessions, models, threads),
-                robots=Robots(now),
+                robots=robots,
+                claims=claims,
                 health=HealthCheck(store, now, ids()),
                 changes=changes,
                 metrics=metrics,

@@ -1,6 +1,6 @@
 """What the use cases need from the world."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Generic, Literal, Protocol, TypeVar
@@ -29,6 +29,20 @@ class StoredObject:
     name: str
     created_at: datetime
     up: UpAxis = "+Z"
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A mesh file, and how it was read: everything that decides which mesh it becomes."""
+
+    sha256: str
+    """Of its bytes, in lower-case hexadecimal digits."""
+    type: str
+    """The ending of its name, in lower case: "obj", ..."""
+    scale: float
+    """Metres per unit of the file."""
+    up: UpAxis
+    """The axis of the file that became z."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +179,12 @@ class Store(Protocol):
     def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
         """Oldest first."""
 
+    def put_upload(self, upload: Upload, object_: str) -> None:
+        """Remember that a file became the mesh with a digest, which is stored."""
+
+    def find_upload(self, upload: Upload) -> StoredObject | None:
+        """Find the mesh that a file became when it was uploaded; None: it never was."""
+
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
         """Store a scenario unless an equal one is there; the one that is there then, and whether it is new."""
 
@@ -177,8 +197,13 @@ class Store(Protocol):
     def get_answer(self, key: IdempotencyKey) -> Answered | None:
         """What was answered under a key; `Failure` if the request was another."""
 
-    def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
-        """Store a new session with its prior as history; with a key seen before, what was answered then."""
+    def create_session(
+        self, state: SessionState, write: Write, answer: Answered, robots: Sequence[str] = ()
+    ) -> Answered:
+        """Store a new session with its prior as history, and claim `robots` for it, all or nothing.
+
+        With a key seen before it returns what was answered then, and changes nothing.
+        """
 
     def get_session(self, id_: str) -> SessionState | None:
         """The session as it stands."""
@@ -188,6 +213,23 @@ class Store(Protocol):
 
     def newest_session(self, scenario: str) -> Opened | None:
         """The session on a scenario that was opened last."""
+
+    def robot_session(self, robot: str, scenario: str) -> str | None:
+        """Find the session that a look of a robot, mapped to a scenario, would be for now; None: there is none.
+
+        In this order: the session that the robot belongs to, where that exists and is on this scenario; none, where
+        the robot was said to be nobody's; where its session was deleted, the newest session on the scenario that was
+        opened after that one; the newest session on the scenario.
+        """
+
+    def settle_robot(self, robot: str, scenario: str) -> str | None:
+        """Make the session that `robot_session` finds the robot's own, where there is one.
+
+        Durable, and the same for all processes: of those that do so at once the first decides, and all return that.
+        """
+
+    def claim_robot(self, robot: str, session: str | None) -> bool:
+        """Say whose session a robot's scans are for, None: nobody's; returns False where there is no such session."""
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """Oldest first."""

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import structlog
-from annotated_types import Ge, Le
+from annotated_types import Ge, Gt, Le
 from pydantic import BaseModel, ValidationError
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.base import Id, Message, Name
 from voa_msgs.keys import Attachment
-from voa_msgs.objects import ObjectUpload
+from voa_msgs.objects import MeshType, ObjectUpload, Sha256, UpAxis
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
@@ -39,6 +39,13 @@ _MOST_ATTACHED = 65_536
 class _Page(Message):
     limit: Annotated[int, Ge(1), Le(1000)] = _PAGE
     after: str | None = None
+
+
+class _ObjectPage(_Page):
+    sha256: Sha256 | None = None
+    type: MeshType | None = None
+    scale: Annotated[float, Gt(0.0)] | None = None
+    up: UpAxis | None = None
 
 
 class _One(Message):
@@ -185,7 +192,7 @@ def _methods(services: Services) -> Mapping[str, _Method]:
     return {
         "object.create": _Method(_create_object, heavy),
         "object.get": _Method(_one(objects.get), quick),
-        "object.list": _Method(_listing(objects.list), quick),
+        "object.list": _Method(_list_objects, quick),
         "object.stable_poses": _Method(_one(objects.stable_poses), services.rests),
         "lidar.list": _Method(_given(_Nothing, lambda _: scenarios.lidars()), quick),
         "scenario.create": _Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
@@ -257,6 +264,12 @@ def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any]
 def _create_object(call: Call) -> BaseModel:
     upload: ObjectUpload = call.body(ObjectUpload)
     return call.services.objects.create(upload.file, upload.filename, upload.name, upload.scale, upload.up)[0]
+
+
+def _list_objects(call: Call) -> BaseModel:
+    asked: _ObjectPage = call.body(_ObjectPage)
+    file = asked.sha256, asked.type, asked.scale, asked.up
+    return call.services.objects.list(asked.limit, asked.after, *file)
 
 
 def _create_session(call: Call) -> Answered:

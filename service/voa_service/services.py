@@ -6,6 +6,7 @@ from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
 from voa_service.metrics import Metrics
 from voa_service.settings import Limits
+from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
@@ -23,6 +24,7 @@ class Services:
     sessions: Sessions
     rankings: Rankings
     robots: Robots
+    claims: Claims
     health: HealthCheck
     changes: Changes
     metrics: Metrics

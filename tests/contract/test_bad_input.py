@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from tests.quiet_robot import QuietRobot
 from tests.serving import (
     LIDAR,
     PREDICTIONS,
@@ -28,7 +29,7 @@ LIMITS = Limits(
     beams=64, poses=20, sensors=10, grasps=10, faces=100, upload_bytes=500_000, body_bytes=3_000_000, numbers=100_000
 )
 NAN, INF, HUGE = float("nan"), float("inf"), 10**400
-INVALID, UNKNOWN, NO_MESH = "invalid-request", "unknown-name", "no-mesh"
+INVALID, UNKNOWN, NO_MESH, CONFLICT = "invalid-request", "unknown-name", "no-mesh", "claim-conflict"
 
 Change = tuple[str, Any]
 
@@ -46,13 +47,16 @@ class World(NamedTuple):
 
 @contextmanager
 def some_world(folder: Path) -> Iterator[World]:
-    """A service with two scenarios and a session on each."""
+    """A service with two scenarios, a session on each, and a robot mapped to a scenario and one to a session."""
     with serving(folder, limits=LIMITS) as service:
         box = service.upload(box_obj())
         mesh = mesh_scenario(box, lidar={"preset": "lds-01", "beams": 60, "angle_increment": 0.1, "height_m": 0.02})
         data_id, mesh_id = service.create(data_scenario()), service.create(mesh)
         sessions = service.open(data_id), service.open(mesh_id)
         service.post(f"/v1/sessions/{sessions[0]}/scans", scan_of([0.5, 0.5, None, 1.0]))
+        robots = service.inside.robots
+        robots.mapped("free", "free/scan", QuietRobot(), scenario=data_id)
+        robots.mapped("fixed", "fixed/scan", QuietRobot(), session=sessions[0])
         yield World(service, data_id, mesh_id, box, *sessions)
 
 
@@ -513,11 +517,61 @@ SESSIONS = [
     Case("session: a prior that sums to 0", "/v1/sessions", {"scenario": "{data}", "prior": [0, 0, 0]}, says="1e-6"),
     Case("session: a pose model of an unknown pose", "/v1/sessions", {"scenario": "{data}", "prior": PRIOR}, 422,
          UNKNOWN, "'P1'"),
+    Case("session: a name as robots", "/v1/sessions", {"scenario": "{data}", "robots": "free"}, says="robots"),
+    Case("session: an empty name of a robot", "/v1/sessions", {"scenario": "{data}", "robots": [""]}, says="robots.0"),
+    Case("session: a robot twice", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "free"]},
+         says="'free' 2 times"),
+    Case("session: an unknown robot", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "nobody"]}, 422,
+         UNKNOWN, "the mapping has 'fixed', 'free'"),
+    Case("session: a robot of another scenario", "/v1/sessions", {"scenario": "{mesh}", "robots": ["free"]}, 409,
+         CONFLICT, "is mapped to scenario"),
+    Case("session: a robot whose mapping names a session", "/v1/sessions", {"scenario": "{data}", "robots": ["fixed"]},
+         409, CONFLICT, "write `scenario` there"),
+]  # fmt: skip
+
+CLAIM = "/v1/robots/free/session"
+CLAIMS = [
+    Case("claim: an unknown robot", "/v1/robots/nobody/session", {"session": "{data_session}"}, 404, "not-found",
+         "'fixed', 'free'", "PUT"),
+    Case("claim: nobody's, of an unknown robot", "/v1/robots/nobody/session", {"session": None}, 404, "not-found",
+         "'nobody'", "PUT"),
+    Case("claim: an unknown session", CLAIM, {"session": "nothing"}, 422, UNKNOWN, "POST /v1/sessions", "PUT"),
+    Case("claim: a session on another scenario", CLAIM, {"session": "{mesh_session}"}, 409, CONFLICT,
+         "is mapped to scenario", "PUT"),
+    Case("claim: where the mapping names a session", "/v1/robots/fixed/session", {"session": "{data_session}"}, 409,
+         CONFLICT, "write `scenario` there", "PUT"),
+    Case("claim: nobody's, where the mapping names a session", "/v1/robots/fixed/session", {"session": None}, 409,
+         CONFLICT, "write `scenario` there", "PUT"),
+    Case("claim: no session", CLAIM, {}, says="session", method="PUT"),
+    Case("claim: a number", CLAIM, {"session": 1}, says="string", method="PUT"),
+    Case("claim: an empty name", CLAIM, {"session": ""}, says="session", method="PUT"),
+    Case("claim: half a surrogate pair", CLAIM, {"session": "\ud800"}, says="unicode", method="PUT"),
+    Case("claim: an unknown field", CLAIM, {"session": None, "robot": "free"}, says="robot", method="PUT"),
+    Case("claim: no body", CLAIM, b"", says="body", method="PUT", headers=JSON),
+    Case("claim: not JSON", CLAIM, b"{", 400, "malformed-json", method="PUT", headers=JSON),
+    Case("claim: text/plain", CLAIM, b'{"session": null}', says="body", method="PUT",
+         headers={"content-type": "text/plain"}),
+]  # fmt: skip
+
+FILE = "/v1/objects?sha256=" + "0" * 64
+FILES = [
+    Case("a mesh by no digest", "/v1/objects?sha256=abc&type=obj", None, says="sha256", method="GET"),
+    Case("a mesh by a digest in capitals", "/v1/objects?sha256=" + "A" * 64 + "&type=obj", None, says="sha256",
+         method="GET"),
+    Case("a mesh by its digest alone", FILE, None, says="expected its type beside it", method="GET"),
+    Case("a mesh of no type that there is", FILE + "&type=dae", None, says="'glb'", method="GET"),
+    Case("a mesh by its digest, from a page on", FILE + "&type=obj&after=1", None, says="no `after`", method="GET"),
+    Case("a mesh by its digest, at scale 0", FILE + "&type=obj&scale=0", None, says="scale", method="GET"),
+    Case("a mesh by its digest, at no scale", FILE + "&type=obj&scale=nan", None, says="scale", method="GET"),
+    Case("a mesh by its digest, with another axis up", FILE + "&type=obj&up=%2BX", None, says="'+Z'", method="GET"),
+    Case("a mesh by its scale alone", "/v1/objects?scale=1", None, says="expected its sha256 beside", method="GET"),
 ]  # fmt: skip
 
 CASES = [
     *SCENARIOS,
     *SESSIONS,
+    *CLAIMS,
+    *FILES,
     *SCAN_CASES,
     *stateless("/v1/updates", UPDATE),
     *stateless("/v1/rankings", RANK),
@@ -621,6 +675,7 @@ METHODS = {
     "/v1/rankings": {"POST"},
     "/v1/robots": {"GET"},
     "/v1/robots/nobody/look": {"POST"},
+    "/v1/robots/nobody/session": {"PUT"},
     "/livez": {"GET"},
     "/readyz": {"GET"},
     "/metrics": {"GET"},

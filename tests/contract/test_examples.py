@@ -27,7 +27,7 @@ def test_every_json_body_has_an_example(http: TestClient) -> None:
         for operation in path.values()
         if "application/json" in operation.get("requestBody", {}).get("content", {})
     ]
-    assert len(bodies) == 9
+    assert len(bodies) == 10
     for schema in bodies:
         [reference] = [option["$ref"] for option in schema.get("anyOf", [schema]) if "$ref" in option]
         assert document["components"]["schemas"][reference.rpartition("/")[2]]["examples"]

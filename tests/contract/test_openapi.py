@@ -66,7 +66,7 @@ def test_errors_are_named_where_they_can_happen(document: Json) -> None:
         statuses = set(operation["responses"])
         if "requestBody" in operation:
             assert {"400", "413", "422"} <= statuses, (path, method)
-        if "{id}" in path:
+        if "{id}" in path or "{robot}" in path:
             assert "404" in statuses, (path, method)
         if path.startswith("/v1"):
             assert "503" in statuses, (path, method)

@@ -11,9 +11,10 @@ import pytest
 from tests.serving import box_obj, changed, data_scenario, mesh_scenario
 from voa_assets import path as asset
 from voa_cli.main import main
-from voa_cli.scenario_file import load_scenario
-from voa_client import Client
-from voa_msgs.objects import Object, UpAxis
+from voa_cli.scenario_file import load_scenario, load_with_warnings
+from voa_client import Client, InvalidRequestError, calls
+from voa_msgs.objects import Object, ObjectPage, UpAxis
+from voa_msgs.problems import Problem
 from voa_msgs.scenarios import Scenario, ScenarioRequest
 from voa_msgs.sessions import SessionRequest
 
@@ -66,6 +67,74 @@ def test_definition_and_grasps_are_passed_on(capfd: pytest.CaptureFixture[str], 
     assert (ranking["definition"], ranking["best_grasp_before"]) == ("executed", "G2")
 
 
+@pytest.mark.parametrize("prior", [None, [0.6, 0.3, 0.1]])
+def test_ranking_a_file_leaves_no_session_and_equals_a_session_s_ranking(
+    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path, prior: list[float] | None
+) -> None:
+    path = tmp_path / "scenario.json"
+    path.write_text(json.dumps(data_scenario(name="left behind", prior=prior)), encoding="utf-8")
+    own = ranked(capfd, str(path), "--url", process)
+    with Client(process) as client:
+        [scenario] = [each.id for each in client.list_scenarios() if each.name == "left behind"][-1:]
+        assert scenario not in [session.scenario for session in client.list_sessions()]
+        session = client.create_session(SessionRequest(scenario=scenario)).id
+        of_session = json.loads(client.rank_looks(session).model_dump_json(exclude_unset=True))
+    assert own == of_session | {"version": None}
+
+
+class Noted(Client):
+    """A client of a service that notes which meshes it uploads."""
+
+    def __init__(self, url: str) -> None:
+        super().__init__(url)
+        self.uploaded: list[str] = []
+
+    def create_object(
+        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
+    ) -> Object:
+        self.uploaded.append(mesh.name)
+        return super().create_object(mesh, name, scale, up)
+
+
+def test_a_mesh_that_is_there_is_not_uploaded_and_warned_of_all_the_same(process: str, tmp_path: Path) -> None:
+    mesh = box_obj(0.041, 0.062, 0.053)
+    plain = written(tmp_path / "plain.json", mesh_scenario("box.obj"), mesh)
+    scaled = written(tmp_path / "scaled.json", mesh_scenario("box.obj", scale=100), mesh)
+    with Noted(process) as client:
+        first, warned = load_with_warnings(client, plain), load_with_warnings(client, scaled)
+        assert client.uploaded == ["box.obj", "box.obj"], "another scale is another object"
+        assert "extent" in [warning.kind for warning in warned[1]]
+        assert (load_with_warnings(client, plain), load_with_warnings(client, scaled)) == (first, warned)
+        assert client.uploaded == ["box.obj", "box.obj"]
+        written(plain, mesh_scenario("box.obj"), box_obj(0.042, 0.062, 0.053))
+        assert load_with_warnings(client, plain)[0].object != first[0].object
+        assert len(client.uploaded) == 3
+
+
+class Old(Noted):
+    """A client of a service that knows no question for a file: it refuses it, or lists what it has."""
+
+    def __init__(self, url: str, lists: bool) -> None:
+        super().__init__(url)
+        self.lists = lists
+
+    def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
+        if not self.lists:
+            problem = Problem(type="urn:voa:problem:invalid-request", title="", status=422, detail="no such field")
+            raise InvalidRequestError(problem)
+        call = calls.find_object(mesh.name, mesh.read_bytes(), scale, up)
+        return calls.found_object(call, ObjectPage(items=list(self.list_objects()), next=None))
+
+
+@pytest.mark.parametrize("lists", [True, False])
+def test_an_older_service_is_sent_the_mesh(process: str, tmp_path: Path, lists: bool) -> None:
+    path = written(tmp_path / "scenario.json", mesh_scenario("box.obj"), box_obj())
+    with Old(process, lists) as client:
+        scenario = load_scenario(client, path)
+        assert load_scenario(client, path) == scenario
+        assert client.uploaded == ["box.obj", "box.obj"]
+
+
 def test_a_mesh_beside_the_file_is_uploaded(capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path) -> None:
     (tmp_path / "box.obj").write_text(box_obj(), encoding="utf-8")
     (tmp_path / "scenario.json").write_text(json.dumps(mesh_scenario("box.obj")), encoding="utf-8")
@@ -106,6 +175,9 @@ class Uploads(Client):
         super().__init__("http://127.0.0.1:9")
         self.told: list[tuple[str, float, str | None]] = []
         self.sent: list[ScenarioRequest] = []
+
+    def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
+        return None
 
     def create_object(
         self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None

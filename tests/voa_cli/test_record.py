@@ -29,7 +29,7 @@ from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
 from voa_ros.cdr import encode_laser_scan
 from voa_ros.topics import LASER_SCAN as ROS_LASER_SCAN
-from voa_ros.topics import RmwAttachment, rmw_key
+from voa_ros.topics import MessageType, RmwAttachment, rmw_key
 
 TYPES = RosTypes()
 SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, 0.5, None, 1.0], no_return=[2]))
@@ -161,6 +161,55 @@ def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> Non
         summary = make_reader(file).get_summary()
     assert summary is not None
     assert LASER_SCAN in [schema.name for schema in summary.schemas.values()]
+
+
+def test_all_topics_of_a_robot_are_recorded_with_their_types(lab: Lab, tmp_path: Path) -> None:
+    path = tmp_path / "all.mcap"
+    scan = encode_laser_scan(laser_scan([0.5] * 5_521, angle_increment=0.001))
+    imu = MessageType("sensor_msgs/msg/Imu", TYPES.store.hash_rihs01("sensor_msgs/msg/Imu"))
+    address = ZenohAddress.parse(lab.zenoh)
+    topics = ["--topic", "/rb/**", "--topic", "/*/end"]
+    with joined(address) as robot, recording(path, "--url", lab.zenoh, *topics) as own:
+        token: Any = robot.liveliness().declare_token("@/a1/@ros2_lv/MP/rb§arm§joints/sensor_msgs§msg§JointState/:::")
+        robot.put("rb/scan", scan)
+        robot.put("rb/own", b"\0\1\0\0")
+        robot.put(rmw_key("rb/imu", imu), b"\0\1\0\0")
+        robot.put(rmw_key("rb/a/b/own", MessageType("lab/msg/Own", "TypeHashNotSupported")), b"\0\1\0\0")
+        robot.put("fleet/rb/other/thing", b"\0\1\0\0")
+
+        def typed() -> bool:
+            robot.put("rb/arm/joints", b"\0\1\0\0")
+            return types_in(path).get("/rb/arm/joints") == "sensor_msgs/msg/JointState"
+
+        wait_for(typed, "the type that the bridge announces is known")
+        robot.put("rb/end", scan)
+        wait_for(lambda: "/rb/end" in types_in(path), "the last one is recorded")
+        token.undeclare()
+        printed = " ".join(own.stop(signal.SIGINT).split())
+    assert types_in(path) == {
+        "/rb/scan": LASER_SCAN,
+        "/rb/own": "",
+        "/rb/imu": "sensor_msgs/msg/Imu",
+        "/rb/a/b/own": "lab/msg/Own",
+        "/rb/arm/joints": "sensor_msgs/msg/JointState",
+        "/rb/end": LASER_SCAN,
+    }
+    assert "/rb/own (1)" in printed
+    assert "/rb/scan has scans of 5521 beams" in printed
+    assert "VOA_LIMITS__BEAMS=5521" in printed
+
+
+def types_in(path: Path) -> dict[str, str]:
+    """The type of the newest message on each topic."""
+    return {message.topic: message.type_name for message in Recording(path, TYPES).messages()}
+
+
+def test_a_limit_that_is_none_is_said_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("VOA_LIMITS__BEAMS", "many")
+    assert main(["record", "-o", str(tmp_path / "x.mcap")]) == 1
+    assert "VOA_LIMITS__BEAMS: expected a positive whole number" in capsys.readouterr().err
 
 
 def refusals(lab: Lab) -> int:

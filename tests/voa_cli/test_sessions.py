@@ -1,15 +1,24 @@
 """`voa sessions`, and session files that replay elsewhere."""
 
 import json
+import sys
+from io import StringIO
 from pathlib import Path
 
 import pytest
 
+from tests.quiet_robot import QuietRobot
+from tests.serving import Service, data_scenario
 from voa_assets import path as asset_path
+from voa_cli import sessions
 from voa_cli.main import main
 from voa_cli.scenario_file import load_scenario
 from voa_client import Client
+from voa_client.in_process import InProcessTransport
+from voa_client.session_file import export_session, read_session_file, replay_session
+from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
+from voa_service.rpc import Rpc
 
 MUG = asset_path("mug")
 
@@ -43,6 +52,122 @@ def test_json_is_one_document(process: str, session: str, capsys: pytest.Capture
     assert session in [item["id"] for item in json.loads(capsys.readouterr().out)]
     assert main(["sessions", "history", session, "--json", "--url", process]) == 0
     assert [entry["version"] for entry in json.loads(capsys.readouterr().out)] == [0, 1, 2, 3, 4]
+
+
+def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
+    process: str, session: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with Client(process) as client:
+        long = client.create_scenario(ScenarioRequest.model_validate(data_scenario(name="a long name " * 10)))
+        other = client.create_session(SessionRequest(scenario=long.id)).id
+    assert main(["sessions", "list", "--url", process]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    [line] = [line for line in lines if session in line]
+    assert " mug" in line
+    assert any(other in line for line in lines)
+    assert "…" not in "".join(lines)
+    assert main(["sessions", "list", "--json", "--url", process]) == 0
+    items = {item["id"]: item for item in json.loads(capsys.readouterr().out)}
+    assert (items[session]["scenario_name"], items[session]["robots"], items[session]["version"]) == ("mug", [], 4)
+    assert items[other]["scenario_name"] == "a long name " * 10
+
+
+def test_a_list_shows_whose_robots_scans_are(
+    service: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = service.create(data_scenario())
+    for robot in ("tb3_1", "tb3_2"):
+        service.inside.robots.mapped(robot, "scan", QuietRobot(), scenario=scenario)
+    claimed = service.open(scenario, robots=["tb3_1", "tb3_2"])
+    newer = service.open(scenario)
+    own = Client(InProcessTransport(Rpc(service.inside)))
+    monkeypatch.setattr(sessions, "Client", lambda url, retries: own)
+    assert main(["sessions", "list", "--json"]) == 0
+    items = {item["id"]: item["robots"] for item in json.loads(capsys.readouterr().out)}
+    assert (items[claimed], items[newer]) == (["tb3_1", "tb3_2"], [])
+    assert main(["sessions", "list"]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert "tb3_1" in next(line for line in told if claimed in line)
+    monkeypatch.setattr(sys, "stdin", Terminal("y\n"))
+    assert main(["sessions", "delete", claimed]) == 0
+    assert f"delete {claimed} at version 0 (session of tb3_1, tb3_2) with" in capsys.readouterr().err
+
+
+class Terminal(StringIO):
+    """What a person types."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def opened(process: str, count: int = 1) -> list[str]:
+    with Client(process) as client:
+        scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
+        return [client.create_session(SessionRequest(scenario=scenario.id)).id for _ in range(count)]
+
+
+def there(process: str, ids: list[str]) -> list[str]:
+    """Those of the sessions that the service still has."""
+    with Client(process) as client:
+        return [session.id for session in client.list_sessions() if session.id in ids]
+
+
+@pytest.mark.parametrize("yes", ["--yes", "-y"])
+def test_sessions_are_deleted_without_a_question_where_that_is_said(
+    process: str, capsys: pytest.CaptureFixture[str], yes: str
+) -> None:
+    ids = opened(process, 3)
+    assert main(["sessions", "delete", ids[0], ids[2], ids[0], yes, "--url", process]) == 0
+    told = capsys.readouterr()
+    assert told.out.splitlines() == [f"deleted {ids[0]}", f"deleted {ids[2]}"]
+    assert told.err == ""
+    assert there(process, ids) == [ids[1]]
+
+
+@pytest.mark.parametrize(("typed", "deleted"), [("y\n", True), ("YES\n", True), ("\n", False), ("", False), ("n\n", 0)])
+def test_a_person_is_asked_before_sessions_are_deleted(
+    process: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, typed: str, deleted: bool
+) -> None:
+    ids = opened(process)
+    monkeypatch.setattr(sys, "stdin", Terminal(typed))
+    assert main(["sessions", "delete", *ids, "--url", process]) == (0 if deleted else 1)
+    told = capsys.readouterr()
+    assert f"delete {ids[0]} at version 0 with everything that happened there? [y/N] " in told.err
+    assert ("nothing deleted" in told.err) is not bool(deleted)
+    assert there(process, ids) == ([] if deleted else ids)
+
+
+def test_in_a_pipe_nothing_is_deleted_without_yes(
+    process: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ids = opened(process)
+    monkeypatch.setattr(sys, "stdin", StringIO("y\n"))
+    assert main(["sessions", "delete", *ids, "--url", process]) == 1
+    assert f"add --yes to delete {ids[0]} at version 0" in capsys.readouterr().err
+    assert there(process, ids) == ids
+
+
+def test_where_one_session_is_not_there_none_is_deleted(process: str, capsys: pytest.CaptureFixture[str]) -> None:
+    ids = opened(process)
+    assert main(["sessions", "delete", *ids, "nobody", "--yes", "--url", process]) == 1
+    assert "there is no session 'nobody'" in capsys.readouterr().err
+    assert there(process, ids) == ids
+
+
+def test_a_session_that_claimed_robots_replays_without_them(
+    service: Service, process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario = service.create(data_scenario())
+    service.inside.robots.mapped("live", "scan", QuietRobot(), scenario=scenario)
+    session = service.open(scenario, robots=["live"])
+    inside = Client(InProcessTransport(Rpc(service.inside)))
+    exported = tmp_path / "session.json"
+    exported.write_text(export_session(inside, session).model_dump_json(), encoding="utf-8")
+    assert main(["replay", str(exported), "--url", process]) == 0, "where no such robot is mapped"
+    assert replay_session(inside, read_session_file(exported)).same
+    assert service.inside.robots.report("live").session == session, "a replay takes nobody's robots"
 
 
 def test_an_exported_session_replays_on_another_service_to_the_same_belief(

@@ -9,8 +9,9 @@ import pytest
 
 from voa_client import UsageError, calls
 from voa_client.calls import Call
-from voa_msgs.objects import ObjectUpload
-from voa_msgs.rankings import VoaRequest
+from voa_msgs.objects import Object, ObjectPage, ObjectUpload
+from voa_msgs.rankings import RankingRequest, VoaRequest
+from voa_msgs.robots import ClaimRequest
 from voa_msgs.scenarios import PredictionsRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
 
@@ -66,6 +67,30 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
     ),
     (calls.rank_grasps("s", None), "grasp.rank", "GET /v1/sessions/s/grasps", NAMED),
     (calls.robots(), "robot.list", "GET /v1/robots", {}),
+    (
+        calls.claim_robot("r 1", ClaimRequest(session=None)),
+        "robot.claim",
+        "PUT /v1/robots/r%201/session",
+        {"robot": "r 1", "session": None},
+    ),
+    (
+        calls.find_object("Box.OBJ", b"v 0 0 0", 1, None),
+        "object.list",
+        "GET /v1/objects",
+        {"sha256": "7b6f74e68a82e1ba99b66e56054d46975b1869661ffa0c7f17301f69cbb64463", "type": "obj", "scale": 1.0},
+    ),
+    (
+        calls.create_session(SessionRequest(scenario="c", robots=["r"])),
+        "session.create",
+        "POST /v1/sessions",
+        {"scenario": "c", "robots": ["r"]},
+    ),
+    (
+        calls.rank_once(RankingRequest(scenario="c", belief=None)),
+        "ranking.compute",
+        "POST /v1/rankings",
+        {"scenario": "c", "belief": None},
+    ),
     (calls.request_look("r 1"), "robot.look", "POST /v1/robots/r%201/look", {"robot": "r 1"}),
 ]
 
@@ -81,11 +106,37 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 25
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 27
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}
-    assert heavy == {"object.stable_poses", "scenario.predict", "scenario.warnings", "voa.rank"}
+    assert heavy == {"object.stable_poses", "scenario.predict", "scenario.warnings", "voa.rank", "ranking.compute"}
+
+
+def test_what_goes_over_http_only_says_so() -> None:
+    only = [call.rpc for call, *_ in CASES if call.http_only]
+    assert only == ["robot.claim"]
+    with pytest.raises(UsageError, match=r"robot\.claim: goes over HTTP only; make the client with the service's http"):
+        calls.claim_robot("r", ClaimRequest(session="s")).check_has_rpc()
+    with pytest.raises(UsageError, match=r"session\.delete: if_match goes over HTTP only"):
+        calls.delete_session("s", 3).check_has_rpc()
+
+
+def test_a_mesh_that_was_not_asked_for_is_not_found() -> None:
+    """A service that does not know the question lists whatever it has."""
+    call = calls.find_object("box.obj", b"v", 1.0)
+    at = "2026-01-01T00:00:00Z"
+    item = {"id": "a", "name": "box", "extents": [0.1] * 3, "faces": 12, "watertight": True, "created_at": at}
+
+    def found(**more: object) -> Object | None:
+        page = {"items": [item, item | {"id": "b"} | more], "next": None}
+        return calls.found_object(call, ObjectPage.model_validate_json(json.dumps(page)))
+
+    assert found() is None
+    assert found(sha256="0" * 64) is None
+    there = found(sha256=call.query["sha256"])
+    assert there is not None
+    assert there.id == "b"
 
 
 def test_an_upload_is_a_form_or_base64() -> None:

@@ -74,6 +74,9 @@ def test_objects_and_scenarios(client: Client, box: Path) -> None:
     assert (stored.up, turned.up) == ("+Z", "+Y")
     assert turned.extents == pytest.approx([0.08, 0.10, 0.12])
     assert client.get_object(stored.id) == stored
+    found = [client.find_object(box, 2.0), client.find_object(box, 2.0, "+Y")]
+    assert [each and each.model_copy(update={"sha256": None}) for each in found] == [stored, turned]
+    assert client.find_object(box, 3.0) is None
     assert stored in list(client.list_objects())
     assert client.stable_poses(stored.id).items
     made = client.create_scenario(ScenarioRequest.model_validate(mesh_scenario(stored.id)))
@@ -95,6 +98,28 @@ def test_robots(client: Client) -> None:
     assert client.robots().items == []
     with pytest.raises(NotFoundError):
         client.request_look("nobody")
+
+
+def test_a_robot_is_claimed_over_http_and_said_to_be_so_elsewhere(client: Client, way: str, session: str) -> None:
+    for claimed in (session, None):
+        if way.startswith("http"):
+            with pytest.raises(NotFoundError, match="no mapped robot 'nobody'"):
+                client.claim_robot("nobody", claimed)
+        else:
+            with pytest.raises(UsageError, match="goes over HTTP only"):
+                client.claim_robot("nobody", claimed)
+
+
+def test_a_session_for_robots_that_are_not_mapped_is_not_opened(client: Client, scenario: str) -> None:
+    with pytest.raises(InvalidRequestError, match="no mapped robot 'nobody'"):
+        client.create_session(SessionRequest(scenario=scenario, robots=["nobody"]))
+
+
+def test_no_belief_is_the_scenario_s_prior(client: Client, scenario: str, session: str) -> None:
+    ranking = client.rank_once(RankingRequest(scenario=scenario, belief=None))
+    assert ranking == client.rank_looks(session).model_copy(update={"version": None})
+    once = client.update_once(UpdateRequest(scenario=scenario, belief=None, sensor="Q1", scan=GOOD.scan))
+    assert once.belief == client.apply_scan(session, GOOD).belief
 
 
 @pytest.mark.parametrize("odd", ["nothing", "a/b", "..", ".", "%2F", "*", "**", "$*", "a b", "ä", "a?b=c#d"])

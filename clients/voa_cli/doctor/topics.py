@@ -54,7 +54,7 @@ def check_topics(
             yield _silent(check, each, published, listen_s)
 
 
-def _declare(session: zenoh.Session, each: Subscription, expression: str, receive: Callback[zenoh.Sample, Any]) -> Any:
+def _declare(session: zenoh.Session, each: Subscription, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
     if each.type == POSE_WITH_COVARIANCE_STAMPED:
         return declare_latched_subscriber(session, expression, receive)
     return session.declare_subscriber(expression, receive)

@@ -1,6 +1,7 @@
 """Which topic of the recording a sample belongs to, and as what."""
 
 import json
+from collections import Counter
 from collections.abc import Callable
 
 from pydantic import BaseModel
@@ -14,7 +15,7 @@ from voa_msgs.problems import Problem
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import HistoryEntry, ScanRequest, Session
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
+from voa_ros.messages import NANOSECONDS, LaserScan, Odometry, PoseWithCovariance
 from voa_ros.topics import InvalidRmwAttachment, InvalidTopic, RmwAttachment, parse_key
 
 _MODELS: dict[str, type[BaseModel]] = {
@@ -28,25 +29,35 @@ _MODELS: dict[str, type[BaseModel]] = {
 _CDR_HEADER = b"\0"
 _SEQUENCES = 2**32
 
+
 _Decoder = Callable[[bytes], LaserScan | Odometry | PoseWithCovariance]
 _DECODERS: dict[str, _Decoder] = {
-    LASER_SCAN: decode_laser_scan,
+    # However many beams are allowed elsewhere: to be recorded, a scan must only be one.
+    LASER_SCAN: lambda payload: decode_laser_scan(payload, len(payload)),
     ODOMETRY: decode_odometry,
     POSE_WITH_COVARIANCE: decode_pose,
 }
 
 
 class Filing:
-    """Writes what was heard.
+    """Writes what was received.
 
     Attributes:
-        unknown: payloads whose type neither their key nor they themselves tell; recorded without one.
+        unknown: per topic, payloads whose type neither their key, nor a bridge, nor they themselves tell; recorded
+            without one.
+        beams: per topic, the most beams that a LaserScan of it had.
     """
 
-    def __init__(self, writer: RecordingWriter, keys: Keys) -> None:
-        self.unknown = 0
+    def __init__(
+        self, writer: RecordingWriter, keys: Keys, announced_type: Callable[[str], str | None] = lambda _: None
+    ) -> None:
+        """File into `writer`; `announced_type` gives the type that a bridge announces for a key, if one does."""
+        self.unknown: Counter[str] = Counter()
+        self.beams: dict[str, int] = {}
         self._writer = writer
         self._keys = keys
+        self._announced_type = announced_type
+        self._recognised: dict[str, str] = {}  # by key: a scan that cannot be read is one still
 
     def file(self, item: Heard | Told) -> str | None:
         """Write it; the session that has moved by it, if one has."""
@@ -84,42 +95,56 @@ class Filing:
         self._writer.add_json(topic_of(session, what), model, body, log_ns=times[0], publish_ns=times[1], key=key)
 
     def _ros(self, item: Heard) -> None:
-        try:
-            told = parse_key(item.key)
-            topic, named = told.topic, told.type_name
-        except InvalidTopic:
-            topic, named = item.key, None
-        stamped = _stamped(item.payload, named)
-        type_name = named if stamped is None else stamped[0]
-        self.unknown += type_name is None
+        topic, named = _of_key(item.key)
+        named = named or self._announced_type(item.key)
+        message = _decoded(item.payload, named)
+        if message is not None:
+            self._recognised[item.key] = message[0]
+            if isinstance(message[1], LaserScan):
+                self.beams[topic] = max(self.beams.get(topic, 0), len(message[1].ranges))
+        type_name = named or self._recognised.get(item.key)
+        if type_name is None:
+            self.unknown[topic] += 1
         attached = _rmw(item.attachment)
         self._writer.add_ros(
-            f"/{topic}",
+            topic,
             type_name,
             item.payload,
             log_ns=item.log_ns,
-            publish_ns=_published(item, attached, stamped),
+            publish_ns=_published(item, attached, None if message is None else message[1]),
             key=item.key,
             sequence=0 if attached is None else attached.sequence % _SEQUENCES,
+            type_hash=item.key.rpartition("/")[2],
         )
 
 
-def _stamped(payload: bytes, named: str | None) -> tuple[str, int] | None:
-    """The type of a payload and the time in its header; None where it is none of the three that are understood."""
+def _of_key(key: str) -> tuple[str, str | None]:
+    """The topic of a key, and its type where rmw_zenoh put it."""
+    try:
+        told = parse_key(key)
+    except InvalidTopic:
+        return f"/{key}", None
+    return f"/{told.topic}", told.type_name
+
+
+def _decoded(payload: bytes, named: str | None) -> tuple[str, LaserScan | Odometry | PoseWithCovariance] | None:
+    """The type of a payload and what it says; None where it is none of the three that are understood."""
     for name, decode in _DECODERS.items():
         if named not in (None, name):
             continue
         try:
-            stamp = decode(payload).stamp
+            return name, decode(payload)
         except InvalidCdr:
             continue
-        return name, stamp.sec * 1_000_000_000 + stamp.nanosec
     return None
 
 
-def _published(item: Heard, attached: RmwAttachment | None, stamped: tuple[str, int] | None) -> int:
+def _published(
+    item: Heard, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
+) -> int:
     """When it was sent, by whoever knows best."""
-    times = [item.sent_ns, None if attached is None else attached.source_ns, None if stamped is None else stamped[1]]
+    stamped = None if message is None else message.stamp.sec * NANOSECONDS + message.stamp.nanosec
+    times = [item.sent_ns, None if attached is None else attached.source_ns, stamped]
     return next((time for time in times if time is not None and time > 0), item.log_ns)
 
 

@@ -1,8 +1,11 @@
 """How a recording stands, for a person: a line while it runs, a table when it has ended."""
 
 from collections import Counter
+from collections.abc import Mapping
 
 from rich.table import Table
+
+from voa_cli.limits import BEAMS
 
 _UNITS = ("B", "kB", "MB", "GB")
 
@@ -31,3 +34,27 @@ def summary(counts: Counter[str]) -> Table:
     for topic, count in sorted(counts.items()):
         table.add_row(topic, str(count))
     return table
+
+
+def shortcomings(unknown: Counter[str], beams: Mapping[str, int], most_beams: int) -> list[str]:
+    """Sentences about what others will not be able to read.
+
+    Args:
+        unknown: messages without a type, per topic.
+        beams: of the largest LaserScan, per topic.
+        most_beams: the limit of beams here.
+    """
+    found = []
+    if unknown:
+        topics = ", ".join(f"{topic} ({count})" for topic, count in sorted(unknown.items()))
+        found.append(
+            f"{unknown.total()} messages have no type, since neither their keys, nor a bridge, nor they themselves "
+            f"tell it: {topics}"
+        )
+    for topic, most in sorted(beams.items()):
+        if most > most_beams:
+            found.append(
+                f"{topic} has scans of {most} beams: `voa serve` and `voa replay` read at most {most_beams}, unless "
+                f"{BEAMS}={most} is set for them"
+            )
+    return found

@@ -1,34 +1,35 @@
-"""Any recording: an MCAP file, a rosbag2 folder (MCAP or SQLite inside), or a bare storage file.
+"""Any recording: an MCAP file, a rosbag2 folder (MCAP or SQLite inside), a bare storage file, or a ROS 1 bag.
 
-What a crash leaves is read too: a folder without its metadata.yaml, which is written last, and files that end in the
-middle; `Recording.damage` then says so.
+However they are stored, messages come in the order of their log times. What a crash, a rename or a lost file leaves is
+read as far as it goes; `Recording.damage` then says what is wrong.
 """
 
-import re
+import shlex
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from rosbags.highlevel import AnyReader
+from voa_cli.recordings.db3_file import Db3File
+from voa_cli.recordings.folder import METADATA, Folder, read_folder, storages
+from voa_cli.recordings.kinds import ZSTD_MAGIC, Kind, is_named_so, kind_of
+from voa_cli.recordings.mcap_file import McapFile
+from voa_cli.recordings.message import RecordedMessage, UnreadableRecording
+from voa_cli.recordings.order import Piece, Storage, in_log_order
+from voa_cli.recordings.packed import unpacked, unpacked_message
+from voa_cli.recordings.ros1_file import Ros1File
+from voa_cli.recordings.ros_types import Decoded, RosTypes
 
-from voa_cli.recordings.mcap_file import McapFile, RecordedMessage, UnreadableRecording
-from voa_cli.recordings.ros_types import UNDERSTOOD, Decoded, RosTypes
-
-_METADATA = "metadata.yaml"
-_PARTS = re.compile(r"(\d+)")
-MCAP_MAGIC = b"\x89MCAP0\r\n"
+_COMPRESSIONS = ("", "zstd")
 
 
 def is_recording(path: Path) -> bool:
-    """Whether `path` looks like a recording: by its first bytes, its ending, or what is in the folder."""
-    if path.is_dir():
-        return (path / _METADATA).is_file() or bool(_storages(path))
-    if path.suffix in (".mcap", ".db3"):
-        return True
+    """Whether `path` looks like a recording: by its first bytes, its name, or what is in the folder."""
     try:
-        with path.open("rb") as file:
-            return file.read(len(MCAP_MAGIC)) == MCAP_MAGIC
-    except OSError:
+        if path.is_dir():
+            return (path / METADATA).is_file() or bool(storages(path))
+        return is_named_so(path.name) or kind_of(path) not in (Kind.OTHER, Kind.EMPTY)
+    except UnreadableRecording:
         return False
 
 
@@ -38,15 +39,25 @@ class Recording:
     Attributes:
         topics: name to type, of what has been read so far.
         recovered: messages read so far.
-        damage: what is wrong with the recording; None: nothing so far.
     """
 
     def __init__(self, path: Path, types: RosTypes) -> None:
         self.topics: dict[str, str] = {}
         self.recovered = 0
-        self.damage: str | None = None
         self._path = path
         self._types = types
+        self._begin()
+
+    @property
+    def damage(self) -> str | None:
+        """All that is wrong with the recording so far, as predicates ("ends in the middle"); None: nothing."""
+        several = len(self._read) > 1
+        found = list(self._damage)
+        for name, storage, packing in self._read:
+            found += [f"has {name}, which {what}" if several else what for what in (*packing, *storage.damage)]
+        if self._packed:
+            found.append(f"has {self._packed} messages that cannot be decompressed")
+        return "; ".join(found) or None
 
     @property
     def found(self) -> str:
@@ -55,83 +66,96 @@ class Recording:
         return f" (found: {topics or 'nothing'}{'' if self.damage is None else '; it ' + self.damage})"
 
     def messages(self) -> Iterator[RecordedMessage]:
-        """All messages, in the order of the file; ROS payloads that a look needs are in the standard layout.
+        """Give all messages by log time, equal times as stored; ROS payloads that a look needs in the standard layout.
 
         Raises:
             UnreadableRecording: nothing of it can be read.
         """
-        self.recovered, self.damage = 0, None  # another reading begins at the front
-        for message in self._all():
-            self.recovered += 1
-            yield message
+        self._begin()
+        with ExitStack() as stack:
+            folder = self._folder()
+            pieces = self._pieces(folder, stack)
+            for message in in_log_order(pieces):
+                plain = self._plain(message)
+                if plain is not None:
+                    self.recovered += 1
+                    yield self._standard(plain)
+            if folder.messages is not None and self.recovered < folder.messages:
+                self._damage.append(f"should have {folder.messages} messages, says its {METADATA}")
 
-    def _all(self) -> Iterator[RecordedMessage]:
+    def _begin(self) -> None:
+        """Forget what was read: another reading begins at the front."""
+        self.topics, self.recovered, self._packed = {}, 0, 0
+        self._damage: list[str] = []
+        self._read: list[tuple[str, Storage, list[str]]] = []
+        self._layouts: dict[tuple[str, str, str], Decoded] = {}
+
+    def _folder(self) -> Folder:
         if not self._path.exists():
             raise UnreadableRecording(f"{self._path}: there is no such file or folder")
         if not self._path.is_dir():
-            yield from self._file(self._path)
-        elif (self._path / _METADATA).is_file():
-            yield from self._bag(self._path)
-        else:
-            self.damage = f"has no {_METADATA}: its recorder did not end in order"
-            for storage in _storages(self._path):
-                yield from self._file(storage)
+            return Folder([self._path])
+        folder = read_folder(self._path)
+        self._damage += folder.damage
+        if folder.compression not in _COMPRESSIONS:
+            where = shlex.quote(str(self._path))
+            raise UnreadableRecording(
+                f"{self._path}: its messages are compressed by {folder.compression!r}, expected zstd; with "
+                "`output_bags: [{uri: plain, all: true}]` in plain.yaml, "
+                f"`ros2 bag convert -i {where} -o plain.yaml` decompresses them"
+            )
+        return folder
 
-    def _file(self, path: Path) -> Iterator[RecordedMessage]:
-        yield from self._bag(path) if path.suffix == ".db3" else self._mcap(path)
-
-    def _bag(self, path: Path) -> Iterator[RecordedMessage]:
-        """By rosbags; an MCAP storage that it refuses, from the front."""
-        try:
-            reader = AnyReader([path], default_typestore=self._types.store)
-            reader.open()
-        except Exception as error:  # rosbags has errors of its own, and lets KeyErrors of other people's bags through
-            files = [storage for storage in _storages(path) if storage.suffix == ".mcap"] if path.is_dir() else []
-            if not files:
-                raise UnreadableRecording(f"{path} cannot be read: {error}") from error
-            for file in files:
-                yield from self._mcap(file)
-            return
-        try:
-            yield from self._read(reader)
-        finally:
-            reader.close()
-
-    def _read(self, reader: AnyReader) -> Iterator[RecordedMessage]:
-        self.topics |= {connection.topic: connection.msgtype for connection in reader.connections}
-        standard = {name: self._types.to_standard(name, reader.typestore) for name in UNDERSTOOD}
-        messages = reader.messages()
-        while True:
+    def _pieces(self, folder: Folder, stack: ExitStack) -> list[Piece]:
+        """Scan every file; raises UnreadableRecording where none can be read."""
+        pieces, refused = [], []
+        for file in folder.files:
             try:
-                connection, log_ns, data = next(messages)
-            except StopIteration:
-                return
-            except Exception as error:  # of whatever library reads the storage: what was read remains
-                self.damage = f"is damaged ({error or type(error).__name__})"
-                return
-            type_name = connection.msgtype
-            laid_out = standard.get(type_name, bytes)(data)
-            yield RecordedMessage(connection.topic, type_name, "cdr", log_ns, bytes(laid_out))
+                storage, packing = self._opened(file, stack)
+                first_ns = storage.scan()
+            except UnreadableRecording as error:
+                refused.append(error)
+                continue
+            self._read.append((file.name, storage, packing))
+            self.topics |= storage.topics
+            if first_ns is not None:
+                pieces.append(Piece(first_ns, storage.messages))
+        if not self._read:
+            raise refused[0] if len(refused) == 1 else UnreadableRecording("; ".join(map(str, refused)))
+        self._damage += [f"has a part that cannot be read ({error})" for error in refused]
+        return pieces
 
-    def _mcap(self, path: Path) -> Iterator[RecordedMessage]:
-        file = McapFile(path)
-        standard: dict[tuple[str, str, str], Decoded] = {}
-        for message in file.messages():
-            self.topics |= file.topics
-            name = message.type_name
-            if message.encoding == "cdr" and name in UNDERSTOOD:
-                schema = (name, *message.schema)
-                if schema not in standard:
-                    standard[schema] = self._types.to_standard(name, self._types.defined(*schema))
-                yield replace(message, data=standard[schema](message.data))
-            else:
-                yield message
-        self.topics |= file.topics
-        if file.damage is not None:
-            self.damage = file.damage
+    def _opened(self, file: Path, stack: ExitStack) -> tuple[Storage, list[str]]:
+        path, kind, damage = unpacked(file, stack)
+        storage: Storage
+        match kind:
+            case Kind.MCAP:
+                storage = McapFile(path)
+            case Kind.SQLITE:
+                storage = Db3File(path, stack)
+            case Kind.ROS1:
+                storage = Ros1File(path, self._types, stack)
+            case _:
+                what = kind.value if path == file else f"{kind_of(file).value}, and what is inside is {kind.value}"
+                raise UnreadableRecording(
+                    f"{file} is {what}; expected an MCAP file, a database of rosbag2 (.db3), or a ROS 1 bag"
+                )
+        return storage, damage
 
+    def _plain(self, message: RecordedMessage) -> RecordedMessage | None:
+        """Decompress what rosbag2 compressed message by message; no CDR begins like a zstd frame. None: it cannot."""
+        if message.encoding != "cdr" or not message.data.startswith(ZSTD_MAGIC):
+            return message
+        try:
+            return replace(message, data=unpacked_message(message.data))
+        except ValueError:
+            self._packed += 1
+            return None
 
-def _storages(folder: Path) -> list[Path]:
-    """Storage files in the order of their numbers: bag_2.mcap before bag_10.mcap."""
-    found = [path for path in folder.iterdir() if path.suffix in (".mcap", ".db3")]
-    return sorted(found, key=lambda path: [int(part) if part.isdigit() else part for part in _PARTS.split(path.stem)])
+    def _standard(self, message: RecordedMessage) -> RecordedMessage:
+        if message.encoding != "cdr" or not self._types.is_understood(message.type_name):
+            return message
+        layout = (message.type_name, *message.schema)
+        if layout not in self._layouts:
+            self._layouts[layout] = self._types.to_standard(message.type_name, self._types.defined(*layout))
+        return replace(message, data=self._layouts[layout](message.data))

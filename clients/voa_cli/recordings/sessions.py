@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from pydantic import BaseModel, ValidationError
 
-from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
+from voa_cli.recordings.message import RecordedMessage, UnreadableRecording
 from voa_client.session_file import SessionFile
 from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario

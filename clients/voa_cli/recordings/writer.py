@@ -6,7 +6,7 @@ The profile is "ros2" and a ROS topic is a channel of its name, so that Foxglove
 import json
 from collections import Counter
 from importlib.metadata import version
-from typing import IO
+from typing import IO, NamedTuple
 
 from mcap.writer import CompressionType, Writer
 from pydantic import BaseModel
@@ -30,8 +30,8 @@ class RecordingWriter:
         self.counts: Counter[str] = Counter()
         self._file = file
         self._types = types
-        self._channels: dict[tuple[str, str, str], int] = {}
-        self._schemas: dict[str, int] = {}
+        self._channels: dict[tuple[str, str, str, _Schema], int] = {}
+        self._schemas: dict[tuple[str, str], int] = {}
         self._mcap = Writer(file, chunk_size=_CHUNK, compression=CompressionType.ZSTD)
         self._mcap.start(profile="ros2", library=f"{LIBRARY} {version('voa')}")
         self._mcap.flush()
@@ -51,19 +51,23 @@ class RecordingWriter:
         publish_ns: int,
         key: str,
         sequence: int = 0,
+        type_hash: str | None = None,
     ) -> None:
         """A ROS 2 message, unchanged.
 
         Args:
             topic: "/tb3_1/scan".
-            type_name: "sensor_msgs/msg/LaserScan"; None: not known, and then the channel has no schema.
+            type_name: "sensor_msgs/msg/LaserScan"; None: not known, and then the channel has no schema. A type that no
+                release of ROS 2 defines, or not with this hash, has a schema with a name and nothing else.
             data: CDR with its four bytes of header.
             log_ns: when it came, nanoseconds since 1970.
             publish_ns: when it was sent.
             key: where it was heard.
             sequence: the sender's number of it, if it has one.
+            type_hash: of the sender's definition ("RIHS01_..."), if it says so.
         """
-        channel = self._channel(topic, "cdr", key, type_name)
+        named = None if type_name is None else _RosType(type_name, type_hash)
+        channel = self._channel(topic, "cdr", key, named)
         self._add(topic, channel, data, log_ns, publish_ns, sequence)
 
     def add_json(
@@ -86,23 +90,30 @@ class RecordingWriter:
         self.counts[topic] += 1
         self._mcap.add_message(channel, log_time=log_ns, publish_time=publish_ns, data=data, sequence=sequence)
 
-    def _channel(self, topic: str, encoding: str, key: str, schema: str | type[BaseModel] | None) -> int:
-        known = (topic, encoding, key)
+    def _channel(self, topic: str, encoding: str, key: str, schema: "_Schema") -> int:
+        known = (topic, encoding, key, schema)
         if known not in self._channels:
             named = self._schema(schema)
             self._channels[known] = self._mcap.register_channel(topic, encoding, named, {"key": key})
         return self._channels[known]
 
-    def _schema(self, schema: str | type[BaseModel] | None) -> int:
+    def _schema(self, schema: "_Schema") -> int:
         """Its number; 0: none."""
         if schema is None:
             return 0
-        if isinstance(schema, str):
-            name, encoding, text = schema, "ros2msg", self._types.definition(schema)
+        if isinstance(schema, _RosType):
+            text = self._types.definition(schema.name, schema.type_hash)
+            name, encoding, data = (schema.name, "ros2msg", text) if text is not None else (schema.name, "", "")
         else:
-            name, encoding, text = schema.__name__, "jsonschema", json.dumps(schema.model_json_schema())
-        if text is None:
-            return 0
-        if name not in self._schemas:
-            self._schemas[name] = self._mcap.register_schema(name, encoding, text.encode())
-        return self._schemas[name]
+            name, encoding, data = schema.__name__, "jsonschema", json.dumps(schema.model_json_schema())
+        if (name, encoding) not in self._schemas:
+            self._schemas[name, encoding] = self._mcap.register_schema(name, encoding, data.encode())
+        return self._schemas[name, encoding]
+
+
+class _RosType(NamedTuple):
+    name: str
+    type_hash: str | None
+
+
+_Schema = _RosType | type[BaseModel] | None

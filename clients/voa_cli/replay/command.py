@@ -3,13 +3,13 @@
 voa replay DIR                                   a recorded experiment (experiment.json, scans.csv)
 voa replay session.json                          a session file (voa sessions export), made anew
 voa replay look.mcap                             the sessions of a recording (voa record), each made anew
-voa replay BAG --scenario FILE --robots lab.toml      a rosbag2 folder or MCAP file: its looks, as live
+voa replay BAG --scenario FILE --robots lab.toml      a bag of ROS 2 or ROS 1, or an MCAP file: its looks, as live
 voa replay BAG --scenario FILE --sensor ENE      the same, with the lidar at one of the scenario's places
 
 An experiment gives, for every update rule and sensor configuration, the Value of Assistance beforehand, what the
 look was worth with the scans that were really measured (AECD), and how far measurement and prediction are apart.
-Sessions that are made anew must believe exactly what was recorded. Recordings that end in the middle are read as far
-as they go.
+Sessions that are made anew must believe exactly what was recorded. Recordings are read in the order of their log
+times; those that are damaged, as far as they go; compressed ones, too (zstd, gzip, bzip2, xz).
 """
 
 import argparse
@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from voa_cli.local_service import service_at
-from voa_cli.recordings.mcap_file import UnreadableRecording
+from voa_cli.recordings.message import UnreadableRecording
 from voa_cli.recordings.reading import Recording, is_recording
 from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.sessions import recorded_sessions

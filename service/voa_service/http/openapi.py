@@ -12,6 +12,7 @@ from voa_service.settings import Limits
 _TITLES = {
     400: "The body is not JSON",
     404: "There is no such thing",
+    409: "It contradicts what is there",
     412: "The session has moved on",
     413: "More than this service takes at once",
     415: "Not a mesh type that this service reads",

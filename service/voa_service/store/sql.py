@@ -5,12 +5,11 @@ idempotency key, check the version, apply, append to the history, keep the answe
 never retry. What was answered is committed and synced.
 """
 
-from collections.abc import Callable, Hashable
-from dataclasses import replace
-from datetime import datetime
+from collections.abc import Callable, Hashable, Sequence
+from contextlib import suppress
+from dataclasses import asdict
 from typing import Any, TypeVar
 
-import numpy as np
 from sqlalchemy import (
     BigInteger,
     Connection,
@@ -27,8 +26,6 @@ from sqlalchemy import (
 )
 from sqlalchemy.exc import IntegrityError
 
-from voa_core.filtering import Belief
-from voa_core.objects import Object
 from voa_service.failures import KEY_REUSED, STALE, Failure
 from voa_service.ports import (
     Answered,
@@ -41,18 +38,21 @@ from voa_service.ports import (
     Step,
     StoredObject,
     StoredScenario,
+    Upload,
     Write,
 )
+from voa_service.store import claims
 from voa_service.store.engines import connect, first, statement, transaction
 from voa_service.store.listening import CHANNEL, Listener
 from voa_service.store.looks import count_look, newest_looks
 from voa_service.store.migrate import is_current, migrate
-from voa_service.store.tables import answers, history, objects, scenarios, sessions
+from voa_service.store.rows import blob, entry_of, object_of, scenario_of, session_columns, session_of
+from voa_service.store.tables import answers, history, objects, scenarios, sessions, uploads
 
 T = TypeVar("T")
 
 # Built once: SQLAlchemy then finds their compiled form without looking at them anew.
-_INSERT = {table: insert(table) for table in (objects, scenarios, sessions, history, answers)}
+_INSERT = {table: insert(table) for table in (objects, scenarios, sessions, history, answers, uploads)}
 _BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios, sessions)}
 _LOCK_SESSION = _BY_ID[sessions].with_for_update()
 _UPDATE_SESSION = update(sessions).where(sessions.c.id == bindparam("by_id"))
@@ -71,6 +71,11 @@ _NEWEST_SESSION = (
     .limit(1)
 )
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
+_UPLOADED = (
+    select(objects)
+    .join(uploads, uploads.c.object == objects.c.id)
+    .where(*(uploads.c[name] == bindparam(f"by_{name}") for name in ("sha256", "type", "scale", "up")))
+)
 _ANSWERED = select(answers).where(answers.c.scope == bindparam("by_scope"), answers.c.key == bindparam("by_key"))
 
 
@@ -114,46 +119,65 @@ class SqlStore:
             "up": stored.up,
         }
         there, new = self._put(objects, row)
-        return _object(there), new
+        return object_of(there), new
 
     def get_object(self, id_: str) -> StoredObject | None:
         """See `ports.Store`."""
         row = self._get(objects, id_)
-        return None if row is None else _object(row)
+        return None if row is None else object_of(row)
 
     def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
         """See `ports.Store`."""
-        return self._list(objects, _object, limit, after)
+        return self._list(objects, object_of, limit, after)
+
+    def put_upload(self, upload: Upload, object_: str) -> None:
+        """See `ports.Store`."""
+        if self.find_upload(upload) is not None:
+            return
+        with suppress(IntegrityError), transaction(self._writer) as connection:  # another process was first
+            connection.execute(_INSERT[uploads], {**asdict(upload), "object": object_})
+
+    def find_upload(self, upload: Upload) -> StoredObject | None:
+        """See `ports.Store`."""
+        with statement(self._single) as connection:
+            named = {f"by_{name}": value for name, value in asdict(upload).items()}
+            row = connection.execute(_UPLOADED, named).one_or_none()
+        return None if row is None else object_of(row)
 
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
         """See `ports.Store`."""
         row = {"id": stored.id, "name": stored.name, "created_at": stored.created_at.isoformat(), "body": stored.body}
         there, new = self._put(scenarios, row)
-        return _scenario(there), new
+        return scenario_of(there), new
 
     def get_scenario(self, id_: str) -> StoredScenario | None:
         """See `ports.Store`."""
         row = self._get(scenarios, id_)
-        return None if row is None else _scenario(row)
+        return None if row is None else scenario_of(row)
 
     def list_scenarios(self, limit: int, after: str | None) -> Listed[StoredScenario]:
         """See `ports.Store`."""
-        return self._list(scenarios, _scenario, limit, after)
+        return self._list(scenarios, scenario_of, limit, after)
 
     def get_answer(self, key: IdempotencyKey) -> Answered | None:
         """See `ports.Store`."""
         with statement(self._single) as connection:
             return _answered(connection, key)
 
-    def create_session(self, state: SessionState, write: Write, answer: Answered) -> Answered:
+    def create_session(
+        self, state: SessionState, write: Write, answer: Answered, robots: Sequence[str] = ()
+    ) -> Answered:
         """See `ports.Store`."""
         try:
             with transaction(self._writer) as connection:
                 before = _answered(connection, write.key)
                 if before is not None:
                     return before
-                connection.execute(_INSERT[sessions], {"id": state.id, "scenario": state.scenario, **_columns(state)})
+                named = {"id": state.id, "scenario": state.scenario, **claims.next_order(connection)}
+                connection.execute(_INSERT[sessions], named | session_columns(state))
                 _append(connection, state, write, None)
+                for robot in sorted(robots):  # in one order, so that nobody waits for each other
+                    claims.put(connection, robot, state.id)
                 _remember(connection, write.key, answer)
             return answer
         except IntegrityError:  # another process took the same key at the same instant, and was first
@@ -166,7 +190,7 @@ class SqlStore:
     def get_session(self, id_: str) -> SessionState | None:
         """See `ports.Store`."""
         row = self._get(sessions, id_)
-        return None if row is None else _session(row)
+        return None if row is None else session_of(row)
 
     def session_mark(self, id_: str) -> Hashable | None:
         """See `ports.Store`."""
@@ -179,9 +203,28 @@ class SqlStore:
             row = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).one_or_none()
         return None if row is None else Opened(row.id, row.seq)
 
+    def robot_session(self, robot: str, scenario: str) -> str | None:
+        """See `ports.Store`."""
+        with statement(self._single) as connection:
+            return claims.find(connection, robot, scenario).id
+
+    def settle_robot(self, robot: str, scenario: str) -> str | None:
+        """See `ports.Store`."""
+        with statement(self._single) as connection:
+            found = claims.find(connection, robot, scenario)
+        if found.settled or found.session is None:  # nothing to write: the usual case
+            return found.id
+        with transaction(self._writer) as connection:
+            return claims.settle(connection, robot, scenario)
+
+    def claim_robot(self, robot: str, session: str | None) -> bool:
+        """See `ports.Store`."""
+        with transaction(self._writer) as connection:
+            return claims.put(connection, robot, session)
+
     def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
         """See `ports.Store`."""
-        return self._list(sessions, _session, limit, after)
+        return self._list(sessions, session_of, limit, after)
 
     def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
         """See `ports.Store`."""
@@ -193,7 +236,7 @@ class SqlStore:
             _check_version(state, write.if_match)
             change = step(state)
             if change.after is not None:
-                connection.execute(_UPDATE_SESSION, {"by_id": id_, **_columns(change.after)})
+                connection.execute(_UPDATE_SESSION, {"by_id": id_, **session_columns(change.after)})
                 _append(connection, change.after, write, change.report)
                 if write.look is not None:
                     count_look(connection, id_, write.look)
@@ -213,7 +256,7 @@ class SqlStore:
             if row is None:
                 return []
             found = connection.execute(_HISTORY, {"by_id": id_, "by_version": after, "by_limit": limit}).all()
-        return [_entry(_session(row), entry) for entry in found]
+        return [entry_of(session_of(row), entry) for entry in found]
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
         """See `ports.Store`."""
@@ -269,7 +312,7 @@ def _named(connection: Connection, query: Select[Any], id_: str) -> Row[Any] | N
 
 def _locked(connection: Connection, id_: str) -> SessionState | None:
     row = _named(connection, _LOCK_SESSION, id_)
-    return None if row is None else _session(row)
+    return None if row is None else session_of(row)
 
 
 def _check_version(state: SessionState, seen: frozenset[int] | None) -> None:
@@ -308,63 +351,7 @@ def _append(connection: Connection, state: SessionState, write: Write, report: s
         "at": state.updated_at.isoformat(),
         "request": write.request,
         "report": report,
-        "belief": _blob(state.belief),
+        "belief": blob(state.belief),
         "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
     }
     connection.execute(_INSERT[history], entry)
-
-
-def _columns(state: SessionState) -> dict[str, Any]:
-    """What changes with a version."""
-    return {
-        "version": state.version,
-        "belief": _blob(state.belief),
-        "prior": _blob(state.prior),
-        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
-        "created_at": state.created_at.isoformat(),
-        "updated_at": state.updated_at.isoformat(),
-    }
-
-
-def _blob(belief: Belief) -> bytes:
-    return np.stack([belief.p, belief.log_p]).astype("<f8").tobytes()
-
-
-def _belief(blob: bytes) -> Belief:
-    p, log_p = np.frombuffer(blob, dtype="<f8").reshape(2, -1)
-    return Belief(p, log_p)
-
-
-def _object(row: Row[Any]) -> StoredObject:
-    vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
-    faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
-    return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at), row.up)
-
-
-def _scenario(row: Row[Any]) -> StoredScenario:
-    return StoredScenario(row.id, row.name, row.body, datetime.fromisoformat(row.created_at))
-
-
-def _session(row: Row[Any]) -> SessionState:
-    return SessionState(
-        row.id,
-        row.scenario,
-        row.version,
-        _belief(row.belief),
-        _belief(row.prior),
-        row.last_fit_rmsd_mm,
-        datetime.fromisoformat(row.created_at),
-        datetime.fromisoformat(row.updated_at),
-    )
-
-
-def _entry(session: SessionState, row: Row[Any]) -> HistoryEntry:
-    """A history row with the session as it was then."""
-    then = replace(
-        session,
-        version=row.version,
-        belief=_belief(row.belief),
-        last_fit_rmsd_mm=row.last_fit_rmsd_mm,
-        updated_at=datetime.fromisoformat(row.at),
-    )
-    return HistoryEntry(then, row.kind, row.request, row.report)

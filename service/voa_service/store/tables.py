@@ -1,6 +1,18 @@
 """The tables. Times are ISO 8601 in UTC; float arrays are little-endian float64 blobs."""
 
-from sqlalchemy import BigInteger, Column, Float, ForeignKey, Integer, LargeBinary, MetaData, String, Table, Text
+from sqlalchemy import (
+    BigInteger,
+    Column,
+    Double,
+    Float,
+    ForeignKey,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+)
 
 metadata = MetaData()
 
@@ -74,3 +86,25 @@ answers = Table(
     Column("body", Text, nullable=False),
     Column("version", Integer, nullable=False),
 )
+
+claims = Table(
+    "claims",
+    metadata,
+    Column("robot", String(128), primary_key=True),
+    Column("session", String(64)),
+    Column("scenario", String(64)),
+    Column("after", Sequence, nullable=False),
+)
+"""A mapped robot's session, by id alone: it may be deleted, and what was opened before it (`after`: its `seq`) is then
+never taken up again. `scenario` is the session's; both are null where the robot's scans are for nobody."""
+
+uploads = Table(
+    "uploads",
+    metadata,
+    Column("sha256", String(64), primary_key=True),
+    Column("type", String(8), primary_key=True),
+    Column("scale", Double, primary_key=True),
+    Column("up", String(2), primary_key=True),
+    Column("object", String(64), ForeignKey("objects.id", ondelete="CASCADE"), nullable=False),
+)
+"""The mesh that a file became: its bytes, its type, and how it was read."""

@@ -1,17 +1,18 @@
 """Objects: upload a mesh, look at it, ask how it can rest."""
 
+import hashlib
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from voa_core.errors import VoaError
 from voa_core.objects import Object as Mesh
 from voa_core.stable_poses import propose_stable_poses
-from voa_msgs.objects import Object, ObjectPage, StablePose, StablePoses, UpAxis
+from voa_msgs.objects import MeshType, Object, ObjectPage, StablePose, StablePoses, UpAxis
 from voa_service.cache import Cache
-from voa_service.failures import INVALID_MESH, TOO_LARGE, Failure, not_found
+from voa_service.failures import INVALID, INVALID_MESH, TOO_LARGE, Failure, not_found
 from voa_service.mapping import object_message
 from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
-from voa_service.ports import Clock, MeshReader, Store, StoredObject
+from voa_service.ports import Clock, MeshReader, Store, StoredObject, Upload
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
@@ -50,20 +51,56 @@ class Objects:
         path = PurePath(filename)
         called = name or path.stem[:_LONGEST_NAME] or "object"
         mesh_type = path.suffix.lower().removeprefix(".")
-        applied = up or default_up(mesh_type)
-        mesh = self.read(content, mesh_type, scale, applied)
-        there, new = self.store.put_object(StoredObject(mesh, called, self.now(), applied))
-        answer = object_message(replace(there, up=applied))
-        doubts = extent_mistakes(mesh, scale) + ([] if up else up_mistakes(mesh, applied))
-        return answer.model_copy(update={"warnings": doubts}), new
+        upload = Upload(hashlib.sha256(content).hexdigest(), mesh_type, scale, up or default_up(mesh_type))
+        mesh = self.read(content, mesh_type, scale, upload.up)
+        there, new = self.store.put_object(StoredObject(mesh, called, self.now(), upload.up))
+        self.store.put_upload(upload, there.object.digest)
+        return _uploaded(there, upload, stated=up is not None), new
+
+    def find(self, sha256: str, mesh_type: MeshType, scale: float, up: UpAxis | None) -> ObjectPage:
+        """Find the mesh that a file became when it was uploaded, so that nobody needs to upload it again.
+
+        Args:
+            sha256: of the file's bytes.
+            mesh_type: the ending of its name.
+            scale: metres per unit of the file.
+            up: the axis of the file that is up; None: that of its type.
+
+        Returns:
+            One mesh, with what its upload is answered and `sha256`; or none, where that was never uploaded.
+        """
+        upload = Upload(sha256, mesh_type, scale, up or default_up(mesh_type))
+        there = self.store.find_upload(upload)
+        if there is None:
+            return ObjectPage(items=[], next=None)
+        found = _uploaded(there, upload, stated=up is not None)
+        return ObjectPage(items=[found.model_copy(update={"sha256": sha256})], next=None)
 
     def get(self, id_: str) -> Object:
         """One mesh."""
         return object_message(self._stored(id_))
 
-    def list(self, limit: int, after: str | None) -> ObjectPage:
-        """All meshes, oldest first."""
-        return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
+    def list(
+        self,
+        limit: int,
+        after: str | None,
+        sha256: str | None = None,
+        mesh_type: MeshType | None = None,
+        scale: float | None = None,
+        up: UpAxis | None = None,
+    ) -> ObjectPage:
+        """List all meshes, oldest first; or with `sha256` the one that a file became, as `find` does.
+
+        Raises:
+            Failure: `after` is not a cursor, or the file is half described.
+        """
+        if sha256 is None:
+            if (mesh_type, scale, up) != (None, None, None):
+                raise Failure(INVALID, "type, scale and up describe a mesh file: expected its sha256 beside them")
+            return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
+        if mesh_type is None or after is not None:
+            raise Failure(INVALID, "sha256 asks for the mesh of one file: expected its type beside it, and no `after`")
+        return self.find(sha256, mesh_type, 1.0 if scale is None else scale, up)
 
     def stable_poses(self, id_: str) -> StablePoses:
         """List how it can rest on the table, worked out once while the cache has room."""
@@ -75,6 +112,19 @@ class Objects:
         if stored is None:
             raise not_found("object", id_)
         return stored
+
+
+def _uploaded(there: StoredObject, upload: Upload, *, stated: bool) -> Object:
+    """Answer an upload: the mesh that is there, and what is probably wrong with how the file was read.
+
+    Args:
+        there: the mesh.
+        upload: the file, and how it was read.
+        stated: whether the caller said which axis is up.
+    """
+    mesh = there.object
+    doubts = extent_mistakes(mesh, upload.scale) + ([] if stated else up_mistakes(mesh, upload.up))
+    return object_message(replace(there, up=upload.up)).model_copy(update={"warnings": doubts})
 
 
 def _proposed(mesh: Mesh) -> StablePoses:

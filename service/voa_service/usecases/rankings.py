@@ -23,7 +23,7 @@ from voa_msgs.rankings import (
 from voa_service.failures import UNKNOWN, Failure, of_core
 from voa_service.mapping import candidates
 from voa_service.models import Model, Models, Precision
-from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.sessions import Sessions, belief_in_body
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,9 @@ class Rankings:
         return self._rank(self._model(state.scenario), state.belief, request, state.version)
 
     def once(self, request: RankingRequest) -> Ranking:
-        """The same for a belief in the request; nothing is stored."""
+        """Rank looks under the belief in the request, or the scenario's prior where that is null; stores nothing."""
         model = self._model(request.scenario)
-        try:
-            belief = Belief.of(request.belief, "belief", len(model.scenario.poses))
-        except VoaError as error:
-            raise of_core(error) from error
-        return self._rank(model, belief, request, None)
+        return self._rank(model, belief_in_body(model.scenario, request.belief), request, None)
 
     def grasps(self, id_: str, names: Sequence[str] | None) -> RankedGrasps:
         """Grasps under a session's belief, those that are reachable now."""

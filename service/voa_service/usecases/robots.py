@@ -1,6 +1,7 @@
 """What was heard of robots, so that a scan that came to nothing can be seen."""
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -40,21 +41,35 @@ class LookSource(Protocol):
 
 
 @dataclass(frozen=True)
+class MappedTo:
+    """Whose session a robot's scans are for, as its mapping says: the named one, or one on a scenario."""
+
+    scenario: str | None
+    session: str | None
+
+
+@dataclass(frozen=True)
 class _Mapped:
     """A mapped robot, and what its mapping names."""
 
+    to: MappedTo
     source: LookSource
-    scenario: str | None
-    session: str | None
 
 
 class Robots:
     """Reports by robot, as this process heard them; from any thread."""
 
-    def __init__(self, now: Clock) -> None:
+    def __init__(self, now: Clock, session_of: Callable[[str, str], str | None]) -> None:
+        """Begin with nobody heard.
+
+        Args:
+            now: the time.
+            session_of: the session that a look of a robot, mapped to a scenario, would go to now.
+        """
         self.mapping_error: str | None = None
         """Why the mapping in force is not the one that its file has."""
         self._now = now
+        self._session_of = session_of
         self._reports: dict[tuple[str, str], RobotReport] = {}
         self._mapped: dict[str, _Mapped] = {}
         self._lock = threading.Lock()
@@ -62,10 +77,21 @@ class Robots:
     def mapped(
         self, robot: str, key: str, source: LookSource, *, scenario: str | None = None, session: str | None = None
     ) -> None:
-        """Note that a robot's topic is subscribed to, for the scenario or session that its mapping names."""
+        """Note that a robot's topic is subscribed to; its mapping names either a scenario or a session."""
         with self._lock:
-            self._mapped[robot] = _Mapped(source, scenario, session)
+            self._mapped[robot] = _Mapped(MappedTo(scenario, session), source)
             self._reports.setdefault((robot, "ros2"), _unheard(robot, "ros2", key))
+
+    def mapped_to(self, robot: str) -> MappedTo | None:
+        """Return what the mapping says of a robot's session; None: there is no such robot in it."""
+        with self._lock:
+            mapped = self._mapped.get(robot)
+        return None if mapped is None else mapped.to
+
+    def names(self) -> list[str]:
+        """List the mapped robots by name."""
+        with self._lock:
+            return sorted(self._mapped)
 
     def unmapped(self, robot: str) -> None:
         """A robot's topic is no longer listened to."""
@@ -120,10 +146,18 @@ class Robots:
         return RobotsMessage(
             mapping_error=self.mapping_error,
             items=[
-                _as_it_stands(report, mapped[robot].source) if source == "ros2" and robot in mapped else report
+                self._shown(report, mapped[robot]) if source == "ros2" and robot in mapped else report
                 for (robot, source), report in reports
             ],
         )
+
+    def report(self, robot: str) -> RobotReport:
+        """Report one mapped robot.
+
+        Raises:
+            Failure: no such robot is mapped.
+        """
+        return self._shown(*self._one(robot))
 
     def request_look(self, robot: str) -> RobotReport:
         """The robot's next scans are to be a look.
@@ -131,15 +165,29 @@ class Robots:
         Raises:
             Failure: no such robot is mapped, or its looks are not on request.
         """
-        with self._lock:
-            mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
-        if mapped is None or report is None:
-            raise not_found("mapped robot", robot)
+        report, mapped = self._one(robot)
         try:
             mapped.source.request()
         except ValueError as error:
             raise Failure(INVALID, str(error)) from error
-        return _as_it_stands(report, mapped.source)
+        return self._shown(report, mapped)
+
+    def _one(self, robot: str) -> tuple[RobotReport, _Mapped]:
+        """Find a mapped robot; raises Failure where there is none."""
+        with self._lock:
+            mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
+        if mapped is None or report is None:
+            raise not_found("mapped robot", robot)
+        return report, mapped
+
+    def _shown(self, report: RobotReport, mapped: _Mapped) -> RobotReport:
+        """Complete a mapped robot's report by what holds at this moment; without the lock, it reads the store."""
+        session = mapped.to.session or report.session
+        if mapped.to.scenario is not None:
+            session = self._session_of(report.robot, mapped.to.scenario)
+        warnings = [*mapped.source.warnings, *report.warnings]
+        state = {"session": session, "waiting_for": mapped.source.waiting_for, "warnings": warnings}
+        return report.model_copy(update=state)
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
         return self._reports.get((robot, source)) or _unheard(robot, source, key)
@@ -155,12 +203,6 @@ class Robots:
             if oldest is not None:
                 del self._reports[oldest]
         self._reports[named] = report
-
-
-def _as_it_stands(report: RobotReport, source: LookSource) -> RobotReport:
-    """The report of a mapped robot, with its present state."""
-    state = {"waiting_for": source.waiting_for, "warnings": [*source.warnings, *report.warnings]}
-    return report.model_copy(update=state)
 
 
 def _unheard(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:

@@ -71,19 +71,29 @@ class Sessions:
     """Told after each commit: the session as it is then; None: it is gone."""
     observed: Callable[[str, str], None]
     """Told the kind of each observation, and what became of it: "accepted", or the reason why not."""
+    check_robots: Callable[[Sequence[str], str], None]
+    """Refuses robots that a session on a scenario cannot claim."""
 
     def create(self, request: SessionRequest, write: Write) -> Answered:
-        """Open a session on a scenario, at version 0."""
+        """Open a session on a scenario, at version 0, and claim robots for it.
+
+        Raises:
+            Failure: there is no such scenario, the prior is none, or a robot cannot be claimed.
+        """
+        robots = request.robots or []
+        if robots and write.key is not None and (before := self.store.get_answer(write.key)) is not None:
+            return before  # whatever the mapping says by now
         scenario = scenario_in_body(self.models, request.scenario)
         try:
             prior = scenario.prior if request.prior is None else prior_of(request.prior, scenario.poses)
         except VoaError as error:
             raise of_core(error) from error
+        self.check_robots(robots, request.scenario)
         now = self.now()
         state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now)
         answer = self._session(state, scenario)
         given = Answered(answer.model_dump_json(), 0)
-        answered = self.store.create_session(state, write, given)
+        answered = self.store.create_session(state, write, given, robots)
         if answered is given:  # and not what its key was answered before
             self.committed(state.id, state)
         return answered
@@ -275,13 +285,14 @@ class Sessions:
         return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
-        """The same for a belief in the request; nothing is stored."""
+        """Update the belief in the request, or the scenario's prior where that is null, by a raw scan; stores nothing.
+
+        Raises:
+            Failure: the request does not fit the scenario, or there is no such scenario.
+        """
         scenario = scenario_in_body(self.models, request.scenario)
         evidence, of_scan = evidence_of(scenario, request)
-        try:
-            belief = Belief.of(request.belief, "belief", len(scenario.poses))
-        except VoaError as error:
-            raise of_core(error) from error
+        belief = belief_in_body(scenario, request.belief)
         done = update(belief, evidence, scenario.policy)
         return UpdatedEstimate(
             **estimate_fields(scenario, done.belief),
@@ -314,6 +325,20 @@ def scenario_in_body(models: Models, id_: str) -> Scenario:
     if model is None:
         raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
     return model.scenario
+
+
+def belief_in_body(scenario: Scenario, given: Sequence[float] | None) -> Belief:
+    """Read the belief that a body gives; None: the scenario's prior.
+
+    Raises:
+        Failure: it is no belief over the scenario's poses.
+    """
+    if given is None:
+        return scenario.prior
+    try:
+        return Belief.of(given, "belief", len(scenario.poses))
+    except VoaError as error:
+        raise of_core(error) from error
 
 
 def evidence_of(scenario: Scenario, request: ScanRequest) -> tuple[Evidence, list[ProbableMistake]]:

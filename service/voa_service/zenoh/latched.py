@@ -7,7 +7,7 @@ from zenoh.ext import HistoryConfig, declare_advanced_subscriber
 from zenoh.handlers import Callback
 
 
-def declare_latched_subscriber(session: zenoh.Session, expression: str, receive: Callback[zenoh.Sample, Any]) -> Any:
+def declare_latched_subscriber(session: zenoh.Session, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
     """Subscribe to a key expression, and fetch what its publishers keep, now and when a publisher appears later.
 
     AMCL publishes when the robot has moved by 0.25 m: a plain subscriber that comes to a parked robot waits for ever.

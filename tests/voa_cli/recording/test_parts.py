@@ -13,7 +13,7 @@ from tests.waiting import wait_for
 from voa_cli.recording import status
 from voa_cli.recording.filing import Filing
 from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Heard, Inbox, Told
+from voa_cli.recording.inbox import Heard, Inbox, Told, is_of_rmw
 from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_client import Client
@@ -60,7 +60,7 @@ def filed(*items: Heard | Told) -> tuple[list[tuple[str, str | None, Any]], list
         ("amcl_pose", AMCL, "/amcl_pose", POSE_WITH_COVARIANCE),
         (RMW, SCAN, "/tb3_1/scan", LASER_SCAN),
         ("0/tf/tf2_msgs::msg::dds_::TFMessage_/TypeHashNotSupported", b"\0\1\0\0", "/tf", "tf2_msgs/msg/TFMessage"),
-        ("0/x/lab::msg::dds_::Own_/RIHS01_x", b"\0\1\0\0", "/x", None),
+        ("0/x/lab::msg::dds_::Own_/RIHS01_x", b"\0\1\0\0", "/x", "lab/msg/Own"),
         ("what/ever", b"\0\1\0\0", "/what/ever", None),
         ("a-b/c", SCAN, "/a-b/c", LASER_SCAN),
     ],
@@ -69,7 +69,63 @@ def test_a_ros_sample_gets_its_topic_and_type(key: str, payload: bytes, topic: s
     found, moved, filing = filed(heard(key, payload))
     assert [(name, kind, message.data) for name, kind, message in found] == [(topic, type_name, payload)]
     assert moved == [None]
-    assert filing.unknown == (key == "what/ever")
+    assert filing.unknown == ({"/what/ever": 1} if key == "what/ever" else {})
+
+
+def test_the_type_that_a_bridge_announces_is_kept() -> None:
+    file = BytesIO()
+    writer = RecordingWriter(file, TYPES)
+    filing = Filing(writer, KEYS, {"rb/imu": "sensor_msgs/msg/Imu", "rb/own": "lab/msg/Own"}.get)
+    for key in ("rb/imu", "rb/own", "rb/else"):
+        filing.file(heard(key, b"\0\1\0\0"))
+    writer.finish()
+    file.seek(0)
+    found = {c.topic: s and (s.name, s.encoding, bool(s.data)) for s, c, _ in make_reader(file).iter_messages()}
+    assert found == {
+        "/rb/imu": ("sensor_msgs/msg/Imu", "ros2msg", True),
+        "/rb/own": ("lab/msg/Own", "", False),
+        "/rb/else": None,
+    }
+    assert filing.unknown == {"/rb/else": 1}
+
+
+def test_a_scan_is_one_however_many_beams_it_has_and_a_topic_keeps_its_type() -> None:
+    large = encode_laser_scan(laser_scan([0.5] * 5_521, START_NS, angle_increment=0.001))
+    broken = bytes(SCAN[:-30])
+    found, _, filing = filed(heard("rb/scan", large), heard("rb/scan", broken), heard("rb/scan", SCAN))
+    assert [kind for _, kind, _ in found] == [LASER_SCAN] * 3
+    assert filing.beams == {"/rb/scan": 5_521}
+
+
+def test_what_becomes_known_later_is_told_from_then_on() -> None:
+    found, _, filing = filed(heard("rb/scan", b"\0\1\0\0"), heard("rb/scan", SCAN))
+    assert [kind for _, kind, _ in found] == [None, LASER_SCAN]
+    assert filing.unknown == {"/rb/scan": 1}
+
+
+def test_a_definition_with_another_hash_is_not_passed_off_as_the_sender_s() -> None:
+    type_name, right = "sensor_msgs/msg/Imu", TYPES.store.hash_rihs01("sensor_msgs/msg/Imu")
+    for told, is_defined in ((right, True), ("TypeHashNotSupported", True), (f"RIHS01_{'0' * 64}", False)):
+        assert (TYPES.definition(type_name, told) is not None) == is_defined
+
+
+def test_what_others_cannot_read_is_said() -> None:
+    unknown = Counter({"/rb/own": 2, "/rb/else": 1})
+    said = status.shortcomings(unknown, {"/scan": 5_521, "/small": 360}, 4_096)
+    assert said[0].startswith("3 messages have no type, since")
+    assert said[0].endswith("/rb/else (1), /rb/own (2)")
+    assert said[1].startswith("/scan has scans of 5521 beams: `voa serve` and `voa replay` read at most 4096, unless ")
+    assert "VOA_LIMITS__BEAMS=5521" in said[1]
+    assert len(said) == 2
+    assert status.shortcomings(Counter(), {"/scan": 5_521}, 30_000) == []
+
+
+@pytest.mark.parametrize(
+    ("key", "of_rmw"),
+    [(RMW, True), ("a/rb/b/c", False), ("x/rb/scan/sensor_msgs::msg::dds_::LaserScan_/h", False), ("rb/scan", False)],
+)
+def test_keys_of_rmw_zenoh_are_told_by_domain_and_type(key: str, of_rmw: bool) -> None:
+    assert is_of_rmw(key) == of_rmw
 
 
 def test_when_it_was_sent_says_who_knows_best() -> None:

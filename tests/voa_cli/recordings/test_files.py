@@ -10,9 +10,9 @@ from mcap.writer import CompressionType, Writer
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin
 
-from tests.voa_cli.recordings.bags import START_NS, STEP_NS, Written, bag, scans
-from voa_cli.recordings.mcap_file import UnreadableRecording
-from voa_cli.recordings.reading import Recording, is_recording
+from tests.voa_cli.recordings.bags import START_NS, STEP_NS, Written, bag, read, scans
+from voa_cli.recordings.message import UnreadableRecording
+from voa_cli.recordings.reading import is_recording
 from voa_cli.recordings.ros_types import LASER_SCAN, RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_msgs.problems import Problem
@@ -33,18 +33,13 @@ def recorded(path: Path, messages: list[Written], flush_every: int = 5) -> Path:
     return path
 
 
-def read(path: Path) -> tuple[Recording, list[Written]]:
-    recording = Recording(path, TYPES)
-    found = [(message.topic, message.type_name, message.log_ns, message.data) for message in recording.messages()]
-    return recording, found
-
-
 def test_a_recording_is_what_was_given_and_others_read_it(tmp_path: Path) -> None:
     given = scans(12)
     path = recorded(tmp_path / "own.mcap", given)
     recording, found = read(path)
     assert found == [(topic, type_name, at + 7, payload) for topic, type_name, at, payload in given]
     assert (recording.damage, recording.recovered, recording.topics) == (None, 12, {"/scan": LASER_SCAN})
+    assert {message.key for message in recording.messages()} == {"scan"}, "the domain can be told from it"
     with AnyReader([path]) as theirs:
         assert [bytes(payload) for _, _, payload in theirs.messages()] == [payload for *_, payload in given]
         assert "ranges" in vars(theirs.deserialize(next(theirs.messages())[2], LASER_SCAN))
@@ -67,7 +62,7 @@ def test_json_has_the_schema_of_its_message_and_the_profile_is_ros2() -> None:
     assert reader.get_header().profile == "ros2"
     found = [(schema, channel, message.data) for schema, channel, message in reader.iter_messages()]
     assert [schema and (schema.name, schema.encoding) for schema, _, _ in found] == [("Problem", "jsonschema")] * 2 + [
-        None
+        ("lab_msgs/msg/Own", "")
     ]
     assert [data for *_, data in found[:2]] == [body, body]
     assert found[0][0] is not None
@@ -189,9 +184,10 @@ def test_a_layout_that_a_recording_defines_otherwise_is_brought_into_the_standar
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("x.mcap", b"this is something else", "not an MCAP file"),
-        ("x.db3", b"this is something else", "cannot be read"),
-        ("metadata.yaml", b"rosbag2_bagfile_information: 3", "cannot be read"),
+        ("x.mcap", b"this is something else", "is of an unknown kind; expected an MCAP file"),
+        ("x.db3", b"this is something else", "is of an unknown kind; expected an MCAP file"),
+        ("x.db3", b"", "is empty; expected"),
+        ("metadata.yaml", b"rosbag2_bagfile_information: 3", "has no recording in it"),
     ],
 )
 def test_what_is_no_recording_is_said_so(tmp_path: Path, name: str, content: bytes, says: str) -> None:

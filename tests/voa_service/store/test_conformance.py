@@ -1,131 +1,55 @@
 """Every promise of `ports.Store`, over every implementation of it."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from threading import Barrier, Lock
-from typing import TypeVar
+from threading import Lock
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 from sqlalchemy import create_engine, text
 
 from tests.postgres import Server
-from tests.voa_core.worlds import BOX_FACES
+from tests.voa_service.store.samples import (
+    NOON,
+    THREADS,
+    Open,
+    at_once,
+    belief,
+    create,
+    key,
+    mesh,
+    never,
+    next_version,
+    refuse,
+    scenario,
+    session,
+    stored_mesh,
+    write,
+)
 from voa_core.filtering import Belief
-from voa_core.objects import Object
 from voa_service.failures import Failure
 from voa_service.ports import (
     Answered,
     HistoryKind,
-    IdempotencyKey,
     Listed,
     SessionState,
     Step,
     Store,
     StoredObject,
-    StoredScenario,
-    Write,
+    Upload,
 )
 from voa_service.store.engines import connect
 from voa_service.store.sql import SqlStore
 
 T = TypeVar("T")
-Open = Callable[[], Store]
 
-NOON = datetime(2026, 1, 2, 12, 0, 0, 123456, tzinfo=UTC)
 FAR = str(10**18 - 1)
-THREADS = 4
-
-
-@pytest.fixture
-def opened(database_url: str) -> Iterator[Open]:
-    """Opens the store on the test's database, as often as asked."""
-    stores: list[Store] = []
-
-    def once_more() -> Store:
-        store = SqlStore(database_url)
-        stores.append(store)
-        return store
-
-    yield once_more
-    for store in stores:
-        store.close()
-
-
-@pytest.fixture
-def store(opened: Open) -> Store:
-    """A store with the scenario "A"."""
-    store = opened()
-    store.put_scenario(scenario("A"))
-    return store
-
-
-@pytest.fixture
-def pair(opened: Open, store: Store) -> tuple[Store, Store]:
-    """Two stores on one database, as of two processes."""
-    return store, opened()
-
-
-def mesh(size: float = 0.05) -> Object:
-    corners = [[x * size, y / 3.0, z * math.pi] for x in (-1, 1) for y in (-1, 1) for z in (0, 1)]
-    return Object.from_arrays(corners, BOX_FACES)
-
-
-def stored_mesh(size: float = 0.05, name: str = "box") -> StoredObject:
-    return StoredObject(mesh(size), name, NOON)
-
-
-def scenario(id_: str, name: str = "name") -> StoredScenario:
-    return StoredScenario(id_, name, f'{{"name": "{id_}", "data": "ü\\u0000"}}', NOON)
-
-
-def belief(*p: float) -> Belief:
-    given = np.array(p or (0.25, 0.75))
-    with np.errstate(divide="ignore"):
-        return Belief(given, np.log(given))
-
-
-def session(id_: str = "S") -> SessionState:
-    return SessionState(id_, "A", 0, belief(), belief(), None, NOON, NOON)
-
-
-def key(name: str = "K", scope: str = "session:S", fingerprint: str = "F") -> IdempotencyKey:
-    return IdempotencyKey(scope, name, fingerprint)
-
-
-def write(
-    named: IdempotencyKey | None = None,
-    if_match: frozenset[int] | None = None,
-    request: str = "{}",
-    kind: HistoryKind = "scan",
-) -> Write:
-    return Write(kind, request, named, if_match)
-
-
-def create(store: Store, id_: str = "S", named: IdempotencyKey | None = None) -> Answered:
-    return store.create_session(session(id_), write(named, kind="prior"), Answered(f"created {id_}", 0))
-
-
-def next_version(state: SessionState) -> Step:
-    """Accepts: one version more."""
-    version = state.version + 1
-    after = replace(state, version=version, updated_at=NOON + timedelta(seconds=version))
-    return Step(after, Answered(f"v{version}", version), f'"report {version}"')
-
-
-def refuse(state: SessionState) -> Step:
-    """Answers that nothing changed."""
-    return Step(None, Answered(f"refused at v{state.version}", state.version), '"refused"')
-
-
-def never(state: SessionState) -> Step:
-    raise AssertionError("the step must not run")
 
 
 def in_steps(listing: Callable[[int, str | None], Listed[T]], limit: int) -> list[list[T]]:
@@ -137,18 +61,6 @@ def in_steps(listing: Callable[[int, str | None], Listed[T]], limit: int) -> lis
         if page.next is None:
             return pages
         after = page.next
-
-
-def at_once(calls: Sequence[Callable[[], T]]) -> list[T]:
-    """The results of calls that begin at the same moment, each in a thread of its own."""
-    barrier = Barrier(len(calls))
-
-    def begin(call: Callable[[], T]) -> T:
-        barrier.wait()
-        return call()
-
-    with ThreadPoolExecutor(len(calls)) as pool:
-        return list(pool.map(begin, calls))
 
 
 def bits(state: SessionState) -> tuple[bytes, ...]:
@@ -177,6 +89,32 @@ def test_a_mesh_comes_back_bit_for_bit(store: Store) -> None:
         assert got.object.vertices.tobytes() == mesh().vertices.tobytes()
         assert got.object.faces.tobytes() == mesh().faces.tobytes()
         assert (got.name, got.created_at) == ("box", NOON)
+
+
+def upload(**changes: Any) -> Upload:
+    return replace(Upload("0" * 64, "obj", 0.1 + 0.2, "+Z"), **changes)
+
+
+def test_a_file_that_was_uploaded_is_found_again_as_it_was_read(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    stored, _ = one.put_object(stored_mesh())
+    another, _ = one.put_object(stored_mesh(0.06))
+    assert other.find_upload(upload()) is None
+    for _ in range(2):
+        one.put_upload(upload(), stored.object.digest)
+    one.put_upload(upload(up="+Y"), another.object.digest)
+    for wanted, digest in ((upload(), stored.object.digest), (upload(up="+Y"), another.object.digest)):
+        found = other.find_upload(wanted)
+        assert found is not None
+        assert found.object.digest == digest
+    for change in ({"sha256": "1" * 64}, {"type": "stl"}, {"scale": 0.3}):
+        assert other.find_upload(upload(**change)) is None
+
+
+def test_one_file_uploaded_at_once_is_remembered_once(pair: tuple[Store, Store]) -> None:
+    stored, _ = pair[0].put_object(stored_mesh())
+    at_once([partial(store.put_upload, upload(), stored.object.digest) for store in pair * THREADS])
+    assert pair[0].find_upload(upload()) is not None
 
 
 def test_a_scenario_put_again_is_the_one_that_is_there(store: Store) -> None:
@@ -638,6 +576,10 @@ def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_agai
             lambda: store.get_session("S"),
             lambda: store.session_mark("S"),
             lambda: store.newest_session("A"),
+            lambda: store.robot_session("r", "A"),
+            lambda: store.settle_robot("r", "A"),
+            lambda: store.claim_robot("r", "S"),
+            lambda: store.find_upload(upload()),
             lambda: store.history("S", -1, 9),
             lambda: store.list_sessions(9, None),
             lambda: store.put_object(stored_mesh()),

@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import create_engine, text
 
 from tests.postgres import Server
-from tests.voa_service.store.test_conformance import create, next_version, refuse, scenario, write
+from tests.voa_service.store.samples import create, next_version, refuse, scenario, write
 from voa_service.store.sql import SqlStore
 
 SECONDS = 30.0

@@ -3,31 +3,82 @@
 from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import create_engine, text
+from sqlalchemy import Engine, create_engine, text
 
 from tests.voa_core.worlds import box
+from voa_core.objects import Object
+from voa_service.ports import Upload
 from voa_service.store import migrate
 from voa_service.store.sql import SqlStore
 
+INSERT_OBJECT = text(
+    "INSERT INTO objects (id, name, created_at, vertices, faces) VALUES (:id, 'box', :at, :vertices, :faces)"
+)
+AT = datetime(2026, 11, 28, tzinfo=UTC).isoformat()
 
-def test_objects_from_before_up_was_kept_were_read_with_z_up(tmp_path: Path) -> None:
-    url, mesh = f"sqlite:///{tmp_path}/old.db", box(0.1, 0.2, 0.3)
+
+def at_revision(url: str, revision: str) -> Engine:
+    """An empty database with the tables of an earlier version."""
     engine = create_engine(url)
     with engine.begin() as connection:
         config = Config()
         config.set_main_option("script_location", str(Path(migrate.__file__).parent / "migrations"))
         config.attributes["connection"] = connection
-        command.upgrade(config, "0001")
-        insert = (
-            "INSERT INTO objects (id, name, created_at, vertices, faces) VALUES (:id, 'box', :at, :vertices, :faces)"
-        )
-        row = {"id": mesh.digest, "at": datetime(2026, 11, 28, tzinfo=UTC).isoformat()}
-        connection.execute(text(insert), row | {"vertices": mesh.vertices.tobytes(), "faces": mesh.faces.tobytes()})
+        command.upgrade(config, revision)
+    return engine
+
+
+def row_of(mesh: Object) -> dict[str, object]:
+    """The parameters of `INSERT_OBJECT`."""
+    return {"id": mesh.digest, "at": AT, "vertices": mesh.vertices.tobytes(), "faces": mesh.faces.tobytes()}
+
+
+def test_objects_from_before_up_was_kept_were_read_with_z_up(tmp_path: Path) -> None:
+    url, mesh = f"sqlite:///{tmp_path}/old.db", box(0.1, 0.2, 0.3)
+    engine = at_revision(url, "0001")
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
     engine.dispose()
     store = SqlStore(url)
     found = store.get_object(mesh.digest)
     assert found is not None
     assert (found.up, found.object.digest) == ("+Z", mesh.digest)
+    store.close()
+
+
+def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url: str) -> None:
+    engine = at_revision(database_url, "0002")
+    blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).tobytes()
+    scenario = text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, '{}')")
+    session = text(
+        "INSERT INTO sessions (id, scenario, version, belief, prior, created_at, updated_at) "
+        "VALUES (:id, 'A', 0, :blob, :blob, :at, :at)"
+    )
+    with engine.begin() as connection:
+        connection.execute(scenario, {"at": AT})
+        for id_ in ("older", "newest"):
+            connection.execute(session, {"id": id_, "blob": blob, "at": AT})
+    engine.dispose()
+    store = SqlStore(database_url)
+    assert store.robot_session("tb3_1", "A") == store.settle_robot("tb3_1", "A") == "newest"
+    assert store.claim_robot("tb3_1", "older")
+    assert store.robot_session("tb3_1", "A") == "older"
+    store.close()
+
+
+def test_a_mesh_from_before_uploads_were_kept_is_uploaded_once_more(tmp_path: Path) -> None:
+    url, mesh = f"sqlite:///{tmp_path}/old.db", box(0.1, 0.2, 0.3)
+    engine = at_revision(url, "0002")
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
+    engine.dispose()
+    store, upload = SqlStore(url), Upload("0" * 64, "obj", 1.0, "+Z")
+    assert store.find_upload(upload) is None
+    store.put_upload(upload, mesh.digest)
+    found = store.find_upload(upload)
+    assert found is not None
+    assert found.object.digest == mesh.digest
     store.close()

@@ -37,6 +37,8 @@ SETTINGS = settings(
 START = datetime(2026, 1, 1, tzinfo=UTC)
 
 IDS = st.sampled_from(["S", "T", "U"])
+ROBOTS = st.sampled_from(["q", "r"])
+CREWS = st.sampled_from([(), (), ("q",), ("r", "q")])
 KEYS = st.sampled_from([None, "a", "b", "c"])
 FINGERPRINTS = st.sampled_from(["F", "F", "F", "G"])
 SEEN = st.none() | st.frozensets(st.integers(0, 6), max_size=3)
@@ -64,6 +66,24 @@ class Model:
     sessions: dict[str, list[Entry]] = field(default_factory=dict)
     keys: dict[tuple[str, str], tuple[str, Answered]] = field(default_factory=dict)
     order: list[str] = field(default_factory=list)
+    opened: dict[str, int] = field(default_factory=dict)
+    """When each session was opened that there is now."""
+    count: int = 0
+    """Sessions opened so far."""
+    claims: dict[str, tuple[str | None, int]] = field(default_factory=dict)
+    """By robot: its session, and when that was opened."""
+
+    def of_robot(self, robot: str) -> str | None:
+        """The session that a look of a robot is for."""
+        claimed, after = self.claims.get(robot, ("never claimed", -1))
+        if claimed is None or claimed in self.opened:
+            return claimed
+        later = [id_ for id_ in self.order if self.opened[id_] > after]
+        return later[-1] if later else None
+
+    def claim(self, robot: str, session: str | None) -> None:
+        """Make a session, or none, the robot's own."""
+        self.claims[robot] = session, -1 if session is None else self.opened[session]
 
 
 def bits(belief: Belief) -> bytes:
@@ -106,9 +126,24 @@ class Histories(RuleBasedStateMachine):
         if named is not None:
             self.model.keys[named.scope, named.key] = named.fingerprint, answered
 
-    @rule(store=st.integers(0, 1), id_=IDS, key=KEYS, fingerprint=FINGERPRINTS, belief=BELIEFS, request=REQUESTS)
+    @rule(
+        store=st.integers(0, 1),
+        id_=IDS,
+        key=KEYS,
+        fingerprint=FINGERPRINTS,
+        belief=BELIEFS,
+        request=REQUESTS,
+        robots=CREWS,
+    )
     def create(
-        self, store: int, id_: str, key: str | None, fingerprint: str, belief: list[tuple[float, float]], request: str
+        self,
+        store: int,
+        id_: str,
+        key: str | None,
+        fingerprint: str,
+        belief: list[tuple[float, float]],
+        request: str,
+        robots: tuple[str, ...],
     ) -> None:
         named = self._named("caller", key, fingerprint)
         expected = self._expected(named)
@@ -117,12 +152,18 @@ class Histories(RuleBasedStateMachine):
         prior = of(belief)
         state = SessionState(id_, "A", 0, prior, prior, None, START, START)
         answer = Answered(f"created {id_} {request}", 0)
-        told = outcome(lambda: self.stores[store].create_session(state, Write("prior", request, named, None), answer))
+        told = outcome(
+            lambda: self.stores[store].create_session(state, Write("prior", request, named, None), answer, robots)
+        )
         assert told == (answer if expected is None else expected)
         if expected is None:
             self._remember(named, answer)
             self.model.sessions[id_] = [Entry(0, bits(prior), "none", request, None)]
             self.model.order.append(id_)
+            self.model.count += 1
+            self.model.opened[id_] = self.model.count
+            for robot in robots:
+                self.model.claim(robot, id_)
 
     @rule(
         store=st.integers(0, 1),
@@ -197,6 +238,21 @@ class Histories(RuleBasedStateMachine):
             self._remember(named, Answered("", log[-1].version))
             del self.model.sessions[id_]
             self.model.order.remove(id_)
+            del self.model.opened[id_]
+
+    @rule(store=st.integers(0, 1), robot=ROBOTS)
+    def settle(self, store: int, robot: str) -> None:
+        expected = self.model.of_robot(robot)
+        assert self.stores[store].settle_robot(robot, "A") == expected
+        if expected is not None and self.model.claims.get(robot, (None, -1))[0] != expected:
+            self.model.claim(robot, expected)
+
+    @rule(store=st.integers(0, 1), robot=ROBOTS, id_=st.none() | IDS)
+    def claim(self, store: int, robot: str, id_: str | None) -> None:
+        there = id_ is None or id_ in self.model.sessions
+        assert self.stores[store].claim_robot(robot, id_) is there
+        if there:
+            self.model.claim(robot, id_)
 
     @precondition(lambda self: self.model.sessions)
     @rule(store=st.integers(0, 1), id_=IDS, after=st.integers(-1, 8), limit=st.integers(1, 5))
@@ -216,6 +272,12 @@ class Histories(RuleBasedStateMachine):
             if after is None:
                 break
         assert found == self.model.order
+
+    @invariant()
+    def every_robot_s_session_is_as_the_model_says(self) -> None:
+        if hasattr(self, "model"):
+            for robot in ("q", "r"):
+                assert {store.robot_session(robot, "A") for store in self.stores} == {self.model.of_robot(robot)}
 
     @invariant()
     def every_session_is_as_the_model_says(self) -> None:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import Annotated
 
 from annotated_types import Gt
-from fastapi import APIRouter, Form, Request, Response, UploadFile
+from fastapi import APIRouter, Form, Query, Request, Response, UploadFile
 
 from voa_msgs.base import Name
-from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
+from voa_msgs.objects import MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
 from voa_service.failures import INVALID, Failure
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
@@ -47,9 +47,22 @@ def routes(services: Services) -> APIRouter:
         return await created(services.heavy, lambda: objects.create(content, filename, name, scale, up))
 
     @router.get("", response_model=ObjectPage, responses=problems(422, 503))
-    async def list_objects(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
-        """All meshes, oldest first."""
-        return await answer(services.quick, lambda: objects.list(limit, after))
+    async def list_objects(
+        limit: PageLimit = DEFAULT_PAGE,
+        after: After = None,
+        sha256: Annotated[Sha256 | None, Query(description="Of the bytes of a mesh file: only its mesh.")] = None,
+        type: Annotated[MeshType | None, Query(description="The ending of that file's name; with `sha256`.")] = None,
+        scale: Annotated[
+            float | None, Query(gt=0.0, description="As in its upload; default 1.", allow_inf_nan=False)
+        ] = None,
+        up: Annotated[UpAxis | None, Query(description="As in its upload, `%2BZ` or `%2BY`.")] = None,
+    ) -> Response:
+        """All meshes, oldest first; or the mesh that a file became, for whoever would upload it again.
+
+        With `sha256` the list has one item, which is what an upload of that file with that `scale` and `up` would be
+        answered; or none, where it was never uploaded so.
+        """
+        return await answer(services.quick, lambda: objects.list(limit, after, sha256, type, scale, up))
 
     @router.get("/{id}", response_model=Object, responses=problems(404, 422, 503))
     async def get_object(id: str) -> Response:

@@ -77,7 +77,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def update_once(request: UpdateRequest) -> Response:
-        """Update the belief in the request; nothing is stored."""
+        """Update the belief in the request (null: the scenario's prior); nothing is stored."""
         check(request, services.limits)
         return await answer(services.quick, lambda: sessions.update_once(request))
 

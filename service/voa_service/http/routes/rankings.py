@@ -46,7 +46,7 @@ def routes(services: Services) -> APIRouter:
 
     @router.post("/rankings", response_model=Ranking, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def rank_once(request: RankingRequest) -> Response:
-        """Rank looks for the belief in the request; nothing is stored."""
+        """Rank looks for the belief in the request (null: the scenario's prior); nothing is stored."""
         check(request, services.limits)
         return await answer(services.heavy, lambda: rankings.once(request), exclude_unset=True)
 

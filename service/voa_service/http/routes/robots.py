@@ -2,14 +2,14 @@
 
 from fastapi import APIRouter, Response
 
-from voa_msgs.robots import RobotReport, Robots
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer
 from voa_service.services import Services
 
 
 def routes(services: Services) -> APIRouter:
-    """See which robots are heard, ask one for a look."""
+    """See which robots are heard, ask one for a look, say whose session one is."""
     router = APIRouter(prefix="/v1/robots", tags=["robots"])
 
     @router.get("", response_model=Robots, responses=problems(503))
@@ -21,5 +21,19 @@ def routes(services: Services) -> APIRouter:
     async def request_look(robot: str) -> Response:
         """The next scans of a mapped robot whose looks are on request are to be one."""
         return await answer(services.quick, lambda: services.robots.request_look(robot))
+
+    @router.put("/{robot}/session", response_model=RobotReport, responses=problems(400, 404, 409, 413, 422, 503))
+    async def claim_robot(robot: str, request: ClaimRequest) -> Response:
+        """Say whose session a mapped robot's scans are for from now on; null: nobody's until the next claim.
+
+        A robot that nobody has claimed belongs to the newest session on its scenario when its first look is due, and
+        stays there until that session is deleted or another one claims it.
+        """
+
+        def claimed() -> RobotReport:
+            services.claims.claim(robot, request.session)
+            return services.robots.report(robot)
+
+        return await answer(services.quick, claimed)
 
     return router

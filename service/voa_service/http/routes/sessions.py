@@ -21,9 +21,9 @@ def routes(services: Services) -> APIRouter:
     router = APIRouter(prefix="/v1", tags=["sessions"])
     sessions = services.sessions
 
-    @router.post("/sessions", status_code=201, response_model=Session, responses=problems(400, 413, 422, 503))
+    @router.post("/sessions", status_code=201, response_model=Session, responses=problems(400, 409, 413, 422, 503))
     async def create_session(request: SessionRequest, http: Request, key: Key = None) -> Response:
-        """Open a session: version 0, the prior as belief."""
+        """Open a session: version 0, the prior as belief; the scans of `robots` go to it from now on."""
         check(request, services.limits)
         write = write_of("prior", await http.body(), idempotency_key(key, ANYONE, "create session", request))
         return await versioned(services.quick, lambda: sessions.create(request, write), 201)
