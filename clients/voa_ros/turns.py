@@ -58,6 +58,8 @@ class TurnGatherer(Generic[M]):
         self._grid = grid
         self._before: LaserScan | None = None
         self._segments: list[_Segment[M]] = []
+        self._in_segments = False
+        """Whether the scan before was a segment."""
 
     @property
     def segments(self) -> int:
@@ -76,7 +78,8 @@ class TurnGatherer(Generic[M]):
             received_s: when it arrived, by any steady clock.
         """
         before, self._before = self._before, scan
-        if before is None or not self._is_segment(scan, before):
+        self._in_segments = before is not None and self._is_segment(scan, before)
+        if not self._in_segments:
             self._segments.clear()
             return Turn(scan, message)
         segment = _Segment(scan, message, received_s)
@@ -96,7 +99,7 @@ class TurnGatherer(Generic[M]):
 
     def _is_segment(self, scan: LaserScan, before: LaserScan) -> bool:
         partial = _shared_rad(grid_of(scan), self._grid) < PARTIAL_SHARE * self._grid.span_rad
-        return partial and _overlap(scan, before) < (_AGAIN if self._segments else _DISJOINT)
+        return partial and _overlap(scan, before) < (_AGAIN if self._in_segments else _DISJOINT)
 
     def _joined(self) -> Turn[M]:
         scans = [segment.scan for segment in self._segments]

@@ -214,14 +214,20 @@ def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) 
     return came
 
 
-def check_looks(came: Outcome, places: Sequence[Motion]) -> None:
-    """Each stop of the lidar has one look, within a centimetre and a degree, of the room as it is seen from there."""
+def check_places(came: Outcome, places: Sequence[Motion]) -> None:
+    """Each stop of the lidar has one look, within a centimetre and a degree of it."""
     found = [look.request.sensor_pose for look in came.looks]
     assert len(found) == len(places), [pose and (pose.x, pose.y) for pose in found]
-    for look, pose, place in zip(came.looks, found, places, strict=True):
+    for pose, place in zip(found, places, strict=True):
         assert pose is not None
         assert math.hypot(pose.x - place.x, pose.y - place.y) < 0.01, (pose, place)
         assert abs(wrapped(pose.yaw_rad - place.yaw_rad)) < math.radians(1.0), (pose, place)
+
+
+def check_looks(came: Outcome, places: Sequence[Motion]) -> None:
+    """Each stop of the lidar has one look at its place, of the room as it is seen from there."""
+    check_places(came, places)
+    for look, place in zip(came.looks, places, strict=True):
         scan = look.request.scan
         assert scan.angle_min is not None
         assert scan.angle_increment is not None

@@ -61,7 +61,7 @@ def test_each_beam_takes_the_nearest_within_half_an_increment(told: list[LaserSc
     for beam, value in enumerate(found):
         off = offs(parts, grid.angle_min + beam * grid.angle_increment)
         nearest = min(off.values())
-        if math.isnan(value):
+        if value is None:
             assert nearest > half
         else:
             assert off[value] <= half + GRID_WITHIN_RAD
@@ -72,7 +72,7 @@ def test_each_beam_takes_the_nearest_within_half_an_increment(told: list[LaserSc
 def test_a_scan_on_its_own_grid_is_itself(told: LaserScan) -> None:
     grid = grid_of(told)
     assume(grid.beams * abs(grid.angle_increment) <= math.tau)
-    assert binned([told], grid) == told.ranges
+    assert tuple(binned([told], grid)) == told.ranges
     assert same_grid(on_grid([told], grid), told)
 
 
@@ -87,41 +87,40 @@ def test_beams_half_an_increment_off_leave_none_empty() -> None:
     told = layout(360, math.tau / 720, math.tau / 360)
     for sent in (told, decode_laser_scan(encode_laser_scan(told))):
         found = binned([sent], TURN)
-        assert not any(map(math.isnan, found))
+        assert None not in found
         assert all(value in (beam, beam + 1, beam + 360) for beam, value in enumerate(found))
 
 
 def test_a_negative_increment_runs_the_other_way() -> None:
     told = layout(4, math.tau / 4, -math.tau / 4)  # at 90, 0, -90 and 180 degrees
-    assert binned([told], BeamGrid(4, 0.0, math.tau / 4)) == (2.0, 1.0, 4.0, 3.0)
-    assert binned([told], BeamGrid(4, 0.0, -math.tau / 4)) == (2.0, 3.0, 4.0, 1.0)
+    assert binned([told], BeamGrid(4, 0.0, math.tau / 4)) == [2.0, 1.0, 4.0, 3.0]
+    assert binned([told], BeamGrid(4, 0.0, -math.tau / 4)) == [2.0, 3.0, 4.0, 1.0]
 
 
 def test_a_grid_of_some_angles_takes_only_those() -> None:
     front = BeamGrid(3, -math.tau / 8, math.tau / 8)
     told = layout(8, 0.0, math.tau / 8)
-    assert binned([told], front) == (8.0, 1.0, 2.0)
-    assert binned([layout(2, 0.0, math.tau / 8)], front)[1:] == (1.0, 2.0)
-    assert math.isnan(binned([layout(2, 0.0, math.tau / 8)], front)[0])
-    assert all(map(math.isnan, binned([layout(3, 3.0, 0.1)], front)))
+    assert binned([told], front) == [8.0, 1.0, 2.0]
+    assert binned([layout(2, 0.0, math.tau / 8)], front) == [None, 1.0, 2.0]
+    assert binned([layout(3, 3.0, 0.1)], front) == [None] * 3
 
 
 def test_a_last_beam_that_points_where_the_first_does_has_its_value_too() -> None:
     """The driver of the LDS-02 spreads its beams over [0, 2 pi], both ends included."""
     both_ends = BeamGrid(5, 0.0, math.tau / 4)
     found = binned([layout(4, 0.0, math.tau / 4)], both_ends)
-    assert found == (1.0, 2.0, 3.0, 4.0, 1.0)
+    assert found == [1.0, 2.0, 3.0, 4.0, 1.0]
 
 
 def test_finer_beams_are_thinned_and_coarser_ones_leave_gaps() -> None:
-    assert binned([layout(1_440, 0.0, math.tau / 1_440)], TURN) == tuple(1.0 + 4 * beam for beam in range(360))
+    assert binned([layout(1_440, 0.0, math.tau / 1_440)], TURN) == [1.0 + 4 * beam for beam in range(360)]
     found = binned([layout(90, 0.0, math.tau / 90)], TURN)
-    assert [beam for beam, value in enumerate(found) if not math.isnan(value)] == list(range(0, 360, 4))
+    assert [beam for beam, value in enumerate(found) if value is not None] == list(range(0, 360, 4))
 
 
 def test_values_pass_as_they_are() -> None:
     told = replace(scan(INF, 0.0, NAN, -INF, increment=math.tau / 4))
-    assert repr(binned([told], BeamGrid(4, 0.0, math.tau / 4))) == repr(told.ranges)
+    assert repr(tuple(binned([told], BeamGrid(4, 0.0, math.tau / 4)))) == repr(told.ranges)
 
 
 def test_a_scan_on_a_grid_says_so_in_its_header() -> None:

@@ -5,7 +5,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from tests.scale import scaled
 from tests.voa_ros.parking import (
     DRIVING_AT_S,
     PARKED_AT_S,
@@ -14,6 +17,7 @@ from tests.voa_ros.parking import (
     Clock,
     ParkingRobot,
     check_looks,
+    check_places,
     mapped,
     play,
     true,
@@ -98,6 +102,23 @@ def test_no_layout_does_either(fault: str, whose: str, layout: str) -> None:
     clock = FAULTS[fault](PARKED_AT_S)
     own = ParkingRobot(10.0, layout, scan_clock=clock, odometry_clock=true if whose == "scan" else clock)
     check_looks(play(mapped(), own.messages()), STOPS)
+
+
+STEPS = st.lists(st.tuples(st.floats(0.0, 32.0), st.floats(-100.0, 100.0)), max_size=4)
+
+
+def stepping(steps: list[tuple[float, float]]) -> Clock:
+    """A clock that is set, so long after the start, by so much; each time anew."""
+    return lambda now_s: now_s + sum(by_s for after_s, by_s in steps if now_s >= START_S + after_s)
+
+
+@settings(max_examples=scaled(25, 500), deadline=None)
+@given(STEPS, STEPS, st.sampled_from(HZ))
+def test_clocks_may_be_set_at_any_time_by_any_amount(
+    scan: list[tuple[float, float]], odometry: list[tuple[float, float]], hz: float
+) -> None:
+    own = ParkingRobot(hz, scan_clock=stepping(scan), odometry_clock=stepping(odometry))
+    check_places(play(mapped(), own.messages()), STOPS)
 
 
 @pytest.mark.parametrize("hz", HZ)
