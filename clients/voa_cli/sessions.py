@@ -31,7 +31,7 @@ _WIDE = ("scenario", "grasp", "robots")
 
 
 class NotDeleted(VoaClientError):
-    """Nobody confirmed that sessions are to be deleted."""
+    """Sessions were not deleted, since nobody confirmed it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

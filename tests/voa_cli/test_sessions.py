@@ -67,7 +67,7 @@ def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
     assert " mug" in line
     assert any(other in line for line in lines)
     assert "…" not in "".join(lines)
-    assert "session scenario version grasp score updated robots".split() in [line.split() for line in lines]
+    assert ["session", "scenario", "version", "grasp", "score", "updated", "robots"] in [line.split() for line in lines]
     assert main(["sessions", "list", "--json", "--url", process]) == 0
     items = {item["id"]: item for item in json.loads(capsys.readouterr().out)}
     assert (items[session]["scenario_name"], items[session]["robots"], items[session]["version"]) == ("mug", [], 4)

@@ -15,7 +15,7 @@ _MOST = 1_000  # anyone may put anything as a robot's name
 
 @dataclass(frozen=True)
 class MappedTo:
-    """Whose session a robot's scans are for, as its mapping says: the named one, or one on a scenario."""
+    """Session of a robot as its mapping says: the one that it names, or one on a scenario."""
 
     scenario: str | None
     session: str | None
