@@ -26,12 +26,12 @@ from voa_client.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
 _BAR = 30
-_WIDE = ("scenario", "best grasp", "robots")
+_WIDE = ("scenario", "grasp", "robots")
 """Columns of names that people gave."""
 
 
 class NotDeleted(VoaClientError):
-    """Nobody confirmed that sessions are to be deleted."""
+    """Sessions were not deleted, since nobody confirmed it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,7 +54,7 @@ def _list(client: Client, options: argparse.Namespace) -> None:
         more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in found]
         print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(found, more, strict=True)]))
         return
-    table = _table("session", "scenario", "version", "best grasp", "score", "updated", "robots")
+    table = _table("session", "scenario", "version", "grasp", "score", "updated", "robots")
     for session in found:
         table.add_row(
             session.id,
@@ -62,7 +62,7 @@ def _list(client: Client, options: argparse.Namespace) -> None:
             str(session.version),
             session.best_grasp or "none",
             share(session.expected_score, 3),
-            f"{session.updated_at:%m-%d %H:%M:%S}",
+            f"{session.updated_at:%m-%d %H:%M}",
             " ".join(robots[session.id]),
         )
     _console().print(table if found else f"no sessions at {options.url}")
@@ -143,7 +143,9 @@ def _console() -> Console:
 
 def _table(*headings: str) -> Table:
     """Narrow enough for 80 columns, ids whole: what may be long without end is folded."""
-    columns = (Column(heading, no_wrap=heading not in _WIDE, overflow="fold") for heading in headings)
+    columns = [
+        Column(heading, no_wrap=heading not in _WIDE, overflow="fold", min_width=len(heading)) for heading in headings
+    ]
     return Table(*columns, box=SIMPLE_HEAD, pad_edge=False)
 
 

@@ -33,7 +33,7 @@ class RobotReport(Message):
 
     robot: str
     session: str | None
-    """Whose session its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
+    """Session that its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
     source: Literal["scan", "ros2"]
     """Put on `scan/<session>/<robot>`, or a ROS 2 topic that is mapped."""
     key: str

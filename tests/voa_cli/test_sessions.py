@@ -68,6 +68,7 @@ def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
     assert " mug" in line
     assert any(other in line for line in lines)
     assert "…" not in "".join(lines)
+    assert ["session", "scenario", "version", "grasp", "score", "updated", "robots"] in [line.split() for line in lines]
     assert main(["sessions", "list", "--json", "--url", process]) == 0
     items = {item["id"]: item for item in json.loads(capsys.readouterr().out)}
     assert (items[session]["scenario_name"], items[session]["robots"], items[session]["version"]) == ("mug", [], 4)
@@ -77,6 +78,7 @@ def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
 def test_a_list_shows_whose_robots_scans_are(
     service: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     scenario = service.create(data_scenario())
     for robot in ("tb3_1", "tb3_2"):
         service.inside.robots.mapped(robot, "scan", QuietRobot(), scenario=scenario)
@@ -89,7 +91,9 @@ def test_a_list_shows_whose_robots_scans_are(
     assert (items[claimed], items[newer]) == (["tb3_1", "tb3_2"], [])
     assert main(["sessions", "list"]) == 0
     told = capsys.readouterr().out.splitlines()
+    assert max(map(len, told)) <= 80
     assert "tb3_1" in next(line for line in told if claimed in line)
+    assert any("tb3_2" in line for line in told)
     monkeypatch.setattr(sys, "stdin", Terminal("y\n"))
     assert main(["sessions", "delete", claimed]) == 0
     assert f"delete {claimed} at version 0 (session of tb3_1, tb3_2) with" in capsys.readouterr().err

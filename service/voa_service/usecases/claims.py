@@ -11,7 +11,7 @@ from voa_service.usecases.robots import MappedTo, Robots
 
 @dataclass(frozen=True)
 class Claims:
-    """Everything about which session a mapped robot belongs to.
+    """Claims of mapped robots: the session that each one's scans are for.
 
     A robot stays with its session until that is deleted, or another one claims the robot. Nothing else moves it:
     neither a new session on its scenario nor a ranking.

@@ -42,7 +42,7 @@ class LookSource(Protocol):
 
 @dataclass(frozen=True)
 class MappedTo:
-    """Whose session a robot's scans are for, as its mapping says: the named one, or one on a scenario."""
+    """Session of a robot as its mapping says: the one that it names, or one on a scenario."""
 
     scenario: str | None
     session: str | None

@@ -1,13 +1,18 @@
 """A robot keeps its session: claims over both databases, by one process and by two."""
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import pytest
+from sqlalchemy import create_engine, text
 
+from tests.postgres import Server
 from tests.voa_service.store.samples import THREADS, Open, at_once, create, key, next_version, scenario, write
+from tests.waiting import wait_for
 from voa_service.failures import Failure
 from voa_service.ports import IdempotencyKey, Store
+from voa_service.store.sql import SqlStore
 
 ROBOT = "tb3_1"
 
@@ -197,6 +202,33 @@ def test_of_processes_that_follow_a_deleted_session_at_once_the_first_decides_fo
         calls = [partial(opens_and_settles, store, f"{round_}-{n}", ROBOT) for n, store in enumerate(pair * THREADS)]
         (decided,) = set(at_once(calls))
         assert peeks(pair) == decided
+
+
+def test_who_settles_waits_for_who_does_so_already_and_finds_the_same(postgres: Server) -> None:
+    url = postgres.new_database()
+    store, engine = SqlStore(url), create_engine(url)
+    store.put_scenario(scenario("A"))
+    for id_ in ("deleted", "first", "second"):
+        create(store, id_, robots=[ROBOT] if id_ == "deleted" else [])
+    store.delete_session("deleted", None, None)
+
+    def one_waits() -> bool:
+        waiting = (
+            "SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock' AND datname = current_database()"
+        )
+        with engine.connect() as connection:
+            return bool(connection.execute(text(waiting)).scalar_one())
+
+    with ThreadPoolExecutor(1) as pool, engine.connect() as other:
+        settled = "UPDATE claims SET session = 'first', after = (SELECT seq FROM sessions WHERE id = 'first')"
+        other.execute(text(settled))
+        found = pool.submit(store.settle_robot, ROBOT, "A")
+        wait_for(one_waits, "the other one to wait")
+        other.commit()
+        assert found.result() == "first"
+    assert store.robot_session(ROBOT, "A") == "first"
+    engine.dispose()
+    store.close()
 
 
 def test_sessions_that_claim_the_same_robots_at_once_all_open_and_one_has_them_all(pair: tuple[Store, Store]) -> None:

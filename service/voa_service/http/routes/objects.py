@@ -57,7 +57,7 @@ def routes(services: Services) -> APIRouter:
         ] = None,
         up: Annotated[UpAxis | None, Query(description="As in its upload, `%2BZ` or `%2BY`.")] = None,
     ) -> Response:
-        """All meshes, oldest first; or the mesh that a file became, for whoever would upload it again.
+        """List all meshes, oldest first; or the mesh that a file became, for whoever would upload it again.
 
         With `sha256` the list has one item, which is what an upload of that file with that `scale` and `up` would be
         answered; or none, where it was never uploaded so.
