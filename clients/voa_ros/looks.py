@@ -37,22 +37,18 @@ took it.
 Nothing here knows a clock: what counts is revolutions.
 """
 
-import hashlib
 import math
-import statistics
-import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import Scan, ScanRequest
 from voa_ros.grids import BeamGrid, aligned
 from voa_ros.messages import LaserScan
-from voa_ros.places import NoPose, wrapped
+from voa_ros.motions import wrapped
 from voa_ros.robots import LookRule
-from voa_ros.scans import laser_scan, median_scan, scan_message, stamp_json
+from voa_ros.scans import laser_scan
 from voa_ros.scenes import CLEARLY, scene_difference
+from voa_ros.taken import Revolution, Taken, Waiting, Where, look_of
+from voa_ros.tracks import NoPose
 
 AWAY_BY_POSE = 3
 AWAY_BY_SCENE = 5
@@ -61,54 +57,6 @@ PARKED = 10
 """Looks in a row from one place, in mode `every`, that show a parked robot."""
 
 MOVE_ON = "the robot to move on: this stop's look is taken"
-
-Where = UncertainSensorPose | str
-"""A pose of the lidar in the world, or the name of one of the scenario's sensor configurations."""
-
-
-@dataclass(frozen=True)
-class Taken:
-    """A look.
-
-    Attributes:
-        digest: of its times and ranges, hexadecimal; the same wherever the same revolutions are received.
-        request: the update. Its scan's `stamp` is `{"robot", "from", "to", "scans", "frame_id"}`.
-    """
-
-    digest: str
-    request: ScanRequest
-
-
-@dataclass(frozen=True)
-class Waiting:
-    """No look yet, and the condition that is not met."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class _Revolution:
-    scan: LaserScan
-    where: Where
-
-
-def look_name(robot: str, session: str, number: int, taken: Taken) -> str:
-    """Name of a robot's look, the idempotency key of its update; times and ranges may come again, numbers do not.
-
-    Args:
-        robot: name in the mapping.
-        session: that the look is for.
-        number: one more than the looks of this robot that the session has accepted.
-        taken: the look.
-    """
-    return f"{robot}:{session}:{number}:{taken.digest}"
-
-
-def robot_of(request: ScanRequest) -> str | None:
-    """Name of the robot whose look a session's history holds; None where it is not one that was taken here."""
-    stamp = request.scan.stamp
-    robot = stamp.get("robot") if isinstance(stamp, dict) else None
-    return robot if isinstance(robot, str) else None
 
 
 class LookTaker:
@@ -125,8 +73,8 @@ class LookTaker:
         self._robot = robot
         self._rule = rule
         self._grid = grid
-        self._stop: list[_Revolution] = []
-        self._taken: _Revolution | None = None
+        self._stop: list[Revolution] = []
+        self._taken: Revolution | None = None
         self._away = 0
         self._parked = 0
         self._requested = False
@@ -180,7 +128,7 @@ class LookTaker:
         where = request.sensor if request.sensor is not None else request.sensor_pose
         if where is not None:
             self._resumed = request
-            self._taken = _Revolution(_as_received(request.scan, self._grid), where)
+            self._taken = Revolution(_as_received(request.scan, self._grid), where)
             self._away = 0
 
     def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
@@ -213,12 +161,12 @@ class LookTaker:
         """
         if isinstance(where, NoPose):
             return self._wait(f"the lidar's pose: {where.reason}")
-        revolution = _Revolution(scan, where)
+        revolution = Revolution(scan, where)
         match self._rule.mode:
             case "every":
                 self._waiting_for = None
                 self._count_parked(revolution)
-                return self._look([revolution])
+                return look_of(self._robot, [revolution], self._grid)
             case "on_request" if not self._requested:
                 return self._wait("a request")
             case "stationary" if self._taken is not None and not self._moved_on(revolution, self._taken):
@@ -229,14 +177,14 @@ class LookTaker:
         self._waiting_for = reason
         return Waiting(reason)
 
-    def _count_parked(self, revolution: _Revolution) -> None:
+    def _count_parked(self, revolution: Revolution) -> None:
         """Count the looks from one place, in mode `every`."""
         still = self._taken is not None and self._stands(revolution, self._taken)
         self._parked = self._parked + 1 if still else 1
         if not still:
             self._taken = revolution
 
-    def _moved_on(self, revolution: _Revolution, taken: _Revolution) -> bool:
+    def _moved_on(self, revolution: Revolution, taken: Revolution) -> bool:
         """Count the revolutions away from the look, and forget the look when they are enough."""
         away, enough = self._is_away(revolution, taken)
         self._away = self._away + 1 if away else 0
@@ -248,7 +196,7 @@ class LookTaker:
         self._stop.clear()
         return True
 
-    def _is_away(self, revolution: _Revolution, taken: _Revolution) -> tuple[bool, int]:
+    def _is_away(self, revolution: Revolution, taken: Revolution) -> tuple[bool, int]:
         """Whether a revolution is not where the look was taken, and how many such in a row are a move."""
         match revolution.where, taken.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
@@ -258,14 +206,14 @@ class LookTaker:
             case _:
                 return True, 1
 
-    def _gather(self, revolution: _Revolution) -> Taken | Waiting:
+    def _gather(self, revolution: Revolution) -> Taken | Waiting:
         if self._stop and not all(self._stands(revolution, other) for other in (self._stop[-1], self._stop[0])):
             self._stop.clear()
             self._rejected = None
         self._stop.append(revolution)
         if len(self._stop) < self._rule.scans:
             return self._wait(self._progress())
-        look = self._look(self._stop)
+        look = look_of(self._robot, self._stop, self._grid)
         self._note(look.request)  # also where it equals the look before: without stamps and noise it may
         self._stop.clear()
         self._requested = False
@@ -278,57 +226,20 @@ class LookTaker:
         reached = f"standing still: {standing} of {self._rule.scans} revolutions"
         return (reached if standing > 1 else "the robot to stop") if self._rejected is None else reached + again
 
-    def _stands(self, revolution: _Revolution, other: _Revolution) -> bool:
+    def _stands(self, revolution: Revolution, other: Revolution) -> bool:
         match revolution.where, other.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
                 return _within(here, there, self._rule.still_xy_m, self._rule.still_yaw_rad)
             case here, there:
                 return here == there and self._difference(revolution, other) <= 1.0
 
-    def _difference(self, one: _Revolution, other: _Revolution) -> float:
+    def _difference(self, one: Revolution, other: Revolution) -> float:
         return scene_difference(*aligned(one.scan, other.scan, self._grid))
-
-    def _look(self, revolutions: Sequence[_Revolution]) -> Taken:
-        scans = [revolution.scan for revolution in revolutions]
-        first, last = scans[0].stamp, scans[-1].stamp
-        stamp: dict[str, Any] = {
-            "robot": self._robot,
-            "from": stamp_json(first),
-            "to": stamp_json(last),
-            "scans": len(scans),
-            "frame_id": scans[0].frame_id,
-        }
-        median = median_scan(scans, self._grid)
-        where = _middle([revolution.where for revolution in revolutions])
-        request = ScanRequest(
-            sensor=where if isinstance(where, str) else None,
-            sensor_pose=None if isinstance(where, str) else where,
-            scan=scan_message(median, stamp),
-        )
-        times = struct.pack("<4q", first.sec, first.nanosec, last.sec, last.nanosec)
-        ranges = struct.pack(f"<{len(median.ranges)}d", *median.ranges)
-        return Taken(hashlib.blake2b(times + ranges, digest_size=16).hexdigest(), request)
 
 
 def _within(one: UncertainSensorPose, other: UncertainSensorPose, xy_m: float, yaw_rad: float) -> bool:
     near = math.hypot(one.x - other.x, one.y - other.y) <= xy_m
     return near and abs(wrapped(one.yaw_rad - other.yaw_rad)) <= yaw_rad
-
-
-def _middle(places: Sequence[Where]) -> Where:
-    """The mean of poses that lie close together; of a name, the name."""
-    first = places[0]
-    poses = [place for place in places if isinstance(place, UncertainSensorPose)]
-    if isinstance(first, str) or len(poses) == 1:
-        return first
-    turned = statistics.fmean(wrapped(pose.yaw_rad - first.yaw_rad) for pose in poses)
-    return first.model_copy(
-        update={
-            "x": statistics.fmean(pose.x for pose in poses),
-            "y": statistics.fmean(pose.y for pose in poses),
-            "yaw_rad": wrapped(first.yaw_rad + turned),
-        }
-    )
 
 
 def _as_received(scan: Scan, grid: BeamGrid) -> LaserScan:

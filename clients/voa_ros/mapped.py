@@ -14,12 +14,14 @@ from voa_msgs.warnings import ProbableMistake
 from voa_ros.cdr import MOST_BEAMS, InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.frames import FrameFilter
 from voa_ros.grids import BeamGrid, upside_down, without_measured_limits
-from voa_ros.looks import PARKED, LookTaker, Taken, Waiting, Where
+from voa_ros.looks import PARKED, LookTaker
 from voa_ros.messages import LaserScan, Stamp, header_contradiction
-from voa_ros.places import NoPose, localisation, middle_s
+from voa_ros.places import localisation, middle_s
 from voa_ros.repeats import Repeats, payload_digest
 from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace
+from voa_ros.taken import Taken, Waiting, Where
 from voa_ros.topics import LASER_SCAN, ODOMETRY, MessageType
+from voa_ros.tracks import NoPose
 from voa_ros.turns import TurnGatherer
 
 _MOST_PUBLISHERS = 4

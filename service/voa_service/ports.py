@@ -70,14 +70,6 @@ class SessionState:
 
 
 @dataclass(frozen=True)
-class Opened:
-    """A session, and its place in the order in which sessions were opened."""
-
-    id: str
-    order: int
-
-
-@dataclass(frozen=True)
 class Listed(Generic[T]):
     """Some items of a list, and where it goes on."""
 
@@ -210,9 +202,6 @@ class Store(Protocol):
 
     def session_mark(self, id_: str) -> Hashable | None:
         """Another one whenever the session has moved: all that is asked of one that has not."""
-
-    def newest_session(self, scenario: str) -> Opened | None:
-        """The session on a scenario that was opened last."""
 
     def robot_session(self, robot: str, scenario: str) -> str | None:
         """Find the session that a look of a robot, mapped to a scenario, would be for now; None: there is none.

@@ -122,32 +122,4 @@ MUTANTS = (
         new="return True",
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),
-    Mutant(
-        name="a robot follows its scenario to an older session",
-        file="service/voa_service/zenoh/mapped_robot.py",
-        old="newest is None or newest.order < self._order",
-        new="newest is None",
-        tests="tests/voa_service/zenoh/test_ros2.py::test_a_session_that_is_deleted_does_not_send_the_robot_to_an_older_one",
-    ),
-    Mutant(
-        name="a look's name has no digest",
-        file="clients/voa_ros/looks.py",
-        old="{name}:{_digest(median.ranges).hex()}",
-        new="{name}",
-        tests="tests/voa_ros/test_looks.py",
-    ),
-    Mutant(
-        name="a look's name has no robot",
-        file="clients/voa_ros/looks.py",
-        old="{self._robot}:{first.sec}",
-        new="{first.sec}",
-        tests="tests/voa_ros/test_looks.py",
-    ),
-    Mutant(
-        name="a look's name has no end",
-        file="clients/voa_ros/looks.py",
-        old=':{last.sec}.{last.nanosec:09}"',
-        new='"',
-        tests="tests/voa_ros/test_looks.py",
-    ),
 )

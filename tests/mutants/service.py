@@ -74,13 +74,6 @@ MUTANTS = (
         tests="tests/voa_service/store/test_conformance.py",
     ),
     Mutant(
-        name="the oldest session on a scenario is the newest",
-        file="service/voa_service/store/sql.py",
-        old="sessions.c.seq.desc()",
-        new="sessions.c.seq",
-        tests="tests/voa_service/store/test_conformance.py",
-    ),
-    Mutant(
         name="a list comes by id",
         file="service/voa_service/store/sql.py",
         old="select(table).order_by(table.c.seq)",

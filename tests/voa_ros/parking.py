@@ -12,11 +12,11 @@ from random import Random
 
 from voa_ros.cdr import MOST_BEAMS, encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.grids import BeamGrid, upside_down
-from voa_ros.looks import Taken
 from voa_ros.mapped import MappedLooks, Received, UnusableMessage
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
-from voa_ros.places import Motion, composed, inverse, wrapped
+from voa_ros.motions import Motion, composed, inverse, wrapped
 from voa_ros.robots import load
+from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 NOWHERE_ELSE = Motion(0.0, 0.0, 0.0)

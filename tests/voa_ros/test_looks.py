@@ -16,10 +16,11 @@ from voa_msgs.base import Message
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import ScanRequest
 from voa_ros.grids import BeamGrid
-from voa_ros.looks import PARKED, LookTaker, Taken, Waiting, Where, robot_of
+from voa_ros.looks import PARKED, LookTaker
 from voa_ros.messages import LaserScan, Stamp
-from voa_ros.places import NoPose
 from voa_ros.robots import LookRule
+from voa_ros.taken import Taken, Waiting, Where, robot_of
+from voa_ros.tracks import NoPose
 
 INF, NAN = math.inf, math.nan
 BEAMS = 90

@@ -22,10 +22,11 @@ from tests.voa_ros.parking import (
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.keys import Attachment
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_odometry
-from voa_ros.looks import PARKED, Taken
+from voa_ros.looks import PARKED
 from voa_ros.mapped import Received, UnusableMessage
 from voa_ros.messages import LaserScan, Odometry, Pose, Stamp
-from voa_ros.places import Motion, composed
+from voa_ros.motions import Motion, composed
+from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, ODOMETRY
 
 # --- places

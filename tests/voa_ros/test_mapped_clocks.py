@@ -24,7 +24,7 @@ from tests.voa_ros.parking import (
     with_amcl,
 )
 from voa_ros.mapped import Received
-from voa_ros.places import Motion
+from voa_ros.motions import Motion
 from voa_ros.topics import LASER_SCAN
 
 ORIGIN = Motion(0.3, -0.2, 0.7)

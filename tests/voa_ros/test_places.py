@@ -9,21 +9,10 @@ from hypothesis import strategies as st
 from tests.voa_ros.ros_messages import COORDINATES, COVARIANCES, STAMPS, odometry, scan, scans
 from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
-from voa_ros.places import (
-    Localisation,
-    Motion,
-    NoPose,
-    PoseTrack,
-    RobotPose,
-    composed,
-    inverse,
-    lidar_pose,
-    localisation,
-    middle_s,
-    robot_pose,
-    wrapped,
-)
+from voa_ros.motions import Motion, composed, inverse, wrapped
+from voa_ros.places import Localisation, lidar_pose, localisation, middle_s, robot_pose
 from voa_ros.robots import AmclPlace, Mount, PlanarPose, load
+from voa_ros.tracks import NoPose, PoseTrack, RobotPose
 
 YAWS = st.floats(-100.0, 100.0)
 MOTIONS = st.builds(Motion, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), YAWS)

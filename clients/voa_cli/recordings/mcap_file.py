@@ -24,8 +24,6 @@ from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 from voa_cli.recordings.message import RecordedMessage, UnreadableRecording
 from voa_cli.recordings.order import Piece, in_log_order
 
-__all__ = ["McapFile", "RecordedMessage", "UnreadableRecording"]
-
 _CUT = (EndOfFile, RecordLengthLimitExceeded)
 _DAMAGED = (McapError, CRCValidationError, struct.error, UnicodeDecodeError)
 _COMPRESSIONS = ("", "zstd", "lz4")

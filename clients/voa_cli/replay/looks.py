@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from voa_cli.limits import most_beams
-from voa_cli.recordings.mcap_file import RecordedMessage, UnreadableRecording
+from voa_cli.recordings.message import RecordedMessage, UnreadableRecording
 from voa_cli.recordings.reading import Recording
 from voa_cli.scenario_file import load_scenario
 from voa_client import Client, ProblemError, VoaClientError
@@ -21,9 +21,9 @@ from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
-from voa_ros.looks import Taken, look_name
 from voa_ros.mapped import MappedLooks, Received, UnreadableMessage, UnusableMessage
 from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.taken import Taken, look_name
 from voa_ros.topics import LASER_SCAN, MessageType, met
 
 _OF_ITS_OWN = "replay"

@@ -32,7 +32,6 @@ from voa_service.ports import (
     HistoryEntry,
     IdempotencyKey,
     Listed,
-    Opened,
     RobotLook,
     SessionState,
     Step,
@@ -64,12 +63,6 @@ _HISTORY = (
     .limit(bindparam("by_limit"))
 )
 _MARK = select(sessions.c.version, sessions.c.updated_at).where(sessions.c.id == bindparam("by_id"))
-_NEWEST_SESSION = (
-    select(sessions.c.id, sessions.c.seq)
-    .where(sessions.c.scenario == bindparam("by_scenario"))
-    .order_by(sessions.c.seq.desc())
-    .limit(1)
-)
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
 _UPLOADED = (
     select(objects)
@@ -196,12 +189,6 @@ class SqlStore:
         """See `ports.Store`."""
         # PostgreSQL has no text with a NUL in it, so nothing is named so.
         return None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
-
-    def newest_session(self, scenario: str) -> Opened | None:
-        """See `ports.Store`."""
-        with statement(self._single) as connection:
-            row = connection.execute(_NEWEST_SESSION, {"by_scenario": scenario}).one_or_none()
-        return None if row is None else Opened(row.id, row.seq)
 
     def robot_session(self, robot: str, scenario: str) -> str | None:
         """See `ports.Store`."""

@@ -37,7 +37,6 @@ from voa_service.ports import (
     HistoryEntry,
     IdempotencyKey,
     IdSource,
-    Opened,
     RobotLook,
     SessionState,
     Step,
@@ -195,10 +194,6 @@ class Sessions:
             items=[_history_message(entry) for entry in entries[:limit]],
             next=str(entries[limit - 1].state.version) if more else None,
         )
-
-    def newest(self, scenario: str) -> Opened | None:
-        """The session on a scenario that was opened last."""
-        return self.store.newest_session(scenario)
 
     def robot_looks(self, id_: str, robot: str, limit: int) -> Sequence[RobotLook]:
         """Looks of a mapped robot that a session has accepted, the newest first, at most `limit`."""

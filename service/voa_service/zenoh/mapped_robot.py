@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
-from voa_ros.looks import Taken, robot_of
 from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
 from voa_ros.robots import AttachmentPlace, RobotMapping
+from voa_ros.taken import Taken, robot_of
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import GRID_MISMATCH, INVALID, Failure, not_found
 from voa_service.rpc import attachment_of
@@ -103,17 +103,19 @@ class MappedRobot:
     def counted(self, number: int, look: ScanRequest | None) -> None:
         """Note that the session has looks up to this number, and which its newest is, whoever applied it."""
         with self._lock:
-            self._issued = max(self._issued, number)
+            if number < self._issued:  # the robot has had a later look since
+                return
+            self._issued = number
             if look is not None and self._looks is not None:
                 self._looks.resume(look)
 
-    def rejected(self, number: int, reason: str) -> None:
-        """Let the next revolutions make another look: the one with this number was not accepted."""
+    def rejected(self, due: DueLook, reason: str) -> None:
+        """Let the next revolutions make another look: this one was not accepted."""
         with self._lock:
-            if self._issued == number:
-                self._issued = number - 1
-            if self._looks is not None:
-                self._looks.rejected(reason)
+            if self._issued == due.number:
+                self._issued = due.number - 1
+            if self._looks is not None and due.session == self._session:
+                self._looks.rejected(reason, due.taken.request)
 
     def receive(self, sample: Sample) -> DueLook | None:
         """Take a message; returns a look for a session, where there is one now.

@@ -18,8 +18,8 @@ import structlog
 import zenoh
 from zenoh.handlers import Callback
 
-from voa_ros.looks import look_name
 from voa_ros.robots import RobotMapping, Subscription, load
+from voa_ros.taken import look_name
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
 from voa_service.failures import (
     INTERNAL,
@@ -165,7 +165,7 @@ class Ros2:
 
     def _hand_on(self, look: _Look) -> None:
         if not self._boxes.put(look.robot.name, (look.robot, look), 0):
-            look.robot.rejected(look.due.number, OVERLOADED[0])
+            look.robot.rejected(look.due, OVERLOADED[0])
             self._refuse(look.robot, look.key, Failure(OVERLOADED, "more messages are waiting than can be worked on"))
 
     def _work(self, item: tuple[MappedRobot, Sample | _Look]) -> None:
@@ -200,9 +200,9 @@ class Ros2:
                 number = self._number(look)
                 if number is None or self._applied(look, number):
                     return
-            look.robot.rejected(look.due.number, NOT_ACCEPTED[0])  # by another replica, which says so to the robot
+            look.robot.rejected(look.due, NOT_ACCEPTED[0])  # by another replica, which says so to the robot
         except BaseException as error:
-            look.robot.rejected(look.due.number, error.kind if isinstance(error, Failure) else INTERNAL[0])
+            look.robot.rejected(look.due, error.kind if isinstance(error, Failure) else INTERNAL[0])
             raise
 
     def _number(self, look: _Look) -> int | None:
@@ -245,7 +245,7 @@ class Ros2:
         if answer.update.accepted:
             robot.accepted(number)
             return
-        robot.rejected(due.number, answer.update.reason or NOT_ACCEPTED[0])
+        robot.rejected(due, answer.update.reason or NOT_ACCEPTED[0])
         self._refuse(robot, look.key, not_accepted(answer.update.reason))
 
     def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:

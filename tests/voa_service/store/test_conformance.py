@@ -191,23 +191,6 @@ def test_the_mark_of_a_session_changes_with_it(pair: tuple[Store, Store]) -> Non
     assert other.session_mark("S") is None
 
 
-def test_the_newest_session_on_a_scenario(pair: tuple[Store, Store]) -> None:
-    one, other = pair
-    assert one.newest_session("A") is None
-    create(one, "first")
-    first = one.newest_session("A")
-    assert first is not None
-    create(other, "second")
-    one.change_session("first", write(), next_version)
-    newest = one.newest_session("A")
-    assert newest is not None
-    assert (first.id, newest.id, other.newest_session("A")) == ("first", "second", newest)
-    assert newest.order > first.order
-    one.delete_session("second", None, None)
-    assert other.newest_session("A") == first
-    assert one.newest_session("B") is None
-
-
 def test_an_answer_is_found_by_its_key_whoever_gave_it(pair: tuple[Store, Store]) -> None:
     one, other = pair
     assert one.get_answer(key()) is None
@@ -575,7 +558,7 @@ def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_agai
         calls: list[Callable[[], object]] = [
             lambda: store.get_session("S"),
             lambda: store.session_mark("S"),
-            lambda: store.newest_session("A"),
+            lambda: store.robot_looks("A", "r", 1),
             lambda: store.robot_session("r", "A"),
             lambda: store.settle_robot("r", "A"),
             lambda: store.claim_robot("r", "S"),
