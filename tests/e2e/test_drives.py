@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import random
 import threading
 import time
@@ -36,11 +37,13 @@ from tests.routers import Router, router
 from tests.voa_cli.labs import Lab, service_on
 from tests.waiting import wait_for
 from voa_cli.main import main
+from voa_cli.recordings.reading import Recording
+from voa_cli.recordings.ros_types import RosTypes
 from voa_msgs.sessions import ScanRequest
 from voa_ros.messages import LaserScan, Stamp
-from voa_ros.topics import LASER_SCAN, rmw_key
+from voa_ros.topics import LASER_SCAN, ODOMETRY, rmw_key
 
-STD = "std = { xy_m = 0.003, yaw_rad = 0.005 }"
+BY_ODOMETRY = 'from = "odometry"\nstd = { xy_m = 0.003, yaw_rad = 0.005 }'
 SECONDS = 60.0
 
 
@@ -72,22 +75,23 @@ class Bench:
             self._object = httpx2.post(f"{self.lab.url}/v1/objects", files=files, timeout=SECONDS).json()["id"]
         return str(self.post("/v1/scenarios", scenario(self._object, preset, **changes))["id"])
 
-    def robot(self, session: str, more: str = "", look: str = "") -> str:
+    def robot(self, session: str, more: str = "", look: str = "", place: str = "") -> str:
         """Map a new robot to a session, and no other; returns its name when its topics are subscribed to."""
-        return self.robots([session], more, look)[0]
+        return self.robots([session], more, look, place)[0]
 
-    def robots(self, sessions: list[str], more: str = "", look: str = "") -> list[str]:
+    def robots(self, sessions: list[str], more: str = "", look: str = "", place: str = "") -> list[str]:
         """Map a new robot to each session, and no others; returns their names when their topics are subscribed to."""
         names = [f"robot_{next(self._names)}" for _ in sessions]
         look = look or '{ mode = "stationary", scans = 10 }'
         self.mapping.write_text(
             "\n".join(
                 f'[[robot]]\nname = "{name}"\nsession = "{session}"\n{more}\nlook = {look}\n'
-                f'[robot.place]\nfrom = "odometry"\n{STD}\n'
+                f"[robot.place]\n{place or BY_ODOMETRY}\n"
                 for name, session in zip(names, sessions, strict=True)
             )
         )
-        for topic in [f"{name}/{topic}" for name in names for topic in (SCAN, ODOM)]:
+        topics = (SCAN,) if place else (SCAN, ODOM)
+        for topic in [f"{name}/{topic}" for name in names for topic in topics]:
             with self.bus.session.declare_publisher(topic) as publisher:
                 # The stub says bool; it is an object whose `matching` tells.
                 wait_for(lambda own=publisher: own.matching_status.matching, "the topic to be subscribed to")  # type: ignore[misc]
@@ -174,9 +178,21 @@ def both(
     bench: Bench, capsys: pytest.CaptureFixture[str], preset: str, puts: list[Put], more: str = "", look: str = ""
 ) -> tuple[Any, list[Any]]:
     """Publish live, and replay; asserts that both give the same looks, and returns the report and the looks."""
-    scenario_id = bench.scenario(preset)
+    return both_on(bench, capsys, bench.scenario(preset), puts, more, look)
+
+
+def both_on(
+    bench: Bench,
+    capsys: pytest.CaptureFixture[str],
+    scenario_id: str,
+    puts: list[Put],
+    more: str = "",
+    look: str = "",
+    place: str = "",
+) -> tuple[Any, list[Any]]:
+    """Do as `both` does, on a scenario that is stored."""
     session = bench.post("/v1/sessions", {"scenario": scenario_id})["id"]
-    name = bench.robot(session, more, look)
+    name = bench.robot(session, more, look, place)
     report = bench.live(name, puts)
     looks = bench.looks(session)
     assert seen(looks) == seen(bench.replayed(capsys, name, puts, scenario_id))
@@ -375,3 +391,49 @@ def test_every_scan_of_a_parked_robot_gets_a_warning(bench: Bench, capsys: pytes
     report, looks = both(bench, capsys, "lds-02", puts, look='{ mode = "every" }')
     assert len(looks) >= 20
     assert report["warnings"][0]["kind"] == "every-while-parked"
+
+
+CASES = Path(os.environ.get("VOA_CASES", Path(__file__).resolve().parents[3] / "shared" / "cases")) / "lidar"
+needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason=f"no recordings at {CASES}; VOA_CASES names another place")
+EAST = 'from = "sensor"\nsensor = "E"'
+UPSIDE_DOWN = "lidar = { upside_down = true }"
+
+
+@needs_cases
+@pytest.mark.parametrize(
+    ("name", "yaw", "more", "place"),
+    [
+        ("02-beam-count-varies.mcap", "A", "", EAST),
+        ("05-zeros-while-spinning-up.mcap", "A", "", ""),
+        ("07-upside-down.mcap", "A", UPSIDE_DOWN, ""),
+        ("08-increment-sign.mcap", "", "", ""),
+        ("09-degrees.mcap", "", "", EAST),
+        ("11-three-echoes.mcap", "", "", ""),
+        ("11-three-echoes.mcap", "A", 'frame_id = "world_1_0"', ""),
+        ("12-inf-flicker.mcap", "A", "", EAST),
+        ("14-storage-renamed", "A", "", EAST),
+        ("15-metadata-empty", "A", "", EAST),
+        ("16-second-part-missing", "A", "", EAST),
+        ("17-killed-recorder", "A", "", EAST),
+        ("18-ros1.bag", "A", "", EAST),
+        ("20-dropped-packets.mcap", "A", "", EAST),
+        ("21-topic-by-topic.mcap", "A", "", ""),
+    ],
+)
+def test_a_recording_gives_the_same_looks_live_and_by_replay(
+    bench: Bench, capsys: pytest.CaptureFixture[str], name: str, yaw: str, more: str, place: str
+) -> None:
+    files = {"file": ("box.obj", (CASES / "box.obj").read_bytes())}
+    stored = httpx2.post(f"{bench.lab.url}/v1/objects", files=files, timeout=SECONDS).json()["id"]
+    scenario_id = bench.post("/v1/scenarios", json.loads((CASES / "scenario.json").read_text()) | {"object": stored})[
+        "id"
+    ]
+    types = {LASER_SCAN.name: LASER_SCAN, ODOMETRY.name: ODOMETRY}
+    puts = [
+        Put(message.log_ns * 1e-9, message.topic.strip("/"), types[message.type_name], message.data)
+        for message in Recording(CASES / name, RosTypes()).messages()
+    ]
+    report, looks = both_on(bench, capsys, scenario_id, puts, more, place=place)
+    assert len(looks) == (1 if yaw else 0), report
+    if yaw:
+        assert finds_the_box(bench, report["session"], yaw)
