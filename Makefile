@@ -10,7 +10,7 @@ COVERAGE := build/coverage
 # Per cent of the lines of all packages that the tests run, kernels not counted as they are compiled. Never lower it.
 FLOOR := 95
 
-.PHONY: help setup demo test bench lint lock image clean
+.PHONY: help setup demo test bench chaos lint lock image clean
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
@@ -51,6 +51,9 @@ lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy voa_core service clients assets deploy tests
+
+chaos: setup system-packages  ## attacks on a running service, each with its figure before and now
+	@$(BIN)/python -m tests.chaos
 
 bench: setup  ## the ratios, as a table and in build/bench.json
 	@$(BIN)/python -m tests.benchmarks --out build/bench.json
