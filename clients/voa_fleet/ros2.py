@@ -58,7 +58,7 @@ def _entry(mapped: Mapped, revolutions: int) -> str:
     lines = [
         "[[robot]]",
         f'name = "{mapped.robot}"',
-        f'scenario = "{mapped.scenario}"  # its looks go to the session on it that claims the robot',
+        f'scenario = "{mapped.scenario}"  # its sessions claim the robot',
         f'look = {{ mode = "stationary", scans = {revolutions} }}',
         "",
         "[robot.place]",
