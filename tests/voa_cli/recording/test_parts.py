@@ -13,7 +13,8 @@ from tests.waiting import wait_for
 from voa_cli.recording import status
 from voa_cli.recording.filing import Filing
 from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Heard, Inbox, Told, is_of_rmw
+from voa_cli.recording.inbox import Heard, Inbox, Told
+from voa_cli.recording.listening import is_of_rmw
 from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_client import Client
