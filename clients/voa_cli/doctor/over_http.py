@@ -49,6 +49,13 @@ def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
         answers.robots = _robots(http, budget)
 
 
+def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
+    """Robots as they are reported after so many seconds; None: the service does not answer any more."""
+    time.sleep(budget.step(seconds))
+    with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
+        return _robots(http, budget)
+
+
 def _alive(http: httpx2.Client, budget: Budget) -> Finding:
     check = "service"
     try:
