@@ -12,6 +12,8 @@ from voa_msgs.robots import LookReport, RobotReport, Robots
 _QUIET_S = 5.0
 """A lidar turns five times a second."""
 _USABLE = "a scan that can be used"
+_BY_REFUSAL = (_USABLE, "scans of one frame")
+"""Conditions that say less than the newest refusal does."""
 _RESTLESS = 100
 """Scans without any look after which a robot that is said to drive may be one that seems to."""
 
@@ -104,12 +106,11 @@ def _blocked(robot: RobotReport, before: RobotReport | None) -> _Trouble | None:
     """Find that no look can come until something is done."""
     if robot.waiting_for is None or not is_blocked(robot.waiting_for):
         return None
-    by_refusal = robot.waiting_for == _USABLE
-    if by_refusal and not robot.refused:  # it is being read at this moment
+    if robot.waiting_for == _USABLE and not robot.refused:  # a scan is being read at this moment
         return None
     passing = _accepted(robot) and before is not None and not is_blocked(before.waiting_for)
     advice = for_waiting(robot.waiting_for, robot.last_refusal)
-    why = (robot.last_refusal or "") if by_refusal else ""
+    why = (robot.last_refusal or "") if robot.waiting_for in _BY_REFUSAL else ""
     return _Trouble("warning" if passing else "wrong", why, advice)
 
 
