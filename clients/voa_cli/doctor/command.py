@@ -18,7 +18,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from voa_cli.doctor.findings import Budget, Finding, checklist
+from voa_cli.doctor.findings import Budget, Finding, checklist, verdict
 from voa_cli.doctor.over_http import Answers, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots, needs_second_report
@@ -58,7 +58,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         json.dump({"healthy": not wrong, "findings": [asdict(finding) for finding in findings]}, sys.stdout, indent=1)
         print()
     else:
-        Console().print(checklist(findings))
+        console = Console()
+        console.print(checklist(findings))
+        console.print(verdict(findings), highlight=False)
     return int(wrong)
 
 

@@ -74,7 +74,7 @@ def for_rejection(reason: str | None) -> str:
 
 def for_warning(kind: str) -> str:
     """Advise on a probable mistake."""
-    return _WARNINGS.get(kind, "correct the scenario or the mapping, if it is one")
+    return _WARNINGS.get(kind, "correct the scenario or the mapping, if this is a mistake")
 
 
 def _by_core(text: str, known: Mapping[str, str]) -> str:

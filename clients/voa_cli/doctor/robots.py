@@ -1,6 +1,7 @@
 """Robots as the service reports them: do their scans count, and if not, why and what to do."""
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
@@ -11,6 +12,7 @@ from voa_msgs.robots import LookReport, RobotReport, Robots
 
 _QUIET_S = 5.0
 """A lidar turns five times a second."""
+_KIND = re.compile(r"[a-z]+(-[a-z]+)*")
 _USABLE = "a scan that can be used"
 _BY_REFUSAL = (_USABLE, "scans of one frame")
 """Conditions that say less than the newest refusal does."""
@@ -24,7 +26,7 @@ class _Trouble:
 
     Attributes:
         state: how much it matters.
-        why: what is added to what was seen.
+        why: in words; "" where what the robot waits for says it.
         advice: what to do.
     """
 
@@ -66,9 +68,6 @@ def _robot(robot: RobotReport, before: RobotReport | None, now: datetime) -> Fin
         seen = f"no scan yet on {robot.key}"
         return Finding(check, "wrong", seen, "is its lidar on, its bridge joined? --robots FILE looks at its topics")
     ago = max(0.0, (now - robot.last_scan_at).total_seconds())
-    seen = f"{_counts(robot)}; last scan {ago:.1f} s ago"
-    if robot.waiting_for is not None:
-        seen += f"; waits for {robot.waiting_for}"
     trouble = (
         _without_session(robot)
         or _blocked(robot, before)
@@ -76,10 +75,24 @@ def _robot(robot: RobotReport, before: RobotReport | None, now: datetime) -> Fin
         or _refused(robot, before)
         or _silent(ago)
         or _restless(robot)
+        or _Trouble("ok", "", "")
     )
-    if trouble is None:
-        return Finding(check, "ok", seen)
-    return Finding(check, trouble.state, f"{seen}; {trouble.why}" if trouble.why else seen, trouble.advice)
+    received = [_counts(robot), f"last scan {ago:.1f} s ago"]
+    waits = [] if trouble.why and robot.waiting_for in _BY_REFUSAL else _waits(robot)
+    parts = [*received, *waits] if trouble.state == "ok" else [trouble.why, *waits, *received]
+    return Finding(check, trouble.state, "; ".join(filter(None, parts)), trouble.advice)
+
+
+def _waits(robot: RobotReport) -> list[str]:
+    """Condition for the next look, without what the newest look says by itself."""
+    condition, _, _ = (robot.waiting_for or "").partition("; the last look was not accepted")
+    return [f"waits for {condition}"] if condition else []
+
+
+def _told(refusal: str | None) -> str:
+    """Why a scan was refused, without the name of the kind of problem."""
+    kind, separator, detail = (refusal or "").partition(": ")
+    return detail if separator and _KIND.fullmatch(kind) else refusal or ""
 
 
 def _counts(robot: RobotReport) -> str:
@@ -110,7 +123,7 @@ def _blocked(robot: RobotReport, before: RobotReport | None) -> _Trouble | None:
         return None
     passing = _accepted(robot) and before is not None and not is_blocked(before.waiting_for)
     advice = for_waiting(robot.waiting_for, robot.last_refusal)
-    why = (robot.last_refusal or "") if robot.waiting_for in _BY_REFUSAL else ""
+    why = _told(robot.last_refusal) if robot.waiting_for in _BY_REFUSAL else ""
     return _Trouble("warning" if passing else "wrong", why, advice)
 
 
@@ -120,7 +133,8 @@ def _rejected(robot: RobotReport, now: datetime) -> _Trouble | None:
     if look is None or look.accepted:
         return None
     ago = max(0.0, (now - look.at).total_seconds())
-    told = robot.last_refusal if robot.last_refusal and (look.reason or "") in robot.last_refusal else look.reason
+    newest = _told(robot.last_refusal)
+    told = newest if (look.reason or "") in newest else look.reason
     why = f"the newest look, {ago:.0f} s ago {_where(look)}, was not accepted: {told}"
     some = robot.source == "scan" and robot.looks > robot.refused
     return _Trouble("warning" if some else "wrong", why, for_rejection(look.reason))
@@ -139,10 +153,10 @@ def _refused(robot: RobotReport, before: RobotReport | None) -> _Trouble | None:
         return None
     advice = for_refusal(robot.last_refusal or "")
     if not robot.looks:
-        return _Trouble("wrong", f"nothing of it counts: {robot.last_refusal}", advice)
+        return _Trouble("wrong", f"nothing of it counts: {_told(robot.last_refusal)}", advice)
     if before is not None and robot.refused == before.refused:
         return None
-    return _Trouble("warning", f"some do not count, the newest: {robot.last_refusal}", advice)
+    return _Trouble("warning", f"some do not count, the newest: {_told(robot.last_refusal)}", advice)
 
 
 def _silent(ago_s: float) -> _Trouble | None:

@@ -18,11 +18,12 @@ def test_a_service_in_order_is_healthy(capsys: pytest.CaptureFixture[str], lab: 
     assert found["HTTP and Zenoh"]["seen"] == "the same service"
 
 
-def test_a_person_reads_a_table(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
+def test_a_person_reads_a_list(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
     assert main(["doctor", "--url", lab.url, "--zenoh", lab.endpoint]) == 0
     out = capsys.readouterr().out
     assert "✓" in out
     assert "✗" not in out
+    assert "nothing wrong" in out.splitlines()[-1]
 
 
 def test_a_service_on_zenoh_whose_router_is_not_named_says_so(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:

@@ -58,7 +58,7 @@ POSE = UncertainSensorPose(x=0.4, y=-0.12, yaw_rad=3.14159)
         ({"session": None}, "wrong", "there is no session for it", "PUT /v1/robots/r1/session"),
         (FRESH | {"refused": 9, "last_refusal": "bad"}, "wrong", "nothing of it counts: bad", "do as it says"),
         ({"refused": 1, "last_refusal": "bad"}, "warning", "some do not count, the newest: bad", "do as it says"),
-        (rejected("no_beams"), "wrong", "the newest look, 3 s ago at sensor 'E', was not accepted: not-acc", "turn"),
+        (rejected("no_beams"), "wrong", "the newest look, 3 s ago at sensor 'E', was not accepted: the bel", "turn"),
         (rejected("nothing_seen"), "wrong", "nothing_seen: in words", "does the object lie in the workspace?"),
         (rejected("bad_fit"), "wrong", "bad_fit: in words", "is it the scenario's object"),
         (rejected("no_match"), "wrong", "no_match: in words", "origin, lidar, upside_down"),
