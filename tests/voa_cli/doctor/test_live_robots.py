@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.routers import Router
+from tests.routers import Router, router
 from tests.serving import data_scenario
 from tests.voa_cli.doctor.examinations import Findings, examined, wrong
 from tests.voa_cli.doctor.publishing import publishing, scan, sent
@@ -62,14 +62,21 @@ class Robot:
         return examined(capsys, *where)[1]
 
 
+@pytest.fixture(scope="module")
+def live_router() -> Iterator[Router]:
+    """A router apart from that of the other tests, whose service would receive these scans too."""
+    with router() as own:
+        yield own
+
+
 @pytest.fixture
-def robot(own_router: Router, tmp_path: Path) -> Iterator[Robot]:
+def robot(live_router: Router, tmp_path: Path) -> Iterator[Robot]:
     mapping = tmp_path / "robots.toml"
     mapping.write_text("")
-    with service_on(own_router, tmp_path, ["--robots", str(mapping)]) as lab, Client(lab.url) as client:
+    with service_on(live_router, tmp_path, ["--robots", str(mapping)]) as lab, Client(lab.url) as client:
         scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario())).id
         own = Robot(client, lab, mapping, scenario)
-        with driving(own, own_router):
+        with driving(own, live_router):
             yield own
 
 
@@ -121,12 +128,18 @@ def test_a_robot_from_one_fault_to_the_next(robot: Robot, capsys: pytest.Capture
     assert "robots.toml: expected TOML" in wrong(found)["mapping"]
 
 
-def test_a_robot_whose_raw_scans_are_refused(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    with Client(lab.url) as client, joined(ZenohAddress.parse(lab.endpoint)) as robot:
+def test_a_robot_whose_raw_scans_are_refused(
+    capsys: pytest.CaptureFixture[str], live_router: Router, tmp_path: Path
+) -> None:
+    with (
+        service_on(live_router, tmp_path) as lab,
+        Client(lab.url) as client,
+        joined(ZenohAddress.parse(lab.endpoint)) as robot,
+    ):
         scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
         session = client.create_session(SessionRequest(scenario=scenario.id)).id
         robot.put(Keys().scan(session, "clumsy"), json.dumps({"ranges": 3}))
         wait_for(lambda: any(each.refused for each in client.robots().items), "the service refuses it")
-    code, found = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
-    assert code == 1
-    assert "1 scan, 0 looks, 1 refused" in wrong(found)["robot clumsy"]
+        code, found = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
+        assert code == 1
+        assert "1 scan, 0 looks, 1 refused" in wrong(found)["robot clumsy"]
