@@ -1,4 +1,4 @@
-"""What a check found, and time limits for checks."""
+"""Findings of checks, and time limits for checks."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What to do about the words in which the service says why a robot's scans come to nothing.
+"""Advice on the words in which the service says why a robot's scans come to nothing.
 
 The service says why in sentences, which may change; each is known here by a few words that are its core. Where none is
 known the sentence itself must do.

@@ -22,7 +22,7 @@ _RESTLESS = 100
 
 @dataclass(frozen=True)
 class _Trouble:
-    """What is wrong with a robot.
+    """Something that is wrong with a robot.
 
     Attributes:
         state: how much it matters.

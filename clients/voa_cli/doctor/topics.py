@@ -24,7 +24,7 @@ _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
 
 @dataclass(frozen=True)
 class Listening:
-    """What is subscribed to.
+    """Topics that are subscribed to, and for how long.
 
     Attributes:
         robots: the mapping.

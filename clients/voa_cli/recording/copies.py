@@ -17,7 +17,7 @@ _Source = tuple[str, str]
 
 @dataclass
 class _Seen:
-    """What was received of one publisher: numbers grow from sample to sample."""
+    """Numbers of the samples that were received of one publisher: they grow from sample to sample."""
 
     newest: int = -1
     fetched: deque[int] = field(default_factory=lambda: deque(maxlen=_AHEAD))

@@ -7,7 +7,7 @@ MOST_WAITING = 16_384
 
 
 @dataclass(frozen=True)
-class Heard:
+class Received:
     """A sample as it came.
 
     Attributes:
@@ -28,7 +28,7 @@ class Heard:
 
 
 @dataclass(frozen=True)
-class Told:
+class Answer:
     """A message that the service was asked for: JSON for a topic of the recording."""
 
     session: str
@@ -46,17 +46,17 @@ class Inbox:
     """
 
     def __init__(self, most: int = MOST_WAITING) -> None:
-        self._held: queue.Queue[Heard | Told] = queue.Queue(most)
+        self._held: queue.Queue[Received | Answer] = queue.Queue(most)
         self.dropped = 0
 
-    def put(self, item: Heard | Told) -> None:
+    def put(self, item: Received | Answer) -> None:
         """Keep it, or count it as dropped."""
         try:
             self._held.put_nowait(item)
         except queue.Full:
             self.dropped += 1
 
-    def get(self, seconds: float) -> Heard | Told | None:
+    def get(self, seconds: float) -> Received | Answer | None:
         """The oldest; None: nothing came within `seconds`."""
         try:
             return self._held.get(timeout=seconds) if seconds > 0.0 else self._held.get_nowait()

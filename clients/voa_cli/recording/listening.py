@@ -9,7 +9,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_cli.recording.copies import Copies
-from voa_cli.recording.inbox import Heard, Inbox
+from voa_cli.recording.inbox import Inbox, Received
 from voa_cli.zenoh_session import declare_latched_subscriber
 from voa_ros.messages import NANOSECONDS
 
@@ -85,13 +85,13 @@ def _callback(
 ) -> "Callback[zenoh.Sample]":
     def receive(sample: zenoh.Sample) -> None:
         if expression.accepts(sample.key_expr) and is_new(sample):
-            inbox.put(_heard(sample, now_ns()))
+            inbox.put(_received(sample, now_ns()))
 
     return Callback(receive, indirect=False)
 
 
-def _heard(sample: zenoh.Sample, log_ns: int) -> Heard:
-    return Heard(
+def _received(sample: zenoh.Sample, log_ns: int) -> Received:
+    return Received(
         key=str(sample.key_expr),
         payload=sample.payload.to_bytes(),
         attachment=b"" if sample.attachment is None else sample.attachment.to_bytes(),

@@ -28,7 +28,7 @@ def examined(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, Fi
 
 
 def wrong(found: Findings) -> dict[str, str]:
-    """What was seen of all that is wrong, by check."""
+    """List what was seen of all that is wrong, by check."""
     return {check: finding["seen"] for check, finding in found.items() if finding["state"] == "wrong"}
 
 

@@ -57,7 +57,7 @@ class Robot:
         wait_for(lambda: any(condition(each) for each in self.client.robots().items if each.robot == "tb3_1"), what)
 
     def examined(self, capsys: pytest.CaptureFixture[str]) -> Findings:
-        """What the doctor finds now."""
+        """Findings of the doctor now."""
         where = ["--url", self.lab.url, "--zenoh", self.lab.endpoint, "--robots", str(self.mapping)]
         return examined(capsys, *where)[1]
 

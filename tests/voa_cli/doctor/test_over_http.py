@@ -1,4 +1,4 @@
-"""What the service says of itself by HTTP."""
+"""Answers of a service about itself by HTTP, and the findings they make."""
 
 import json
 import threading

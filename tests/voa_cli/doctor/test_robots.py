@@ -121,7 +121,7 @@ def in_turn(*names: str) -> Any:
 
 
 def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
-    """What the service would say of a robot after these messages."""
+    """Report of the service on a robot after these messages."""
     came = play(looks, messages)
     count = sum(message.type == LASER_SCAN for message in messages)
     return WELL.model_copy(

@@ -36,7 +36,7 @@ MOST = 4096
 def findings(
     router: Router, more: str = "", place: str = SENSOR, seconds: float = 5.0, most_beams: int = MOST
 ) -> dict[str, Finding]:
-    """What a doctor finds of the topics of one robot, by check."""
+    """Findings on the topics of one robot, by check."""
     robots = load(f'[[robot]]\nname = "tb3_1"\nsession = "s"\nplace = {place}\n{more}\n')
     with joined(ZenohAddress.parse(router.endpoint)) as session:
         found = list(check_topics(session, Listening(robots, seconds, most_beams), Budget(20.0)))
