@@ -6,8 +6,8 @@ begins (`ledger`), so that a replica that has missed some looks, or was started 
 
 import threading
 import time
-from dataclasses import dataclass
 
+from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
 from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
@@ -19,6 +19,7 @@ from voa_service.rpc import attachment_of
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
+from voa_service.zenoh.samples import Sample
 from voa_service.zenoh.stops import SameStop, same_stop
 
 FOLLOW_SECONDS = 1.0
@@ -27,17 +28,6 @@ _SHOWS_STOP = 2
 """Revolutions of a stop, at most, after which the session is asked for looks that other replicas took."""
 _ABSENT = (NOT_FOUND[0], UNKNOWN[0])
 """Kinds of failures that say that something is not there, and not that it cannot be read."""
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A message on one of a robot's topics, as it came."""
-
-    type: MessageType
-    key: str
-    payload: bytes
-    attachment: bytes | None
-    received_s: float
 
 
 class MappedRobot:
@@ -123,11 +113,22 @@ class MappedRobot:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
 
-    def _due(self, taken: Taken) -> DueLook:
-        """Give out a look; raises Failure where it is not known for which session, and it does not use up the stop."""
+    def _due(self, taken: Taken) -> DueLook | None:
+        """Give out a look; None: another replica's look of this stop came first, while the robot's session changed.
+
+        Raises:
+            Failure: it is not known for which session it is; it does not use up the stop.
+        """
         looks = self._looks_or_fail()
         try:
-            ledger = self._ledger_of(self._settled(), taken)
+            session = self._settled()
+            ledger = self._ledger
+            if ledger is None or session != self._session:
+                ledger = self._enter(session)
+                if self._is_taken(ledger.newest, taken):
+                    return None
+                if self._same_stop is not None:
+                    looks.resume(taken.request)
         except Failure as failure:
             looks.rejected(failure.kind, taken.request)
             raise
@@ -136,15 +137,8 @@ class MappedRobot:
         ledger.take(taken)
         return DueLook(self.name, taken, ledger, ledger.version)
 
-    def _ledger_of(self, session: str, taken: Taken) -> LookLedger:
-        """The session's ledger; where the robot has come to the session just now, its first look is the one given."""
-        if session != self._session or self._ledger is None:
-            self._enter(session)
-            if self.mapping.look.mode == "stationary":
-                self._looks_or_fail().resume(taken.request)
-        if self._ledger is None:
-            raise not_found("session", session)
-        return self._ledger
+    def _is_taken(self, newest: ScanRequest | None, taken: Taken) -> bool:
+        return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
 
     def _learn_of_the_stop(self, looks: MappedLooks) -> None:
         """Once in each stop: take note of a look that others took of it, perhaps."""
@@ -214,7 +208,9 @@ class MappedRobot:
                 self._missing = f"what the mapping names: {failure.detail}"
             raise
         self._missing = self._none() if session is None else None
-        if session != self._session:
+        if session is None:
+            self._leave()
+        elif session != self._session:
             self._enter(session)
 
     def _none(self) -> str:
@@ -237,14 +233,18 @@ class MappedRobot:
             self._requested = False
             self._looks.request()
 
-    def _enter(self, session: str | None) -> None:
-        """Begin the looks for a session; None: for none, so far. Raises Failure, and changes nothing, without it."""
-        looks, ledger = self._looks_or_fail(), None
-        if session is not None:
-            ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
-        if self._session is not None:  # what was gathered before there was any session is not lost
-            looks.restart()
+    def _enter(self, session: str) -> LookLedger:
+        """Begin the looks for a session; raises Failure, and changes nothing, where it cannot be read."""
+        ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
+        self._leave()
         self._session, self._ledger = session, ledger
+        if ledger.newest is not None:
+            self._looks_or_fail().resume(ledger.newest)
+        return ledger
+
+    def _leave(self) -> None:
+        """End the looks for a session, if there was one; what was gathered before there was any is not lost."""
+        if self._session is not None:
+            self._looks_or_fail().restart()
+        self._session = self._ledger = None
         self._stop_known = False
-        if ledger is not None and ledger.newest is not None:
-            looks.resume(ledger.newest)

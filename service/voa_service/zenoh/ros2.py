@@ -25,10 +25,11 @@ from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.latched import declare_latched_subscriber
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
-from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot, Sample
+from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
+from voa_service.zenoh.samples import Sample
 
 _WORKERS = 2
 _END_SECONDS = 0.4

@@ -14,7 +14,8 @@ from voa_ros.robots import RobotMapping, load
 from voa_ros.topics import LASER_SCAN
 from voa_service.failures import OVERLOADED, Failure
 from voa_service.zenoh.applying import DueLook, apply_look
-from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot, Sample
+from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
+from voa_service.zenoh.samples import Sample
 
 GOOD = (0.5, 0.5, math.inf, 1.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)
@@ -287,6 +288,18 @@ def test_the_first_look_of_a_claim_is_the_only_one_of_its_stop(pair: Pair, look:
     assert (pair.looks(), pair.looks(second)) == ([], ["Q1"])
     pair.stop("Q2", [one])
     one.apply()
+    assert (pair.looks(), pair.looks(second)) == ([], ["Q1", "Q2"])
+
+
+def test_a_claim_that_one_process_notices_first_is_one_look_of_its_stop(pair: Pair) -> None:
+    both = one, other = pair.processes(to=f'scenario = "{pair.scenario}"')
+    pair.revolution("Q1", both)
+    second = pair.services[0].open(pair.scenario, robots=[NAME])
+    pair.stop("Q1", [one])
+    one.apply()
+    for sensor in ("Q1", "Q1", "Q2", "Q2"):
+        pair.stop(sensor, [other])
+        other.apply()
     assert (pair.looks(), pair.looks(second)) == ([], ["Q1", "Q2"])
 
 
