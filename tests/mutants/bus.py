@@ -241,4 +241,11 @@ MUTANTS = (
         new="return session.declare_subscriber(expression, receive)",
         tests="tests/voa_service/zenoh/test_mapped_looks.py",
     ),
+    Mutant(
+        name="what waits for a replica that has left goes on waiting",
+        file="service/voa_service/zenoh/replicas.py",
+        old="            call()\n",
+        new="            pass\n",
+        tests="tests/voa_service/zenoh/test_replicas.py",
+    ),
 )

@@ -60,6 +60,7 @@ class Ros2:
             self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
         self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
+        replicas.when_one_leaves(self._later.hasten)
 
     def close(self) -> None:
         """End the workers."""
