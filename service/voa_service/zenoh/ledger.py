@@ -68,11 +68,16 @@ class LookLedger:
         newest = self._sessions.robot_looks(self.session, self._robot, 1)
         number = newest[0].number if newest else 0
         found = None
-        if number > self._seen and newest[0].digest not in self._digests:
+        if number > self._seen and self._others_since(number - self._seen):
             fresh = [look for made, look in self._looks_after(before) if made not in self._versions]
             found = fresh[-1] if fresh else None
         self.version, self._seen = version, number
         return found
+
+    def _others_since(self, count: int) -> bool:
+        """Whether others took one of the newest looks, so many."""
+        newest = self._sessions.robot_looks(self.session, self._robot, min(count, _NEWEST))
+        return any(look.digest not in self._digests for look in newest)
 
     def take(self, taken: Taken) -> None:
         """Note that a look was taken here."""

@@ -225,6 +225,32 @@ def test_a_look_is_searched_among_those_since_its_stop_began(pair: Pair) -> None
     assert pair.looks() == ["Q2", "Q1", "Q2", "Q1"]
 
 
+def test_a_look_of_this_stop_is_found_although_an_own_one_was_counted_after_it(pair: Pair) -> None:
+    one, other = pair.processes()
+    pair.stop("Q1", [other])  # the one misses it
+    pair.stop("Q2", [one])
+    one.apply()
+    other.apply()  # late
+    for _ in range(2):
+        pair.stop("Q2", [other])
+    other.apply()
+    assert pair.looks() == ["Q2", "Q1"]
+
+
+@pytest.mark.parametrize("missed", [0, 1])
+def test_looks_of_two_revolutions_count_once(pair: Pair, missed: int) -> None:
+    both = one, other = pair.processes("{ scans = 2 }")
+    for number in range(4):
+        sensor = ["Q1", "Q2"][number % 2]
+        for _ in range(missed):
+            pair.revolution(sensor, [one])
+        for _ in range(3):
+            pair.revolution(sensor, both)
+        one.apply()
+    other.apply()
+    assert pair.looks() == ["Q1", "Q2", "Q1", "Q2"]
+
+
 def test_every_scan_counts_once_also_when_one_process_is_far_behind(pair: Pair) -> None:
     both = one, other = pair.processes('{ mode = "every" }')
     for _ in range(150):
