@@ -144,13 +144,6 @@ MUTANTS = (
         tests="tests/voa_service/zenoh/test_ledger.py",
     ),
     Mutant(
-        name="the newest scan is recognised first",
-        file="service/voa_service/zenoh/ledger.py",
-        old="in reversed(self._sessions.robot_looks(",
-        new="in (self._sessions.robot_looks(",
-        tests="tests/voa_service/zenoh/test_ledger.py",
-    ),
-    Mutant(
         name="a look whose answer was lost is taken for known",
         file="service/voa_service/zenoh/applying.py",
         old="        due.ledger.doubt(due.taken)\n",

@@ -115,11 +115,11 @@ class LookLedger:
         self._versions.append(version)
 
     def _by_digest(self, taken: Taken, count: int) -> bool:
-        """Recognise the oldest look of this digest that was not recognised before."""
+        """Recognise a look of this digest that was not recognised before."""
         self._all_until = max(self._all_until, count - _REMEMBERED)
         if count == self._all_until:
             return False
-        for look in reversed(self._sessions.robot_looks(self.session, self._robot, count - self._all_until)):
+        for look in self._sessions.robot_looks(self.session, self._robot, count - self._all_until):
             if look.digest == taken.digest and look.number > self._all_until and look.number not in self._numbers:
                 self._recognise(look.number)
                 return True

@@ -270,6 +270,19 @@ def test_every_scan_counts_once_also_when_one_process_ends(pair: Pair, clock: bo
     assert len(pair.looks()) == 20
 
 
+def test_scans_that_are_alike_count_one_for_one_also_after_one_that_was_missed(pair: Pair) -> None:
+    both = one, other = pair.processes('{ mode = "every" }')
+    pair.revolution("Q1", [other])
+    other.due.clear()
+    pair.revolution("Q1", [one], (0.6, 0.5, 0.5, 1.0))  # the other one misses it
+    one.apply()
+    for _ in range(20):
+        pair.revolution("Q1", both, clock=False)
+    one.apply(5)
+    other.apply()
+    assert len(pair.looks()) == 21
+
+
 def test_a_process_reads_no_more_than_it_must_where_every_scan_counts(
     pair: Pair, monkeypatch: pytest.MonkeyPatch
 ) -> None:
