@@ -6,8 +6,9 @@ voa record -o look.mcap --session ID --topic /tb3_1/scan --topic /tb3_1/odom
 voa record -o look.mcap --topic '/tb3_1/**'                    all topics of a robot
 
 Recorded are raw scans, beliefs and refused scans, of each session that is seen its scenario and history, and the ROS 2
-topics that are named (by zenoh-bridge-ros2dds and by rmw_zenoh). Foxglove opens the file, and `voa replay` makes the
-sessions anew from it. Ends with Ctrl-C; what was recorded until a second before a power cut is there.
+topics that are named (by zenoh-bridge-ros2dds and by rmw_zenoh), with the newest message of latched
+ones, such as amcl_pose, from before the recording began. Foxglove opens the file, and `voa replay` makes the sessions
+anew from it. Ends with Ctrl-C; what was recorded until a second before a power cut is there.
 """
 
 import argparse
@@ -31,7 +32,8 @@ from voa_cli.recording import status
 from voa_cli.recording.bridges import announced
 from voa_cli.recording.filing import Filing
 from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Inbox, Wanted, listening
+from voa_cli.recording.inbox import Inbox
+from voa_cli.recording.listening import Wanted, listening
 from voa_cli.recordings.ros_types import RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_cli.zenoh_session import address_of, joined
@@ -106,7 +108,7 @@ class Recorder:
             _live(console) as live,
         ):
             self._filing = Filing(self._writer, self._keys, bridges.type_of)
-            expressions = ", ".join((*wanted.expressions, *wanted.of_rmw))
+            expressions = ", ".join((*wanted.keys, *wanted.topics, *wanted.of_rmw))
             print(f"voa record: listening to {expressions}", file=sys.stderr, flush=True)
             flushed = time.monotonic()
             while not stop.is_set() and (until is None or time.monotonic() < until):
@@ -157,16 +159,16 @@ class Recorder:
 
 
 def _wanted(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> Wanted:
-    """Key expressions to listen to: a topic as a bridge writes it, and as rmw_zenoh does, wildcards included."""
-    plain, of_rmw = [], []
+    """Key expressions to subscribe to: a topic as a bridge writes it, and as rmw_zenoh does, wildcards included."""
+    own, plain, of_rmw = [], [], []
     for session in sessions or ["*"]:
-        plain += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
+        own += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
     for topic in topics:
         plain.append(topic.strip("/"))
         if "::" not in topic:
             of_rmw.append(f"*/{topic.strip('/')}/*/*")
     try:
-        return Wanted(*([str(zenoh.KeyExpr.autocanonize(each)) for each in found] for found in (plain, of_rmw)))
+        return Wanted(*([str(zenoh.KeyExpr.autocanonize(each)) for each in found] for found in (own, plain, of_rmw)))
     except zenoh.ZError as error:
         raise CannotRecord(f"expected a topic like /tb3_1/scan, or a Zenoh key expression: {error}") from error
 

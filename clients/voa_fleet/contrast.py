@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from voa_client import Client
 from voa_fleet.grasp_scores import wilson
 from voa_fleet.policies import policy_named
+from voa_fleet.session_looks import looking_by
 from voa_fleet.stage import Stage
-from voa_fleet.story import Pair, Story, looking_by, play
+from voa_fleet.story import Pair, Story, play
 from voa_msgs.scenarios import Scenario
 
 

@@ -8,39 +8,20 @@ events, to whoever wants to know: nothing is printed here.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from voa_client import ArmClient, Client
 from voa_fleet.clocks import Clock
 from voa_fleet.devices import Arm, GraspOutcome, SensorRobot
-from voa_fleet.lidar import LidarGeometry, lidar_geometry
-from voa_fleet.looking import REVOLUTIONS, median_look
 from voa_fleet.policies import Policy, Situation
-from voa_msgs.geometry import SensorConfiguration, SensorPose
+from voa_fleet.session_looks import Looking, TakenLook
+from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import Ranking, VoaRequest
 from voa_msgs.scenarios import Scenario
-from voa_msgs.sessions import ScanRequest, Session, SessionRequest, UpdatedSession, UpdateReport
+from voa_msgs.sessions import Session, UpdatedSession
 
 MOST_LOOKS = 3
 MOVED_M = 0.01
 """An object that an attempt has moved by more does not lie where the belief has it."""
-
-
-@dataclass(frozen=True)
-class TakenLook:
-    """A look that the session has.
-
-    Attributes:
-        sensor: where the robot was sent.
-        request: what the service was told; None where that is not known.
-        after: the session then.
-        update: what the look did to it; None: it was not accepted, and nobody says why.
-    """
-
-    sensor: str
-    request: ScanRequest | None
-    after: Session
-    update: UpdateReport | None
 
 
 @dataclass(frozen=True)
@@ -138,13 +119,6 @@ def untold(_event: Event) -> None:
     """Nobody listens."""
 
 
-class Looking(Protocol):
-    """How a look gets from the robot to the session."""
-
-    def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
-        """Look from where the robot stands, until the session has it or has refused it."""
-
-
 @dataclass(frozen=True, eq=False)
 class Pair:
     """Who plays.
@@ -154,7 +128,7 @@ class Pair:
         client: of the service; its own, or one that threads may share.
         robot: carries the lidar.
         arm: grasps.
-        looking: sends looks.
+        looking: opens the session and brings looks to it.
         clock: tells when things happened.
     """
 
@@ -201,14 +175,14 @@ def play(pair: Pair, scenario: Scenario, policy: Policy, most_looks: int = MOST_
 
     Raises:
         VoaClientError: the service refuses something, or does not answer.
-        DeviceError: a device cannot do what it is asked.
+        DeviceError: a device cannot do what it is asked, or its robot's mapping does not fit.
     """
     began = pair.clock.now_s()
 
     def say(what: Happening) -> None:
         tell(Event(pair.name, pair.clock.now_s() - began, what))
 
-    before = pair.client.create_session(SessionRequest(scenario=scenario.id))
+    before = pair.looking.open(scenario)
     say(Opened(before))
     reachable = list(pair.arm.reachable())
     looks = _look_around(pair, scenario, before, policy, most_looks, reachable, say) if reachable else ()
@@ -254,47 +228,3 @@ def _look_around(
         say(Arrived(sensor.name, pair.robot.pose()))
         looks.append(pair.looking.look(session, sensor))
         say(Looked(looks[-1]))
-
-
-@dataclass(frozen=True, eq=False)
-class ByClient:
-    """Looks that go through the client, as scans of the contract.
-
-    A robot that states how well it knows its pose sends that pose along; one that states nothing stands at the
-    configuration that it was sent to.
-
-    Attributes:
-        client: of the service.
-        robot: that looks.
-        lidar: its beams.
-        revolutions: in one look.
-    """
-
-    client: Client
-    robot: SensorRobot
-    lidar: LidarGeometry
-    revolutions: int = REVOLUTIONS
-
-    def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
-        """The median of some revolutions, and where they were taken.
-
-        Raises:
-            VoaClientError: the service refuses it, or does not answer.
-            DeviceError: no scan came.
-        """
-        scan = median_look([self.robot.take_scan() for _ in range(self.revolutions)], self.lidar)
-        pose = self.robot.pose()
-        request = (
-            ScanRequest(sensor=sensor.name, scan=scan) if pose.std is None else ScanRequest(sensor_pose=pose, scan=scan)
-        )
-        after = self.client.apply_scan(session.id, request)
-        return TakenLook(sensor.name, request, after, after.update)
-
-
-def looking_by(client: Client, robot: SensorRobot, scenario: Scenario, revolutions: int = REVOLUTIONS) -> ByClient:
-    """Looks through the client, with the beams that the scenario states.
-
-    Raises:
-        FleetError: the scenario's lidar is not known.
-    """
-    return ByClient(client, robot, lidar_geometry(scenario.lidar), revolutions)

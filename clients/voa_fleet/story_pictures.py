@@ -16,7 +16,8 @@ from voa_fleet.lidar import LidarGeometry, lidar_geometry
 from voa_fleet.lidar_robot import RADIUS_M
 from voa_fleet.objects import FleetObject
 from voa_fleet.pictures import new_figure
-from voa_fleet.story import Story, TakenLook
+from voa_fleet.session_looks import TakenLook
+from voa_fleet.story import Story
 from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session

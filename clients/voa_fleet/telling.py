@@ -11,7 +11,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from voa_client.readable import bar, no_look, ranks, scale, share, signed, signed_apart
-from voa_fleet.story import Arrived, Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported, TakenLook
+from voa_fleet.session_looks import TakenLook
+from voa_fleet.story import Arrived, Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session
 

@@ -101,8 +101,8 @@ def header_contradiction(scan: LaserScan) -> str | None:
         grow, fall = ("grow", "fall") if high > low else ("fall", "grow")
         return (
             f"angle_min {low:.6g} and angle_max {high:.6g} say that the angles {grow}, angle_increment {step:.6g} says "
-            f"that they {fall}: one of them is wrong, and with it left and right; set the driver's direction right "
-            "(`reversed`, `inverted`), or lidar.upside_down in the mapping for a lidar that hangs upside down"
+            f"that they {fall}: one of them is wrong, and with it left and right; correct the driver's settings "
+            "(`reversed`, `inverted`)"
         )
     turns = beams * abs(step) / math.tau
     if turns > max(_MOST_TURNS, 1.0 + 1.5 * abs(step) / math.tau):

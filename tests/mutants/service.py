@@ -213,4 +213,32 @@ MUTANTS = (
         new="            session = report.session or self._session_of(report.robot, mapped.to.scenario)",
         tests="tests/voa_service/test_robots.py",
     ),
+    Mutant(
+        name="a look counts whatever its number",
+        file="service/voa_service/store/sql.py",
+        old="                    count_look(connection, id_, write.look)\n",
+        new="                    pass\n",
+        tests="tests/voa_service/store/test_looks.py",
+    ),
+    Mutant(
+        name="looks come oldest first",
+        file="service/voa_service/store/looks.py",
+        old=".order_by(table.c.number.desc())",
+        new=".order_by(table.c.number)",
+        tests="tests/voa_service/store/test_looks.py",
+    ),
+    Mutant(
+        name="looks of all robots are one count",
+        file="service/voa_service/store/looks.py",
+        old=' & (table.c.robot == bindparam("by_robot"))',
+        new="",
+        tests="tests/voa_service/store/test_looks.py",
+    ),
+    Mutant(
+        name="what comes late of a robot that is not mapped any more is reported",
+        file="service/voa_service/usecases/robots.py",
+        old='return source == "ros2" and robot not in self._mapped',
+        new="return False",
+        tests="tests/voa_service/test_robots.py",
+    ),
 )

@@ -2,10 +2,7 @@
 
 import json
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +12,7 @@ from mcap.reader import make_reader
 from tests.routers import router
 from tests.serving import data_scenario
 from tests.voa_cli.labs import Lab, service_on
+from tests.voa_cli.recorders import messages, recording
 from tests.voa_cli.recordings.bags import START_NS, laser_scan
 from tests.waiting import wait_for
 from voa_cli.main import main
@@ -41,56 +39,10 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
         yield service
 
 
-class Recorder:
-    """`voa record` in a process of its own."""
-
-    def __init__(self, path: Path, *options: str) -> None:
-        self.path = path
-        self._said = path.with_suffix(".err")
-        self._printed = path.with_suffix(".out")
-        command = [sys.executable, "-m", "voa_cli.main", "record", "-o", str(path), *options]
-        with self._said.open("wb") as stderr, self._printed.open("wb") as stdout:
-            self.process = subprocess.Popen(command, stdout=stdout, stderr=stderr)
-
-    def wait_until_it_listens(self) -> None:
-        """Fails with what it said."""
-
-        def listens() -> bool:
-            said = self._said.read_text()
-            assert self.process.poll() is None, said
-            return "listening to" in said
-
-        wait_for(listens, "the recorder listens")
-
-    def stop(self, number: signal.Signals) -> str:
-        """Stop it, and return its report."""
-        self.process.send_signal(number)
-        assert self.process.wait(30) == 0, self._said.read_text()
-        assert self._said.read_text().count("\n") == 1
-        return self._printed.read_text()
-
-
-@contextmanager
-def recording(path: Path, *options: str) -> Iterator[Recorder]:
-    own = Recorder(path, *options)
-    try:
-        own.wait_until_it_listens()
-        yield own
-    finally:
-        own.process.kill()
-        own.process.wait()
-
-
 def sessions_in(path: Path) -> dict[str, int]:
     """The sessions that can be made anew from what is on the disk now, and how many versions of each."""
     found = recorded_sessions(Recording(path, TYPES).messages())
     return {told.session: len(told.file.history) for told in found if told.file is not None}
-
-
-def messages(path: Path) -> list[tuple[str, str, Any]]:
-    """Topic, encoding and data."""
-    with path.open("rb") as file:
-        return [(c.topic, c.message_encoding, m) for _, c, m in make_reader(file).iter_messages()]
 
 
 def moved_session(client: Client) -> str:

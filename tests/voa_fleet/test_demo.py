@@ -26,8 +26,9 @@ from voa_fleet.devices import GraspOutcome
 from voa_fleet.ending import TimeIsUp, ended_after
 from voa_fleet.errors import NoGraphics
 from voa_fleet.objects import FleetObject
+from voa_fleet.session_looks import TakenLook
 from voa_fleet.stage import make_stage
-from voa_fleet.story import Event, Grasped, Story, TakenLook
+from voa_fleet.story import Event, Grasped, Story
 from voa_fleet.story_pictures import belief_by_look
 from voa_msgs.rankings import Ranking
 

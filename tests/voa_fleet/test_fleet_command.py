@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -77,7 +78,6 @@ def test_imperfections_are_named_options(process: str, capfd: pytest.CaptureFixt
         (["--ros2"], "--ros2 needs the --url"),
         (["--transport", "http", "--url", "zenoh://127.0.0.1:7447"], "does not go with --url"),
         (["--ros2", "--url", "http://127.0.0.1:1"], "expected its zenoh:// URL"),
-        (["--print-mapping"], "asks the service of --url"),
         (["--view", "--pairs", "2"], "--view shows one pair"),
         (["--ros2", "--url", "zenoh://127.0.0.1:7447", "--revolutions", "1"], "at least 2 --revolutions"),
         (["--looks", "-1"], "expected a number of at least 0"),
@@ -115,11 +115,13 @@ def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd:
         options = ("--zenoh", bus.endpoint, "--robots", str(mapping))
         with replicas(f"sqlite:///{tmp_path / 'voa.db'}", tmp_path, 1, *options) as (service,):
             url = f"zenoh://127.0.0.1:{bus.port}"
-            assert main([*command, "--url", url, "--print-mapping"]) == 0
+            assert main([*command, "--print-mapping"]) == 0
             printed = capfd.readouterr().out
+            assert main([*command, "--url", service.url, "--print-mapping"]) == 0
+            assert capfd.readouterr().out == printed  # any service names a scenario alike
             robots = load(printed)
             assert [robot.scan_topic for robot in robots] == ["robot_1/scan", "robot_2/scan"]
-            assert len({robot.scenario for robot in robots}) == 2
+            assert len({robot.scenario for robot in robots}) == 1
             place = robots[0].place
             assert isinstance(place, OdometryPlace)
             assert place.std is not None
@@ -135,6 +137,27 @@ def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd:
                 for each in found:
                     kinds = [entry.kind for entry in client.history(each["session"])]
                     assert kinds[:2] == ["prior", "scan"]
+                claimed = {robot.robot: robot.session for robot in client.robots().items}
+                assert claimed == {each["pair"]: each["session"] for each in found}
+
+
+def test_a_mapping_is_printed_while_there_is_no_router(capfd: pytest.CaptureFixture[str]) -> None:
+    with router() as bus:
+        url = f"zenoh://127.0.0.1:{bus.port}"
+    began = time.monotonic()
+    assert main(["fleet", "--ros2", "--url", url, "--print-mapping"]) == 0
+    assert [robot.name for robot in load(capfd.readouterr().out)] == ["robot_1"]
+    assert time.monotonic() - began < 60.0  # a call waits 120 s for a router
+
+
+@pytest.mark.parametrize("way", [[], ["--ros2"]])
+def test_a_router_that_is_not_there_is_soon_missed(way: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    with router() as bus:
+        url = f"zenoh://127.0.0.1:{bus.port}"
+    began = time.monotonic()
+    assert main(["fleet", "--url", url, *way]) == 1
+    assert "no Zenoh router" in capfd.readouterr().err
+    assert time.monotonic() - began < 30.0
 
 
 def test_a_video_is_of_the_first_pair(

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from tests.routers import router
 from tests.waiting import wait_for
 from voa_cli.scenario_file import load_scenario
 from voa_cli.zenoh_session import address_of, joined
-from voa_client import Client
+from voa_client import Client, ConflictError, InvalidRequestError
 from voa_fleet.clocks import VirtualClock
 from voa_fleet.contrast import Contrast
 from voa_fleet.devices import DeviceError, GraspOutcome
@@ -21,6 +22,7 @@ from voa_fleet.lidar import lidar_geometry
 from voa_fleet.objects import FleetObject
 from voa_fleet.policies import policy_named
 from voa_fleet.ros2 import ByRos2, Mapped, mapping
+from voa_fleet.session_looks import looking_by
 from voa_fleet.simulated import SimulatedArm
 from voa_fleet.stage import Stage, make_stage
 from voa_fleet.story import (
@@ -34,10 +36,10 @@ from voa_fleet.story import (
     Pair,
     Reported,
     Story,
-    looking_by,
     play,
 )
 from voa_msgs.scenarios import Scenario
+from voa_msgs.sessions import SessionRequest
 from voa_ros.robots import load
 
 FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
@@ -198,9 +200,8 @@ def test_an_attempt_that_moved_the_object_is_not_reported(lab: Lab, mallet: Flee
 def test_a_ros_2_robot_tells_the_same_story_through_the_mapping(lab: Lab, mallet: FleetObject, stage: Stage) -> None:
     with Client(lab.zenoh) as client, joined(address_of(lab.zenoh)) as bus:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        lab.robots.write_text(mapping([Mapped(ROBOT, scenario.id, None)]))
+        mapped(lab, client, scenario.id)
         assert [robot.scan_topic for robot in load(lab.robots.read_text())] == [f"{ROBOT}/scan"]
-        wait_for(lambda: [each for each in client.robots().items if each.source == "ros2"], "the mapping")
         stories = []
         for index in (0, 1):  # the second in a session of its own, while the robot is known from the first
             drop = stage.drop(index)
@@ -222,24 +223,119 @@ def test_a_ros_2_robot_tells_the_same_story_through_the_mapping(lab: Lab, mallet
             assert look.request.scan.stamp["robot"] == ROBOT
 
 
-def test_a_robot_without_a_mapping_is_told_how_to_get_one(lab: Lab, mallet: FleetObject) -> None:
+def silent(client: Client, stage: Stage, scenario: Scenario) -> ByRos2:
+    """A robot whose messages go nowhere, and for whom a second passes with each question."""
+    seconds = count()
+    return ByRos2(
+        client,
+        lambda _key, _payload: None,
+        stage.drop(0).robot,
+        lidar_geometry(scenario.lidar),
+        stage.scene.clock,
+        sleep=lambda _seconds: None,
+        now_s=lambda: float(next(seconds)),
+    )
+
+
+def test_a_robot_without_a_mapping_is_refused_with_the_one_that_it_needs(lab: Lab, mallet: FleetObject) -> None:
     stage = make_stage(mallet, FLAWS, 0, VirtualClock(), "stranger")
-    seconds = iter(range(100))  # five are over after six questions
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        drop = stage.drop(0)
+        looking = silent(client, stage, scenario)
+        before = {session.id for session in client.list_sessions()}
+        needed = rf"no mapped robot 'stranger'.*--robots FILE.* to scenario '{scenario.id}'.*--print-mapping"
+        with pytest.raises(DeviceError, match=needed):
+            looking.open(scenario)
+        assert {session.id for session in client.list_sessions()} == before
+        session = client.create_session(SessionRequest(scenario=scenario.id))
+        with pytest.raises(DeviceError, match=r"no mapping .* for the robot 'stranger'.*--print-mapping"):
+            looking.look(session, scenario.sensors[0])
+
+
+def mapped(lab: Lab, client: Client, scenario: str) -> None:
+    """Map the robot to a scenario, and to nothing else, until the service allows it a session there."""
+
+    def is_read() -> bool:
+        try:
+            client.create_session(SessionRequest(scenario=scenario, robots=[ROBOT]))
+        except (ConflictError, InvalidRequestError):
+            return False
+        return True
+
+    lab.robots.write_text(mapping([Mapped(ROBOT, scenario, None)]))
+    wait_for(is_read, "the mapping")
+
+
+def test_a_robot_that_is_mapped_to_another_scenario_is_refused(lab: Lab, mallet: FleetObject, stage: Stage) -> None:
+    with Client(lab.http) as client:
+        scenario = load_scenario(client, mallet.folder / "scenario.json")
+        lab.robots.write_text(mapping([Mapped(ROBOT, "another", None)]))
+        looking = silent(client, stage, scenario)
+        wait_for(lambda: "another" in refusal(looking, scenario), "the mapping to be read")
+        assert f"mapping of it to scenario {scenario.id!r}" in refusal(looking, scenario)
+
+
+def refusal(looking: ByRos2, scenario: Scenario) -> str:
+    """Why no session is opened; "" where one is."""
+    try:
+        looking.open(scenario)
+    except DeviceError as error:
+        return str(error)
+    return ""
+
+
+def test_a_session_that_cannot_be_opened_for_another_reason_says_that_one(lab: Lab, stage: Stage) -> None:
+    with Client(lab.http) as client:
+        scenario = load_scenario(client, stage.scene.world.object.folder / "scenario.json")
+        looking = silent(client, stage, scenario)
+        with pytest.raises(InvalidRequestError, match="no scenario 'none'"):
+            looking.open(scenario.model_copy(update={"id": "none"}))
+
+
+def test_sessions_of_others_take_no_look_of_the_robot_and_a_claim_by_others_is_told(
+    lab: Lab, mallet: FleetObject, stage: Stage
+) -> None:
+    with Client(lab.zenoh) as client, Client(lab.http) as web, joined(address_of(lab.zenoh)) as bus:
+        scenario = load_scenario(client, mallet.folder / "scenario.json")
+        mapped(lab, client, scenario.id)
+        looking = ByRos2(client, bus.put, stage.drop(0).robot, lidar_geometry(scenario.lidar), stage.scene.clock)
+        session = looking.open(scenario)
+        other = client.create_session(SessionRequest(scenario=scenario.id))
+        assert looking.look(session, scenario.sensors[0]).update is not None
+        assert client.get_session(other.id).version == 0
+        web.claim_robot(ROBOT, other.id)
+        with pytest.raises(DeviceError, match=f"are for session {other.id} now, expected {session.id}: somebody else"):
+            looking.look(session, scenario.sensors[0])
+
+
+def test_revolutions_that_got_lost_are_published_again(lab: Lab, mallet: FleetObject, stage: Stage) -> None:
+    with Client(lab.zenoh) as client, joined(address_of(lab.zenoh)) as bus:
+        scenario = load_scenario(client, mallet.folder / "scenario.json")
+        mapped(lab, client, scenario.id)
+        lost = 13 * 2  # a scan and an odometry message for each revolution of the first try
+        messages = count()
         looking = ByRos2(
             client,
-            lambda _key, _payload: None,
-            drop.robot,
+            lambda key, payload: bus.put(key, payload) if next(messages) >= lost else None,
+            stage.drop(0).robot,
             lidar_geometry(scenario.lidar),
             stage.scene.clock,
-            sleep=lambda _seconds: None,
-            now_s=lambda: float(next(seconds)),
         )
-        pair = Pair("stranger", client, drop.robot, drop.arm, looking, stage.scene.clock)
-        with pytest.raises(DeviceError, match=r"no mapping .* for the robot 'stranger'.*--print-mapping"):
-            play(pair, scenario, policy_named("voa", 0))
+        session = looking.open(scenario)
+        assert looking.look(session, scenario.sensors[0]).after.version == 1
+        assert next(messages) == 2 * lost
+
+
+def test_a_robot_that_nobody_receives_says_what_the_service_waits_for(
+    lab: Lab, mallet: FleetObject, stage: Stage
+) -> None:
+    with Client(lab.http) as client:
+        scenario = load_scenario(client, mallet.folder / "scenario.json")
+        mapped(lab, client, scenario.id)
+        looking = silent(client, stage, scenario)
+        session = looking.open(scenario)
+        with pytest.raises(DeviceError, match=r"no look of 'robot_1' .* it waits for .*--print-mapping"):
+            looking.look(session, scenario.sensors[0])
 
 
 def test_the_contrast_plays_the_same_drops_for_each(lab: Lab, mallet: FleetObject, stage: Stage) -> None:

@@ -9,7 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from voa_fleet.devices import GraspOutcome
-from voa_fleet.story import Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported, TakenLook
+from voa_fleet.session_looks import TakenLook
+from voa_fleet.story import Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported
 from voa_fleet.telling import Row, Teller, belief_table, line_of
 from voa_msgs.rankings import Look, RankedSensor, Ranking
 from voa_msgs.sessions import Session, UpdateReport

@@ -6,9 +6,11 @@ from itertools import count
 import pytest
 
 from tests.quiet_robot import QuietRobot
+from tests.serving import scan_of
+from voa_msgs.sessions import ScanRequest, UpdateReport
 from voa_service.failures import Failure
 from voa_service.usecases import robots as module
-from voa_service.usecases.robots import MappedTo, Robots
+from voa_service.usecases.robots import LookOutcome, MappedTo, Robots
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 
@@ -45,3 +47,16 @@ def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
     assert (robots.mapped_to("r"), robots.names()) == (None, [])
     with pytest.raises(Failure, match="no mapped robot 'r'"):
         robots.report("r")
+
+
+def test_what_was_on_its_way_when_a_mapping_went_makes_no_report() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: None)
+    robots.mapped("r", "scan", QuietRobot(), session="S")
+    robots.unmapped("r")
+    request = ScanRequest.model_validate(scan_of([0.5]))
+    update = {"accepted": True, "reason": None, "log_evidence": 0.0, "fit_rmsd_mm": 1.0}
+    report = UpdateReport.model_validate(update | {"fit_hit_rmsd_mm": 1.0, "best_fit_pose": "A", "beams_compared": 1})
+    robots.heard("r", "ros2", "scan", "S")
+    robots.looked("r", "ros2", "scan", "S", request, LookOutcome(version=1, update=report))
+    assert not robots.refused("r", "ros2", "scan", "why")
+    assert robots.reports().items == []

@@ -18,20 +18,23 @@ from pathlib import Path
 
 from rich.console import Console
 
-from voa_cli.doctor.findings import Budget, Finding, checklist
-from voa_cli.doctor.over_http import Answers, check_http
+from voa_cli.doctor.findings import Budget, Finding, checklist, verdict
+from voa_cli.doctor.over_http import Answers, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
-from voa_cli.doctor.robots import check_robots
-from voa_cli.doctor.topics import check_topics
+from voa_cli.doctor.robots import check_robots, needs_second_report
+from voa_cli.doctor.topics import Listening, check_topics
+from voa_cli.limits import most_beams
 from voa_cli.zenoh_session import address_of
-from voa_client.errors import UsageError
+from voa_client import VoaClientError
 from voa_client.zenoh_address import ZenohAddress
 from voa_msgs.keys import Keys
-from voa_ros.robots import InvalidRobots, RobotMapping, load
+from voa_ros.robots import InvalidRobots, load
 
 DEFAULT_URL = "http://127.0.0.1:8000"
 _SECONDS = 14.0
 _LISTEN_S = 3.0
+_LATELY_S = 1.0
+"""A lidar that turns five times a second has sent some scans by then."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -45,44 +48,46 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         address = None if options.zenoh is None else address_of(options.zenoh)
         robots = () if options.robots is None else load(options.robots.read_text(encoding="utf-8"))
-    except (UsageError, InvalidRobots, OSError, UnicodeDecodeError) as error:
+        listening = Listening(robots, options.listen, most_beams())
+    except (VoaClientError, InvalidRobots, OSError, UnicodeDecodeError) as error:
         print(f"voa doctor: {error}", file=sys.stderr)
         return 1
-    findings = list(_findings(options.url, address, robots, options.listen))
+    findings = list(_findings(options.url, address, listening))
     wrong = any(finding.state == "wrong" for finding in findings)
     if options.json:
         json.dump({"healthy": not wrong, "findings": [asdict(finding) for finding in findings]}, sys.stdout, indent=1)
         print()
     else:
-        Console().print(checklist(findings))
+        console = Console()
+        console.print(checklist(findings))
+        console.print(verdict(findings), highlight=False)
     return int(wrong)
 
 
-def _findings(
-    url: str, address: ZenohAddress | None, robots: Sequence[RobotMapping], listen_s: float
-) -> Iterator[Finding]:
+def _findings(url: str, address: ZenohAddress | None, listening: Listening) -> Iterator[Finding]:
     budget, answers = Budget(_SECONDS), Answers()
     yield from check_http(url, budget, answers)
     if address is not None:
-        yield from _over_zenoh(address, answers, robots, listen_s, budget)
+        yield from _over_zenoh(address, answers, listening, budget)
     elif answers.health is not None and answers.health.zenoh not in (None, "off"):
         seen = f"the service is on Zenoh ({answers.health.zenoh}); not checked"
         yield Finding("zenoh", "warning", seen, "name its router: --zenoh tcp/HOST:7447")
     on_zenoh = answers.health is not None and answers.health.zenoh != "off"
     if answers.robots is not None and (answers.robots.items or on_zenoh):
-        yield from check_robots(answers.robots, datetime.now(UTC) + answers.ahead)
+        before, robots = answers.robots, None
+        if needs_second_report(before):
+            robots = robots_after(url, _LATELY_S, budget)
+        yield from check_robots(robots or before, datetime.now(UTC) + answers.ahead, before if robots else None)
 
 
-def _over_zenoh(
-    address: ZenohAddress, answers: Answers, robots: Sequence[RobotMapping], listen_s: float, budget: Budget
-) -> Iterator[Finding]:
+def _over_zenoh(address: ZenohAddress, answers: Answers, listening: Listening, budget: Budget) -> Iterator[Finding]:
     with ExitStack() as stack:
         findings, session = check_router(address, budget, stack)
         yield from findings
         if session is None:
             return
         yield from check_service(session, Keys(address.root), answers.health, budget)
-        yield from check_topics(session, robots, listen_s, budget)
+        yield from check_topics(session, listening, budget)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,13 +1,15 @@
-"""What a check found, and time limits for checks."""
+"""Findings of checks, and time limits for checks."""
 
 import threading
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
 from rich.markup import escape
-from rich.table import Column, Table
+from rich.padding import Padding
+from rich.table import Table
 
 T = TypeVar("T")
 State = Literal["ok", "warning", "wrong"]
@@ -73,10 +75,23 @@ class Budget:
         return done[0]
 
 
-def checklist(findings: list[Finding]) -> Table:
-    """The findings as a table."""
-    headings = (Column(heading, overflow="fold") for heading in ("", "check", "seen", "what to do"))
-    table = Table(*headings, title="voa doctor", title_justify="left")
+def checklist(findings: Sequence[Finding]) -> Table:
+    """Lay the findings out as a list that can be read at any width: what was seen, and below it what to do."""
+    table = Table.grid(padding=(0, 1))
+    table.add_column()
+    table.add_column(overflow="fold")
     for finding in findings:
-        table.add_row(_SIGNS[finding.state], escape(finding.check), escape(finding.seen), escape(finding.advice))
+        lines = Table.grid(padding=(0, 1))
+        lines.add_column(overflow="fold")
+        lines.add_row(f"[bold]{escape(finding.check)}:[/bold] {escape(finding.seen)}")
+        if finding.advice:
+            lines.add_row(Padding(escape(f"-> {finding.advice}"), (0, 0, 0, 2)))
+        table.add_row(_SIGNS[finding.state], lines)
     return table
+
+
+def verdict(findings: Sequence[Finding]) -> str:
+    """Say in one line how many things are wrong, and how many are worth a look."""
+    states = Counter(finding.state for finding in findings)
+    warnings = f"{states['warning']} warning{'' if states['warning'] == 1 else 's'}"
+    return f"{states['wrong'] or 'nothing'} wrong, {warnings if states['warning'] else 'no warnings'}"

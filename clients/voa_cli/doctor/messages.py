@@ -1,24 +1,22 @@
-"""Messages of a mapped topic: are they of the right type, do their headers make sense, do their clocks run."""
+"""Messages of a mapped topic: are they of the right type, can they be used, do their clocks run."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 from voa_cli.doctor.findings import Finding
-from voa_cli.doctor.over_http import CLOCK_S
 from voa_cli.doctor.samples import Sample
-from voa_cli.limits import most_beams
+from voa_cli.doctor.scans import layout, unusable
+from voa_cli.doctor.stamps import Stamped, clock
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
-from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance, Stamp, header_contradiction
+from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance, Stamp
+from voa_ros.repeats import payload_digest
 from voa_ros.robots import RobotMapping, Subscription
 from voa_ros.topics import LASER_SCAN, ODOMETRY
 
-_TRAVELS_S = 0.5
-"""A scan is stamped at the beginning of its revolution of 0.2 s, or at its end, and travels."""
-
-_Message = LaserScan | Odometry | PoseWithCovariance
+_MOST_COPIES = 4
+"""As many bridges may bring the same scan of one robot."""
 
 
-def judged(check: str, robot: RobotMapping, each: Subscription, samples: Sequence[Sample]) -> Finding:
+def judged(check: str, robot: RobotMapping, each: Subscription, samples: Sequence[Sample], most_beams: int) -> Finding:
     """Judge the messages of one topic.
 
     Args:
@@ -26,57 +24,57 @@ def judged(check: str, robot: RobotMapping, each: Subscription, samples: Sequenc
         robot: whose topic it is.
         each: the topic and the type that is expected on it.
         samples: of the topic, in the order in which they came, at least one.
+        most_beams: scans with more are refused.
     """
     named = next((sample.type_name for sample in samples if sample.type_name not in (None, each.type.name)), None)
+    right = f"expected a {each.type.name}: correct the topic in the mapping, or what publishes on it"
     if named is not None:
-        return Finding(check, "wrong", f"found a {named}", f"expected {each.type.name}: is it the right topic?")
+        return Finding(check, "wrong", f"found a {named}", right)
     try:
-        messages = [_decoded(each, sample.payload) for sample in samples]
+        stamped = [Stamped(_decoded(each, sample.payload), sample.at_s) for sample in samples]
     except InvalidCdr as error:
-        return Finding(check, "wrong", str(error), f"expected {each.type.name}: is it the right topic?")
-    scans = [message for message in messages if isinstance(message, LaserScan)]
-    return (_scans_wrong(check, robot, scans) if scans else None) or _clock(check, messages, samples[0].at_s)
-
-
-def _scans_wrong(check: str, robot: RobotMapping, scans: Sequence[LaserScan]) -> Finding | None:
-    """Whatever keeps scans from being used."""
-    wrong = next((why for scan in scans if (why := header_contradiction(scan)) is not None), None)
+        return Finding(check, "wrong", str(error), right)
+    scans = [one.message for one in stamped if isinstance(one.message, LaserScan)]
+    wrong = unusable(check, robot, scans, most_beams) if scans else None
     if wrong is not None:
-        return Finding(check, "wrong", wrong, "scans with such a header are refused: correct the driver's settings")
-    frames = sorted({scan.frame_id for scan in scans})
-    listed = ", ".join(repr(frame) for frame in frames)
-    if robot.frame_id is None and len(frames) > 1:
-        seen = f"scans of {len(frames)} frames come on this topic: {listed}"
-        return Finding(check, "wrong", seen, f"say which are used: frame_id = {frames[0]!r} in the mapping")
-    if robot.frame_id is not None and robot.frame_id not in frames:
-        seen = f"scans are of frame {listed}, the mapping says {robot.frame_id!r}"
-        return Finding(check, "wrong", seen, "correct frame_id in the mapping, or leave it out")
-    return None
+        return wrong
+    of_frame = [(one, sample) for one, sample in zip(stamped, samples, strict=True) if _is_used(robot, one)]
+    used = _without_copies(of_frame)
+    if len(of_frame) > _MOST_COPIES and len(used) == 1:
+        seen = f"one and the same message came {len(of_frame)} times, stamp included: it is used once"
+        return Finding(check, "wrong", seen, "restart the driver: it repeats an old message")
+    return clock(check, robot, _described(each, used), used)
 
 
-def _clock(check: str, messages: Sequence[_Message], came_s: float) -> Finding:
-    stamps = [message.stamp for message in messages]
-    first = messages[0]
-    beams = f"{len(first.ranges)} beams" if isinstance(first, LaserScan) else "received"
-    by_arrival = "they are matched with the pose that was received last"
-    if stamps[0] == Stamp():
-        return Finding(check, "warning", f"{beams}, stamped 0: {by_arrival}", "have the driver stamp its messages")
-    if len(stamps) > 1 and len(set(stamps)) == 1:
-        seen = f"{beams}, and the stamp does not change: {by_arrival}"
-        return Finding(check, "warning", seen, "have the driver stamp its messages; is its clock, or /clock, running?")
-    if any(later < earlier for earlier, later in pairwise(stamps)):
-        seen = f"{beams}, and the stamps run backwards now and then: {by_arrival}"
-        return Finding(check, "warning", seen, "do two drivers publish on this topic? is the clock being set?")
-    if isinstance(first, PoseWithCovariance):
-        return Finding(check, "ok", "received; AMCL publishes when the robot has moved, so its age says nothing")
-    late = came_s - stamps[0].seconds
-    if -CLOCK_S <= late <= _TRAVELS_S:
-        return Finding(check, "ok", f"{beams}, stamped {late:.2f} s before it came")
-    seen = f"{beams}, stamped {abs(late):.2f} s {'before' if late > 0.0 else 'after'} it came"
-    return Finding(check, "warning", seen, "set the robot's clock by NTP or chrony")
+def other_domains(samples: Sequence[Sample], used: Sequence[Sample]) -> str:
+    """Name the ROS domains whose messages are left out, as the end of a sentence; "" where there are none."""
+    domains = sorted({sample.domain for sample in samples if sample not in used and sample.domain is not None})
+    return f"; those of ROS domain {' and '.join(map(str, domains))} are left out" if domains else ""
 
 
-def _decoded(each: Subscription, payload: bytes) -> _Message:
+def _is_used(robot: RobotMapping, one: Stamped) -> bool:
+    scan = one.message
+    return not isinstance(scan, LaserScan) or robot.frame_id in (None, scan.frame_id)
+
+
+def _without_copies(received: Sequence[tuple[Stamped, Sample]]) -> list[Stamped]:
+    """Messages that differ: two bridges bring each of them twice. A stamp of 0 tells no copy from a new one."""
+    known: set[bytes] = set()
+    kept = []
+    for one, sample in received:
+        digest = payload_digest(sample.payload)
+        if one.message.stamp == Stamp() or digest not in known:
+            kept.append(one)
+            known.add(digest)
+    return kept
+
+
+def _described(each: Subscription, used: Sequence[Stamped]) -> str:
+    scans = [one.message for one in used if isinstance(one.message, LaserScan)]
+    return layout(scans) if each.type == LASER_SCAN else "received"
+
+
+def _decoded(each: Subscription, payload: bytes) -> LaserScan | Odometry | PoseWithCovariance:
     if each.type == LASER_SCAN:
-        return decode_laser_scan(payload, most_beams())
+        return decode_laser_scan(payload, len(payload))  # however many beams: that is judged by itself
     return decode_odometry(payload) if each.type == ODOMETRY else decode_pose(payload)

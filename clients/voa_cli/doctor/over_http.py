@@ -24,7 +24,7 @@ _TRIES = 3
 
 @dataclass
 class Answers:
-    """What later checks need to know."""
+    """Answers of the service that later checks need."""
 
     health: Health | None = None
     robots: Robots | None = None
@@ -47,6 +47,13 @@ def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
             return
         yield from _ready(http, budget, answers)
         answers.robots = _robots(http, budget)
+
+
+def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
+    """Robots as they are reported after so many seconds; None: the service does not answer any more."""
+    time.sleep(budget.step(seconds))
+    with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
+        return _robots(http, budget)
 
 
 def _alive(http: httpx2.Client, budget: Budget) -> Finding:
@@ -116,7 +123,7 @@ def _wire(health: Health) -> Finding:
 
 
 def clocks(check: str, offset_s: float, unsure_s: float) -> Finding:
-    """What a difference of clocks means; `offset_s` is positive where the other one is ahead."""
+    """Judge a difference of clocks; `offset_s` is positive where the other one is ahead."""
     seen = f"{abs(offset_s):.3f} s {'ahead of' if offset_s > 0 else 'behind'} ours (within {unsure_s:.3f} s)"
     if abs(offset_s) - unsure_s > CLOCK_S:
         return Finding(check, "warning", seen, "set both clocks by NTP or chrony: scans and poses are matched by time")

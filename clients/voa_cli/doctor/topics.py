@@ -2,56 +2,70 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from typing import Any
 
 import zenoh
 from zenoh.handlers import Callback
 
 from voa_cli.doctor.findings import Budget, Finding
-from voa_cli.doctor.messages import judged
+from voa_cli.doctor.messages import judged, other_domains
 from voa_cli.doctor.over_zenoh import alive
 from voa_cli.doctor.samples import Sample, Samples
 from voa_cli.zenoh_session import declare_latched_subscriber
 from voa_ros.robots import RobotMapping, Subscription
-from voa_ros.topics import LASER_SCAN, POSE_WITH_COVARIANCE_STAMPED
+from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED
 
-_SCANS = 4
-"""Scans of a topic that show whether their stamps and frames are all right."""
+_SEVERAL = 8
+"""Messages of a topic that show whether their stamps and frames are all right."""
 _RMW_PUBLISHERS = "@ros2_lv/**"
 _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
 
 
-def check_topics(
-    session: zenoh.Session, robots: Sequence[RobotMapping], listen_s: float, budget: Budget
-) -> Iterator[Finding]:
-    """Listen to every topic of a mapping, all at once.
+@dataclass(frozen=True)
+class Listening:
+    """Topics that are subscribed to, and for how long.
+
+    Attributes:
+        robots: the mapping.
+        seconds: for how long at most.
+        most_beams: scans with more are refused.
+    """
+
+    robots: Sequence[RobotMapping]
+    seconds: float
+    most_beams: int
+
+
+def check_topics(session: zenoh.Session, listening: Listening, budget: Budget) -> Iterator[Finding]:
+    """Subscribe to every topic of a mapping, all at once, and judge what comes.
 
     Args:
         session: with the router.
-        robots: the mapping.
-        listen_s: for how long at most.
+        listening: to what, and for how long.
         budget: the time that is left.
     """
-    wanted = [(robot, each) for robot in robots for each in robot.subscriptions]
+    wanted = [(robot, each) for robot in listening.robots for each in robot.subscriptions]
     samples = Samples()
     with ExitStack() as stack:
         for each in {each.topic: each for _, each in wanted}.values():
             for expression in (each.topic, f"*/{each.topic}/*/*"):  # in any domain: a wrong one is worth a word
                 receive = Callback(samples.receiver(each.topic), indirect=False)
                 stack.callback(_declare(session, each, expression, receive).undeclare)
-        counts = {each.topic: _SCANS if each.type == LASER_SCAN else 1 for _, each in wanted}
-        received = samples.wait(counts, budget.step(listen_s))
+        counts = {each.topic: 1 if each.type == POSE_WITH_COVARIANCE_STAMPED else _SEVERAL for _, each in wanted}
+        received = samples.wait(counts, budget.step(listening.seconds))
     published = _published(session, budget) if any(each.topic not in received for _, each in wanted) else []
     for robot, each in wanted:
         check = f"{robot.name} /{each.topic}"
         of_topic = received.get(each.topic, [])
         ours = [sample for sample in of_topic if sample.domain in (None, robot.domain)]
         if ours:
-            yield judged(check, robot, each, ours)
+            finding = judged(check, robot, each, ours, listening.most_beams)
+            yield replace(finding, seen=finding.seen + other_domains(of_topic, ours))
         elif of_topic:
             yield _other_domain(check, robot, of_topic)
         else:
-            yield _silent(check, each, published, listen_s)
+            yield _silent(check, each, published, listening.seconds)
 
 
 def _declare(session: zenoh.Session, each: Subscription, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
@@ -85,6 +99,9 @@ def _silent(check: str, each: Subscription, published: list[str], listen_s: floa
     seen = f"nothing within {listen_s:g} s"
     if each.topic in published:
         seen += ", though a node says that it publishes it"
+        if each.type == POSE_WITH_COVARIANCE_STAMPED:
+            advice = "give AMCL its initial pose (RViz: 2D Pose Estimate), or drive 0.3 m: it has not published yet"
+            return Finding(check, "wrong", seen, advice)
         return Finding(check, "wrong", seen, "is the sensor on? does `ros2 topic hz` show it on the robot itself?")
     if published:
         seen += f"; published are {', '.join(f'/{topic}' for topic in published[:8])}"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from pydantic import BaseModel
 
-from voa_cli.recording.inbox import Heard, Told
+from voa_cli.recording.inbox import Answer, Received
 from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE
 from voa_cli.recordings.sessions import topic_of
 from voa_cli.recordings.writer import RecordingWriter
@@ -59,9 +59,9 @@ class Filing:
         self._announced_type = announced_type
         self._recognised: dict[str, str] = {}  # by key: a scan that cannot be read is one still
 
-    def file(self, item: Heard | Told) -> str | None:
+    def file(self, item: Received | Answer) -> str | None:
         """Write it; the session that has moved by it, if one has."""
-        if isinstance(item, Told):
+        if isinstance(item, Answer):
             self._json(item.session, item.what, item.body, (item.log_ns, item.sent_ns), self._keys.rpc("*"))
             return None
         below = item.key.removeprefix(f"{self._keys.root}/").split("/")
@@ -79,7 +79,7 @@ class Filing:
                 self._scan(session, item)
         return None
 
-    def _scan(self, session: str, item: Heard) -> None:
+    def _scan(self, session: str, item: Received) -> None:
         times = _times(item)
         if item.payload.startswith(_CDR_HEADER):
             topic = topic_of(session, "scan")
@@ -94,7 +94,7 @@ class Filing:
         model = _MODELS.get(what)
         self._writer.add_json(topic_of(session, what), model, body, log_ns=times[0], publish_ns=times[1], key=key)
 
-    def _ros(self, item: Heard) -> None:
+    def _ros(self, item: Received) -> None:
         topic, named = _of_key(item.key)
         named = named or self._announced_type(item.key)
         message = _decoded(item.payload, named)
@@ -140,7 +140,7 @@ def _decoded(payload: bytes, named: str | None) -> tuple[str, LaserScan | Odomet
 
 
 def _published(
-    item: Heard, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
+    item: Received, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
 ) -> int:
     """When it was sent, by whoever knows best."""
     stamped = None if message is None else message.stamp.sec * NANOSECONDS + message.stamp.nanosec
@@ -148,7 +148,7 @@ def _published(
     return next((time for time in times if time is not None and time > 0), item.log_ns)
 
 
-def _times(item: Heard) -> tuple[int, int]:
+def _times(item: Received) -> tuple[int, int]:
     return item.log_ns, item.log_ns if item.sent_ns is None else item.sent_ns
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from pydantic import BaseModel
 
-from voa_cli.recording.inbox import Inbox, Told
+from voa_cli.recording.inbox import Answer, Inbox
 from voa_client import Client, VoaClientError
 from voa_client.errors import NotFoundError
 
@@ -79,4 +79,4 @@ class Histories:
 
     def _tell(self, session: str, what: str, body: BaseModel) -> None:
         now = self._now_ns()
-        self._inbox.put(Told(session, what, body.model_dump_json().encode(), now, now))
+        self._inbox.put(Answer(session, what, body.model_dump_json().encode(), now, now))

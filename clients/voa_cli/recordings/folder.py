@@ -84,7 +84,7 @@ def _named(path: Path, told: dict[str, Any], there: list[Path]) -> Folder:
     twins = {without_packing(file.name): file for file in there}
     named = [path / name if (path / name).is_file() else twins.get(without_packing(name)) for name in names]
     files = list(dict.fromkeys(file for file in named if file is not None))
-    damage = []
+    damage = [] if names else [f"has a {METADATA} that names no file"]
     missing = [name for name, file in zip(names, named, strict=True) if file is None]
     if missing:
         damage.append(f"lacks {', '.join(missing)}, which its {METADATA} names")

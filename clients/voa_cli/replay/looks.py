@@ -130,7 +130,7 @@ def replay(client: Client, recording: Recording, options: argparse.Namespace) ->
 
     Raises:
         InvalidMapping: the mapping or the sensor does not fit.
-        UnreadableRecording: it cannot be read, or has no scans on these topics.
+        UnreadableRecording: it cannot be read, or has no scans on these topics; no session stays behind.
         VoaClientError: the service cannot be reached, or refuses the scenario.
     """
     path = Path(options.scenario)
@@ -146,16 +146,27 @@ def replay(client: Client, recording: Recording, options: argparse.Namespace) ->
         Replayed(mapping, sessions[mapping.session or mapping.scenario or ""], scenario, most) for mapping in mappings
     ]
     found = Found(scenario, robots)
+    try:
+        _replay_into(found, client, recording)
+    except UnreadableRecording:
+        if not found.looks:
+            for session in sessions.values():
+                client.delete_session(session)
+        raise
+    return found
+
+
+def _replay_into(found: Found, client: Client, recording: Recording) -> None:
+    """Send all looks; raises UnreadableRecording where nothing can be read or no robot has a scan."""
     for message in recording.messages():
-        for robot in robots:
+        for robot in found.robots:
             taken = robot.receive(message)
             if taken is not None:
                 look = _look(client, robot, taken)
                 robot.answered(look)
                 found.looks.append(look)
-    if not any(robot.scans for robot in robots):
-        raise UnreadableRecording(_no_scans(robots, recording))
-    return found
+    if not any(robot.scans for robot in found.robots):
+        raise UnreadableRecording(_no_scans(found.robots, recording))
 
 
 def _grid(scenario: Scenario) -> BeamGrid:

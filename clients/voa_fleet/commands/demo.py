@@ -32,6 +32,7 @@ from voa_fleet.imperfections import Imperfections
 from voa_fleet.objects import named_object
 from voa_fleet.policies import ByVoa
 from voa_fleet.render import Renderer
+from voa_fleet.session_looks import looking_by
 from voa_fleet.stage import Stage, make_stage
 from voa_fleet.story import (
     MOST_LOOKS,
@@ -43,7 +44,6 @@ from voa_fleet.story import (
     Looked,
     Opened,
     Pair,
-    looking_by,
     play,
 )
 from voa_fleet.telling import Teller

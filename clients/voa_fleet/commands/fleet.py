@@ -34,11 +34,14 @@ from voa_fleet.looking import REVOLUTIONS
 from voa_fleet.objects import FleetObject, named_object
 from voa_fleet.policies import POLICIES, policy_named
 from voa_fleet.ros2 import ByRos2, Mapped, Publish, mapping
+from voa_fleet.session_looks import ByClient, Looking
 from voa_fleet.stage import CLUTTER, Drop, Stage, make_stage, stated_by
-from voa_fleet.story import MOST_LOOKS, ByClient, Looking, Pair, Story, Tell, play
+from voa_fleet.story import MOST_LOOKS, Pair, Story, Tell, play
 from voa_fleet.telling import Teller, fleet_table
 from voa_fleet.watching import filmed, viewed
 from voa_msgs.scenarios import Scenario
+
+_PRINTED = "print the robots.toml that --ros2 needs, and end; needs no router, nor a service that runs"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         thing, flaws = named_object(options.object), imperfections_of(options)
         with ExitStack() as stack:
-            url = options.url or stack.enter_context(local_service())
+            # A scenario's id is a digest, the same in any service: a mapping can be printed before there is a router.
+            asked = None if options.print_mapping and _by_zenoh(options.url) else options.url
+            url = asked or stack.enter_context(local_service())
             if options.print_mapping:
                 print(_mapping(url, thing, flaws, options), end="")
                 return 0
@@ -123,29 +128,11 @@ def pair_names(count: int) -> tuple[str, ...]:
     return tuple(f"robot_{index + 1}" for index in range(count))
 
 
-def scenarios_of(client: Client, thing: FleetObject, names: Sequence[str], *, own: bool) -> list[Scenario]:
-    """The object's scenario, stored, for every pair.
-
-    Args:
-        client: of the service.
-        thing: whose scenario.
-        names: of the pairs.
-        own: whether each pair has a scenario of its own, which differs in its name: a mapping of ROS robots sends
-            scans to the newest session on a scenario.
-    """
-    scenario = load_scenario(client, thing.folder / "scenario.json")
-    if not own:
-        return [scenario] * len(names)
-    request = thing.scenario.model_copy(update={"object": scenario.object})
-    return [client.create_scenario(request.model_copy(update={"name": f"{request.name} of {name}"})) for name in names]
-
-
 def _mapping(url: str, thing: FleetObject, flaws: Imperfections, options: argparse.Namespace) -> str:
-    names = pair_names(options.pairs)
     with Client(url, retries=BRIEFLY) as client:
-        scenarios = scenarios_of(client, thing, names, own=True)
+        scenario = load_scenario(client, thing.folder / "scenario.json")
     std = stated_by(flaws)
-    robots = [Mapped(name, scenario.id, std) for name, scenario in zip(names, scenarios, strict=True)]
+    robots = [Mapped(name, scenario.id, std) for name in pair_names(options.pairs)]
     return mapping(robots, options.revolutions)
 
 
@@ -168,17 +155,18 @@ def _play_all(url: str, thing: FleetObject, flaws: Imperfections, options: argpa
     names = pair_names(options.pairs)
     console = Console(stderr=options.json)
     with ExitStack() as stack:
-        with Client(url, retries=BRIEFLY) as client:
-            scenarios = scenarios_of(client, thing, names, own=options.ros2)
         publish: Publish | None = None
         if options.ros2:
             publish = stack.enter_context(joined(address_of(url))).put
+        with Client(url, retries=BRIEFLY) as client:
+            client.ready()  # an upload would wait longer for a service that is not there
+            scenario = load_scenario(client, thing.folder / "scenario.json")
         # With several pairs on a terminal the table says it all.
         quiet = options.json or (len(names) > 1 and console.is_terminal)
         teller = stack.enter_context(Teller(console, names, lines=not quiet))
         casts = [
             _Cast(name, index, url, scenario, publish, thing, flaws, options, teller)
-            for index, (name, scenario) in enumerate(zip(names, scenarios, strict=True))
+            for index, name in enumerate(names)
         ]
         if len(casts) == 1:  # in this thread: a viewer's window may need it
             told = [_play(casts[0])]
@@ -227,18 +215,21 @@ def _looking(cast: _Cast, client: Client, drop: Drop, clock: Clock) -> Looking:
     return ByClient(client, drop.robot, lidar, revolutions)
 
 
+def _by_zenoh(url: str | None) -> bool:
+    """Whether an address is a router's."""
+    return url is not None and not url.startswith(("http://", "https://"))
+
+
 def _check(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
     """Options that do not go together."""
-    by_zenoh = options.url is not None and not options.url.startswith(("http://", "https://"))
+    by_zenoh = _by_zenoh(options.url)
     if options.transport is not None and options.url is not None and (options.transport == "zenoh") != by_zenoh:
         parser.error(f"--transport {options.transport} does not go with --url {options.url}")
-    if (options.transport == "zenoh" or options.ros2) and options.url is None:
+    if (options.transport == "zenoh" or options.ros2) and options.url is None and not options.print_mapping:
         what = "--ros2" if options.ros2 else "--transport zenoh"
         parser.error(f"{what} needs the --url of the router that the service is joined to, as zenoh://127.0.0.1:7447")
     if options.ros2 and not by_zenoh and not options.print_mapping:
         parser.error(f"--ros2 publishes on a router: expected its zenoh:// URL, got {options.url}")
-    if options.print_mapping and options.url is None:
-        parser.error("--print-mapping asks the service of --url for its scenarios")
     if options.ros2 and options.revolutions < 2:
         parser.error("--ros2 needs at least 2 --revolutions: one does not show that the robot stands")
     if options.view and (options.pairs > 1 or options.video is not None):
@@ -292,8 +283,12 @@ def _parser() -> argparse.ArgumentParser:
     way = parser.add_argument_group("the service")
     way.add_argument("--url", help="of the service or its router; none: a service is started for the purpose")
     way.add_argument("--transport", choices=("http", "zenoh"), help="what --url must be")
-    way.add_argument("--ros2", action="store_true", help="publish CDR LaserScan and Odometry on <robot>/scan and /odom")
-    way.add_argument("--print-mapping", action="store_true", help="print the robots.toml that --ros2 needs, and end")
+    way.add_argument(
+        "--ros2",
+        action="store_true",
+        help="claim mapped robots, publish their LaserScan and Odometry on <robot>/scan and <robot>/odom",
+    )
+    way.add_argument("--print-mapping", action="store_true", help=_PRINTED)
     add_imperfections(parser)
     shown = parser.add_argument_group("what is shown")
     shown.add_argument("--view", action="store_true", help="in MuJoCo's viewer, in real time; needs a display")

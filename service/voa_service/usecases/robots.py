@@ -102,7 +102,7 @@ class Robots:
     def heard(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
         """A scan came in."""
         with self._lock:
-            if source == "ros2" and robot not in self._mapped:  # what was on its way when its mapping went
+            if self._is_gone(robot, source):
                 return
             before = self._report(robot, source, key)
             session = before.session if session is None else session
@@ -128,6 +128,8 @@ class Robots:
             version=outcome.version,
         )
         with self._lock:
+            if self._is_gone(robot, source):
+                return
             before = self._report(robot, source, key)
             applied = {"session": session, "looks": before.looks + 1, "last_look": look, "warnings": outcome.warnings}
             self._keep(before.model_copy(update=applied))
@@ -135,6 +137,8 @@ class Robots:
     def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> bool:
         """A scan could not be used; whether that is news, and not the same as for the one before."""
         with self._lock:
+            if self._is_gone(robot, source):
+                return False
             before = self._report(robot, source, key)
             self._keep(before.model_copy(update={"refused": before.refused + 1, "last_refusal": why}))
         return why != before.last_refusal
@@ -191,6 +195,10 @@ class Robots:
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
         return self._reports.get((robot, source)) or _unheard(robot, source, key)
+
+    def _is_gone(self, robot: str, source: Literal["scan", "ros2"]) -> bool:
+        """Whether this was on its way when the robot's mapping went: a report of it would stay for ever."""
+        return source == "ros2" and robot not in self._mapped
 
     def _keep(self, report: RobotReport) -> None:
         named = (report.robot, report.source)

@@ -199,9 +199,9 @@ class Sessions:
         """Looks of a mapped robot that a session has accepted, the newest first, at most `limit`."""
         return self.store.robot_looks(id_, robot, limit)
 
-    def newest_entries(self, id_: str, most: int) -> Sequence[HistoryEntry]:
-        """What happened to a session last, the newest first."""
-        return self.store.history(id_, self.state(id_).version - most, most + 1)[::-1]
+    def entries_after(self, id_: str, version: int, most: int) -> Sequence[HistoryEntry]:
+        """What happened to a session after a version, oldest first, at most so many entries; none where it is gone."""
+        return self.store.history(id_, version, most)
 
     def since(self, id_: str, seen: int | None) -> Sequence[Session] | None:
         """The session at every version after `seen`; None for `seen`: as it stands. None: it is gone."""

@@ -1,51 +1,33 @@
 """One mapped ROS 2 robot in a service: the session that its scans are for, and the looks that follow.
 
-Every replica receives everything and gathers the same looks. A look is counted once because it has a number: one more
-than the looks of this robot that its session has accepted. Which number comes next is read from the session at each
-stop, so that a replica that has missed some looks, or was started just now, goes on where the session is.
+Every replica receives everything and gathers looks of the same stops. What the session has already is read as each stop
+begins (`ledger`), so that a replica that has missed some looks, or was started just now, goes on where the session is.
 """
 
 import threading
 import time
-from dataclasses import dataclass
 
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
 from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
 from voa_ros.robots import AttachmentPlace, RobotMapping
-from voa_ros.taken import Taken, robot_of
+from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
-from voa_service.failures import GRID_MISMATCH, INVALID, Failure, not_found
+from voa_service.failures import GRID_MISMATCH, INVALID, NOT_FOUND, UNKNOWN, Failure, not_found
 from voa_service.rpc import attachment_of
 from voa_service.services import Services
+from voa_service.zenoh.applying import DueLook
+from voa_service.zenoh.ledger import LookLedger
+from voa_service.zenoh.samples import Sample
+from voa_service.zenoh.stops import SameStop, same_stop
 
 FOLLOW_SECONDS = 1.0
 """How late a change of the mapping, or of a robot's session, is noticed."""
-_NEWEST = 50
-"""Versions of a session among which the newest look of a robot is searched."""
 _SHOWS_STOP = 2
-"""Revolutions of a stop after which the session is asked for looks that other replicas took."""
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A message on one of a robot's topics, as it came."""
-
-    type: MessageType
-    key: str
-    payload: bytes
-    attachment: bytes | None
-    received_s: float
-
-
-@dataclass(frozen=True)
-class DueLook:
-    """A look to be applied to a session, under a number."""
-
-    session: str
-    number: int
-    taken: Taken
+"""Revolutions of a stop, at most, after which the session is asked for looks that other replicas took."""
+_ABSENT = (NOT_FOUND[0], UNKNOWN[0])
+"""Kinds of failures that say that something is not there, and not that it cannot be read."""
 
 
 class MappedRobot:
@@ -58,10 +40,14 @@ class MappedRobot:
         self._looks: MappedLooks | None = None
         self._session: str | None = None
         self._scenario: str | None = None
-        self._issued = 0
-        """Number of the newest look that was given out, or that the session has."""
+        self._ledger: LookLedger | None = None
+        self._same_stop: SameStop | None = None
+        self._stop_known = False
+        """Whether the session was asked in the present stop."""
         self._followed = -FOLLOW_SECONDS
         self._missing: str | None = None
+        self._absent: Failure | None = None
+        """Why the mapping's scenario or session cannot be followed."""
         self._requested = False
         self._lock = threading.Lock()
 
@@ -95,26 +81,10 @@ class MappedRobot:
                 mode = self.mapping.look.mode
                 raise ValueError(f"expected a robot in mode 'on_request', {self.name!r} is in mode {mode!r}")
 
-    def accepted(self, number: int) -> None:
-        """Note that the session has accepted a look of this robot."""
-        with self._lock:
-            self._issued = max(self._issued, number)
-
-    def counted(self, number: int, look: ScanRequest | None) -> None:
-        """Note that the session has looks up to this number, and which its newest is, whoever applied it."""
-        with self._lock:
-            if number < self._issued:  # the robot has had a later look since
-                return
-            self._issued = number
-            if look is not None and self._looks is not None:
-                self._looks.resume(look)
-
     def rejected(self, due: DueLook, reason: str) -> None:
         """Let the next revolutions make another look: this one was not accepted."""
         with self._lock:
-            if self._issued == due.number:
-                self._issued = due.number - 1
-            if self._looks is not None and due.session == self._session:
+            if self._looks is not None and due.ledger is self._ledger:
                 self._looks.rejected(reason, due.taken.request)
 
     def receive(self, sample: Sample) -> DueLook | None:
@@ -138,18 +108,48 @@ class MappedRobot:
                 raise Failure(INVALID, str(error)) from error
             if isinstance(found, Taken):
                 return self._due(found)
-            if looks.standing == _SHOWS_STOP and self._session is not None:
-                self._catch_up(self._session)
+            self._learn_of_the_stop(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
 
-    def _due(self, taken: Taken) -> DueLook:
-        session = self._settled()
-        if session != self._session:
-            self._enter(session)
-        self._issued += 1
-        return DueLook(session, self._issued, taken)
+    def _due(self, taken: Taken) -> DueLook | None:
+        """Give out a look; None: another replica's look of this stop came first, while the robot's session changed.
+
+        Raises:
+            Failure: it is not known for which session it is; it does not use up the stop.
+        """
+        looks = self._looks_or_fail()
+        try:
+            session = self._settled()
+            ledger = self._ledger
+            if ledger is None or session != self._session:
+                ledger = self._enter(session)
+                if self._is_taken(ledger.newest, taken):
+                    return None
+                if self._same_stop is not None:
+                    looks.resume(taken.request)
+        except Failure as failure:
+            looks.rejected(failure.kind, taken.request)
+            raise
+        self._missing = None
+        self._stop_known = False
+        ledger.take(taken)
+        return DueLook(self.name, taken, ledger, ledger.version)
+
+    def _is_taken(self, newest: ScanRequest | None, taken: Taken) -> bool:
+        return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
+
+    def _learn_of_the_stop(self, looks: MappedLooks) -> None:
+        """Once in each stop: take note of a look that others took of it, perhaps."""
+        rule = self.mapping.look
+        if rule.mode == "every" or looks.standing < min(_SHOWS_STOP, rule.scans - 1):
+            self._stop_known = False
+        elif not self._stop_known and self._ledger is not None:
+            newest = self._ledger.begin_stop()
+            self._stop_known = True
+            if newest is not None:
+                looks.resume(newest)
 
     def _settled(self) -> str:
         """The session that a look goes to which is due now; from now on it is the robot's.
@@ -162,7 +162,6 @@ class MappedRobot:
         session = self._services.claims.settle(self.name, self.mapping.scenario or "")
         if session is None:
             self._missing = self._none()
-            self._looks_or_fail().rejected("no session")
             raise not_found("session yet on scenario", self.mapping.scenario or "")
         return session
 
@@ -175,15 +174,18 @@ class MappedRobot:
             Failure: the scenario or session that the mapping names is not there.
         """
         now = time.monotonic()
-        if self._looks is None or now - self._followed >= FOLLOW_SECONDS:
+        if now - self._followed >= FOLLOW_SECONDS:
+            self._followed = now
             try:
                 self._follow()
-            except Failure:
-                if received == LASER_SCAN:
-                    raise
-                return None
-            self._followed = now
-        return self._looks_or_fail()
+                self._absent = None
+            except Failure as failure:  # a database that fails for a moment stops no look from being gathered
+                self._absent = failure if self._looks is None or failure.kind in _ABSENT else None
+        if self._absent is None:
+            return self._looks_or_fail()
+        if received == LASER_SCAN:
+            raise self._absent.with_traceback(None)
+        return None
 
     def _looks_or_fail(self) -> MappedLooks:
         if self._looks is None:
@@ -202,10 +204,13 @@ class MappedRobot:
             if scenario != self._scenario or self._looks is None:
                 self._look_at(scenario)
         except Failure as failure:
-            self._missing = f"what the mapping names: {failure.detail}"
+            if failure.kind in _ABSENT or self._looks is None:
+                self._missing = f"what the mapping names: {failure.detail}"
             raise
         self._missing = self._none() if session is None else None
-        if session != self._session:
+        if session is None:
+            self._leave()
+        elif session != self._session:
             self._enter(session)
 
     def _none(self) -> str:
@@ -223,39 +228,23 @@ class MappedRobot:
         self._scenario = scenario
         beams = BeamGrid(grid.beams, grid.angle_min, grid.angle_increment)
         self._looks = MappedLooks(self.mapping, beams, self._services.limits.beams)
+        self._same_stop = same_stop(self.mapping.look, beams)
         if self._requested:
             self._requested = False
             self._looks.request()
 
-    def _enter(self, session: str | None) -> None:
-        """Begin the looks for a session; None: for none, so far."""
-        looks = self._looks_or_fail()
-        if self._session is not None:  # what was gathered before there was any session is not lost
-            looks.restart()
-        self._session = session
-        self._issued = 0
-        if session is not None:
-            self._catch_up(session)
+    def _enter(self, session: str) -> LookLedger:
+        """Begin the looks for a session; raises Failure, and changes nothing, where it cannot be read."""
+        ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
+        self._leave()
+        self._session, self._ledger = session, ledger
+        if ledger.newest is not None:
+            self._looks_or_fail().resume(ledger.newest)
+        return ledger
 
-    def _catch_up(self, session: str) -> None:
-        """Take note of a look that the session has, and that is not known here."""
-        newest = self._services.sessions.robot_looks(session, self.name, 1)
-        if newest and newest[0].number > self._issued:
-            self._issued = newest[0].number
-            look = last_look(self._services, session, self.name)
-            if look is not None:
-                self._looks_or_fail().resume(look)
-
-
-def last_look(services: Services, session: str, robot: str) -> ScanRequest | None:
-    """The newest look of a robot in a session's history.
-
-    Raises:
-        Failure: there is no such session.
-    """
-    for entry in services.sessions.newest_entries(session, _NEWEST):
-        if entry.kind == "scan":
-            request = ScanRequest.model_validate_json(entry.request)
-            if robot_of(request) == robot:
-                return request
-    return None
+    def _leave(self) -> None:
+        """End the looks for a session, if there was one; what was gathered before there was any is not lost."""
+        if self._session is not None:
+            self._looks_or_fail().restart()
+        self._session = self._ledger = None
+        self._stop_known = False

@@ -7,7 +7,7 @@ effect is up to the database, not to this.
 
 import hashlib
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import zenoh
@@ -23,7 +23,12 @@ class Replicas:
         self._own = own
         self._keys = keys
         self._alive = {own}
+        self._on_leave: list[Callable[[], None]] = []
         self._lock = threading.Lock()
+
+    def when_one_leaves(self, call: Callable[[], None]) -> None:
+        """Call something, in a Zenoh thread, whenever another replica is gone: it must return at once."""
+        self._on_leave.append(call)
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
@@ -49,8 +54,12 @@ class Replicas:
         with self._lock:
             if sample.kind == zenoh.SampleKind.PUT:
                 self._alive.add(id_)
-            elif id_ != self._own:
-                self._alive.discard(id_)
+                return
+            if id_ == self._own or id_ not in self._alive:
+                return
+            self._alive.discard(id_)
+        for call in self._on_leave:
+            call()
 
 
 def _rank(id_: str, name: str) -> bytes:

@@ -19,34 +19,20 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_ros.robots import RobotMapping, Subscription, load
-from voa_ros.taken import look_name
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
-from voa_service.failures import (
-    INTERNAL,
-    INVALID,
-    KEY_REUSED,
-    LOOK_COUNTED,
-    NOT_ACCEPTED,
-    OVERLOADED,
-    TOO_LARGE,
-    Failure,
-)
-from voa_service.ports import RobotLook
+from voa_service.failures import INTERNAL, INVALID, NOT_ACCEPTED, OVERLOADED, TOO_LARGE, Failure
 from voa_service.services import Services
-from voa_service.usecases.robots import LookOutcome
-from voa_service.writes import idempotency_key, scope_of, write_of
+from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.latched import declare_latched_subscriber
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
-from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, DueLook, MappedRobot, Sample, last_look
+from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
+from voa_service.zenoh.samples import Sample
 
 _WORKERS = 2
 _END_SECONDS = 0.4
-_COMPARED = 64
-"""Looks of a robot, the newest, among which one is searched that another replica applied."""
-_TRIES = 3
 
 
 @dataclass(frozen=True)
@@ -74,6 +60,7 @@ class Ros2:
             self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
         self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
+        replicas.when_one_leaves(self._later.hasten)
 
     def close(self) -> None:
         """End the workers."""
@@ -195,58 +182,20 @@ class Ros2:
 
     def _apply(self, look: _Look) -> None:
         """Apply a look unless the session has it; a look that comes to nothing does not use up the robot's stop."""
-        try:
-            for _ in range(_TRIES):
-                number = self._number(look)
-                if number is None or self._applied(look, number):
-                    return
-            look.robot.rejected(look.due, NOT_ACCEPTED[0])  # by another replica, which says so to the robot
-        except BaseException as error:
-            look.robot.rejected(look.due, error.kind if isinstance(error, Failure) else INTERNAL[0])
-            raise
-
-    def _number(self, look: _Look) -> int | None:
-        """The number under which a look is to be applied; None: the session has it, by whichever replica."""
-        every, due = look.robot.mapping.look.mode == "every", look.due
-        newest = self._services.sessions.robot_looks(due.session, look.robot.name, _COMPARED)
-        count = newest[0].number if newest else 0
-        has_it = any(each.digest == due.taken.digest for each in newest)
-        if has_it or (not every and due.number <= count):
-            self._services.metrics.zenoh("look applied already")
-            last = None if every else last_look(self._services, due.session, look.robot.name)
-            look.robot.counted(count, last)
-            return None
-        return count + 1 if every else due.number
-
-    def _applied(self, look: _Look, number: int) -> bool:
-        """Apply a look under a number; False: another replica did, with poses that may differ by a hair."""
-        due, robot = look.due, look.robot
-        request = due.taken.request
-        key = idempotency_key(
-            look_name(robot.name, due.session, number, due.taken), scope_of(due.session), "scan", request
-        )
-        body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
-        counted = RobotLook(robot.name, number, due.taken.digest)
-        try:
-            answered = self._services.sessions.apply_scan(
-                due.session, request, write_of("scan", body, key, look=counted)
-            )
-        except Failure as failure:
-            if failure.kind in (LOOK_COUNTED[0], KEY_REUSED[0]):
-                return False
-            raise
-        self._answered(look, number, LookOutcome.model_validate_json(answered.body))
-        return True
-
-    def _answered(self, look: _Look, number: int, answer: LookOutcome) -> None:
-        """Note what became of a look."""
         robot, due = look.robot, look.due
-        self._services.robots.looked(robot.name, "ros2", look.key, due.session, due.taken.request, answer)
-        if answer.update.accepted:
-            robot.accepted(number)
+        try:
+            answer = apply_look(self._services.sessions, due)
+        except BaseException as error:
+            robot.rejected(due, error.kind if isinstance(error, Failure) else INTERNAL[0])
+            raise
+        if answer is None:
+            self._services.metrics.zenoh("look applied already")
             return
-        robot.rejected(due, answer.update.reason or NOT_ACCEPTED[0])
-        self._refuse(robot, look.key, not_accepted(answer.update.reason))
+        session, request = due.ledger.session, due.taken.request
+        self._services.robots.looked(robot.name, "ros2", look.key, session, request, answer)
+        if not answer.update.accepted:
+            robot.rejected(due, answer.update.reason or NOT_ACCEPTED[0])
+            self._refuse(robot, look.key, not_accepted(answer.update.reason))
 
     def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"

@@ -65,6 +65,7 @@ class Scans:
         self._outbox = outbox
         self._boxes = Mailboxes(self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES)
         self._later: Later[Heard] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
+        replicas.when_one_leaves(self._later.hasten)
         services.metrics.gauge("voa_scans_waiting", "Scans heard, not applied yet.", lambda: self._boxes.waiting)
 
     def close(self) -> None:

@@ -13,7 +13,8 @@ from tests.waiting import wait_for
 from voa_cli.recording import status
 from voa_cli.recording.filing import Filing
 from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Heard, Inbox, Told, is_of_rmw
+from voa_cli.recording.inbox import Answer, Inbox, Received
+from voa_cli.recording.listening import is_of_rmw
 from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_cli.recordings.writer import RecordingWriter
 from voa_client import Client
@@ -33,14 +34,14 @@ RMW = "0/tb3_1/scan/sensor_msgs::msg::dds_::LaserScan_/RIHS01_x"
 LATER = START_NS + 1_000_000_000
 
 
-def heard(key: str, payload: bytes = b"", **changes: Any) -> Heard:
+def heard(key: str, payload: bytes = b"", **changes: Any) -> Received:
     told: dict[str, Any] = {
         "attachment": b"", "encoding": "zenoh/bytes", "deleted": False, "log_ns": LATER, "sent_ns": None,
     }  # fmt: skip
-    return Heard(key, payload, **(told | changes))
+    return Received(key, payload, **(told | changes))
 
 
-def filed(*items: Heard | Told) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
+def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
     """Topic, type and message of each; the sessions that moved."""
     file = BytesIO()
     writer = RecordingWriter(file, TYPES)
@@ -153,7 +154,7 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
         heard(KEYS.scan("s1", "r1"), SCAN, attachment=b"no JSON"),
         heard(KEYS.refused("s1", "r1"), b"{}"),
         heard(f"{KEYS.root}/other/s1", b"{}"),
-        Told("s1", "history", b"{}", LATER, LATER),
+        Answer("s1", "history", b"{}", LATER, LATER),
     )
     assert Counter((topic, kind) for topic, kind, _ in found) == {
         ("/voa/s1/belief", "Session"): 1,

@@ -46,7 +46,7 @@ def test_a_renamed_file_is_read_by_its_content(folder: Path, name: str) -> None:
         ("a: 1", "has a metadata.yaml that is none"),
         ("rosbag2_bagfile_information: {relative_file_paths: 3}", "has a metadata.yaml that is none"),
         ("rosbag2_bagfile_information: {relative_file_paths: [1]}", "has a metadata.yaml that is none"),
-        ("rosbag2_bagfile_information: {relative_file_paths: []}", ""),
+        ("rosbag2_bagfile_information: {relative_file_paths: []}", "has a metadata.yaml that names no file"),
     ],
 )
 def test_metadata_that_is_no_use_is_told_and_the_files_are_read(folder: Path, text: str, says: str) -> None:

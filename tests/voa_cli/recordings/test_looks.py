@@ -13,6 +13,7 @@ from tests.serving import box_obj, data_scenario, mesh_scenario
 from tests.voa_cli.recordings.bags import START_NS, STEP_NS, STORE, Written, bag, laser_scan
 from voa_cli.main import main
 from voa_cli.recordings.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE
+from voa_client import Client
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import Odometry, Pose, PoseWithCovariance, Stamp
 
@@ -193,6 +194,20 @@ def test_what_cannot_work_is_said_so(
     out, err = capsys.readouterr()
     assert out == ""
     assert says in err
+
+
+@pytest.mark.parametrize("content", [b"nonsense", b"\x89MCAP0\r\n"])
+def test_no_session_stays_behind_where_there_is_nothing_to_replay(
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: bytes
+) -> None:
+    path = tmp_path / "look.mcap"
+    path.write_bytes(content)
+    with Client(process) as client:
+        before = [session.id for session in client.list_sessions()]
+        command = ["replay", str(path), "--scenario", str(scenario_file(tmp_path)), "--url", process]
+        assert main([*command, "--sensor", "Q1", "--topic", "/scan"]) == 1
+        assert str(path) in (err := capsys.readouterr().err) or "no sensor_msgs/msg/LaserScan on /scan" in err
+        assert [session.id for session in client.list_sessions()] == before
 
 
 def test_a_bag_with_neither_sessions_nor_a_scenario_names_its_topics(

@@ -132,6 +132,7 @@ def zipped(inside: str) -> bytes:
         ("x.7z", b"7z\xbc\xaf\x27\x1c....", "is a 7z archive; unpack it first: `7z x "),
         ("x.gz", gzip.compress(b"{}"), "is compressed by gzip, and what is inside is of an unknown kind; expected"),
     ],
+    ids=lambda value: value if isinstance(value, str) else "",  # a gzip header has the time in it
 )
 def test_an_archive_is_named_with_the_command_that_unpacks_it(
     tmp_path: Path, name: str, content: bytes, says: str

@@ -9,8 +9,9 @@ from alembic.config import Config
 from sqlalchemy import Engine, create_engine, text
 
 from tests.voa_core.worlds import box
+from tests.voa_service.store.samples import next_version
 from voa_core.objects import Object
-from voa_service.ports import Upload
+from voa_service.ports import RobotLook, Upload, Write
 from voa_service.store import migrate
 from voa_service.store.sql import SqlStore
 
@@ -49,8 +50,8 @@ def test_objects_from_before_up_was_kept_were_read_with_z_up(tmp_path: Path) -> 
     store.close()
 
 
-def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url: str) -> None:
-    engine = at_revision(database_url, "0002")
+def insert_session(engine: Engine, *ids: str) -> None:
+    """Put sessions on a scenario "A" of their own, at version 0."""
     blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).tobytes()
     scenario = text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, '{}')")
     session = text(
@@ -59,8 +60,13 @@ def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url
     )
     with engine.begin() as connection:
         connection.execute(scenario, {"at": AT})
-        for id_ in ("older", "newest"):
+        for id_ in ids:
             connection.execute(session, {"id": id_, "blob": blob, "at": AT})
+
+
+def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url: str) -> None:
+    engine = at_revision(database_url, "0002")
+    insert_session(engine, "older", "newest")
     engine.dispose()
     store = SqlStore(database_url)
     assert store.robot_session("tb3_1", "A") == store.settle_robot("tb3_1", "A") == "newest"
@@ -81,4 +87,15 @@ def test_a_mesh_from_before_uploads_were_kept_is_uploaded_once_more(tmp_path: Pa
     found = store.find_upload(upload)
     assert found is not None
     assert found.object.digest == mesh.digest
+    store.close()
+
+
+def test_a_session_from_before_looks_were_counted_counts_its_next_one(database_url: str) -> None:
+    engine = at_revision(database_url, "0004")
+    insert_session(engine, "S")
+    engine.dispose()
+    store, counted = SqlStore(database_url), RobotLook("tb3_1", 1, "digest")
+    assert store.robot_looks("S", "tb3_1", 9) == []
+    store.change_session("S", Write("scan", "{}", None, None, counted), next_version)
+    assert store.robot_looks("S", "tb3_1", 9) == [counted]
     store.close()

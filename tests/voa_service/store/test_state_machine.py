@@ -1,5 +1,6 @@
 """The store against a dictionary: hypothesis looks for a sequence of calls after which they differ."""
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -23,7 +24,7 @@ from sqlalchemy import create_engine
 from tests.scale import scaled
 from voa_core.filtering import Belief
 from voa_service.failures import Failure
-from voa_service.ports import Answered, IdempotencyKey, SessionState, Step, Store, StoredScenario, Write
+from voa_service.ports import Answered, IdempotencyKey, RobotLook, SessionState, Step, Store, StoredScenario, Write
 from voa_service.store.sql import SqlStore
 from voa_service.store.tables import metadata
 
@@ -38,6 +39,7 @@ START = datetime(2026, 1, 1, tzinfo=UTC)
 
 IDS = st.sampled_from(["S", "T", "U"])
 ROBOTS = st.sampled_from(["q", "r"])
+LOOKS = st.none() | st.builds(RobotLook, ROBOTS, st.integers(1, 3), st.sampled_from(["d", "e"]))
 CREWS = st.sampled_from([(), (), ("q",), ("r", "q")])
 KEYS = st.sampled_from([None, "a", "b", "c"])
 FINGERPRINTS = st.sampled_from(["F", "F", "F", "G"])
@@ -72,6 +74,18 @@ class Model:
     """Sessions opened so far."""
     claims: dict[str, tuple[str | None, int]] = field(default_factory=dict)
     """By robot: its session, and when that was opened."""
+    looks: dict[str, list[RobotLook]] = field(default_factory=dict)
+    """By session: the looks that it has accepted."""
+
+    def has(self, session: str, look: RobotLook | None) -> bool:
+        """Whether a session has a look of the same robot with the same number."""
+        named = [(each.robot, each.number) for each in self.looks.get(session, [])]
+        return look is not None and (look.robot, look.number) in named
+
+    def looks_of(self, session: str, robot: str) -> list[RobotLook]:
+        """Looks of a robot that a session has, the newest first."""
+        own = [each for each in self.looks.get(session, []) if each.robot == robot]
+        return sorted(own, key=lambda each: -each.number)
 
     def of_robot(self, robot: str) -> str | None:
         """The session that a look of a robot is for."""
@@ -175,6 +189,7 @@ class Histories(RuleBasedStateMachine):
         fit=FITS,
         request=REQUESTS,
         accepted=st.sampled_from([True, True, True, False]),
+        look=LOOKS,
     )
     def change(
         self,
@@ -187,6 +202,7 @@ class Histories(RuleBasedStateMachine):
         fit: float | None,
         request: str,
         accepted: bool,
+        look: RobotLook | None,
     ) -> None:
         named = self._named(f"session:{id_}", key, fingerprint)
         log = self.model.sessions.get(id_)
@@ -205,7 +221,8 @@ class Histories(RuleBasedStateMachine):
             )
             return Step(after if accepted else None, Answered(f"{request} {accepted}", version), f"report {request}")
 
-        told = outcome(lambda: self.stores[store].change_session(id_, Write("scan", request, named, seen), step))
+        write = Write("scan", request, named, seen, look)
+        told = outcome(lambda: self.stores[store].change_session(id_, write, step))
         expected = self._expected(named)
         if expected is not None or log is None:
             assert (told, ran) == (expected, [])
@@ -215,11 +232,15 @@ class Histories(RuleBasedStateMachine):
             (state,) = ran
             assert (state.version, bits(state.belief)) == (log[-1].version, log[-1].belief)
             answer = Answered(f"{request} {accepted}", log[-1].version + accepted)
+            if accepted and self.model.has(id_, look):
+                assert told == "look-counted"
+                return
             assert told == answer
             self._remember(named, answer)
             if accepted:
                 entry = Entry(log[-1].version + 1, bits(after_belief), exactly(fit), request, f"report {request}")
                 log.append(entry)
+                self.model.looks.setdefault(id_, []).extend([] if look is None else [look])
 
     @rule(store=st.integers(0, 1), id_=IDS, key=KEYS, fingerprint=FINGERPRINTS, seen=SEEN)
     def delete(self, store: int, id_: str, key: str | None, fingerprint: str, seen: frozenset[int] | None) -> None:
@@ -239,6 +260,7 @@ class Histories(RuleBasedStateMachine):
             del self.model.sessions[id_]
             self.model.order.remove(id_)
             del self.model.opened[id_]
+            self.model.looks.pop(id_, None)
 
     @rule(store=st.integers(0, 1), robot=ROBOTS)
     def settle(self, store: int, robot: str) -> None:
@@ -278,6 +300,12 @@ class Histories(RuleBasedStateMachine):
         if hasattr(self, "model"):
             for robot in ("q", "r"):
                 assert {store.robot_session(robot, "A") for store in self.stores} == {self.model.of_robot(robot)}
+
+    @invariant()
+    def every_robot_s_looks_are_as_the_model_says(self) -> None:
+        if hasattr(self, "model"):
+            for id_, robot in itertools.product(("S", "T", "U"), ("q", "r")):
+                assert self.stores[1].robot_looks(id_, robot, 9) == self.model.looks_of(id_, robot)
 
     @invariant()
     def every_session_is_as_the_model_says(self) -> None:

@@ -94,6 +94,19 @@ def test_what_is_put_off_comes_later_in_order() -> None:
     later.close()
 
 
+def test_what_is_put_off_can_be_hastened_and_what_comes_later_is_put_off_again() -> None:
+    came: list[int] = []
+    later = Later(3600.0, came.append, 100, 100)
+    for number in range(5):
+        later.put(number, 20)
+    later.hasten()
+    wait_for(lambda: len(came) == 5, "all of them")
+    later.put(5, 20)
+    assert later.put(6, 90) == 1, "the bytes of those that went are free again"
+    later.close()
+    assert came == list(range(5))
+
+
 def test_what_is_put_off_is_forgotten_at_the_end() -> None:
     came: list[int] = []
     never = Later(3600.0, came.append, 100, 100)

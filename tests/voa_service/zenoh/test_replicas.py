@@ -16,6 +16,7 @@ from tests.routers import Router, router
 from tests.serving import Json, Service, data_scenario, scan_of, serving
 from tests.voa_service.zenoh.test_ros2 import laser_scan
 from tests.waiting import wait_for
+from voa_service.failures import OVERLOADED, Failure
 from voa_service.settings import Limits
 from voa_service.zenoh.replicas import Replicas
 
@@ -97,14 +98,18 @@ class Pair:
 
 
 @contextmanager
-def paired(folder: Path, own: Router) -> Iterator[Pair]:
+def paired(
+    folder: Path, own: Router, grace_seconds: float = GRACE_SECONDS, first: ExitStack | None = None
+) -> Iterator[Pair]:
+    """Two services; the `first` one leaves the bus with that stack, if one is given."""
     mapping = folder / "robots.toml"
     mapping.write_text("")
     with ExitStack() as stack:
         limits = Limits(scan_bytes=MOST_BYTES)
         services = [stack.enter_context(serving(folder, limits=limits)) for _ in range(2)]
         for service in services:
-            stack.enter_context(bridged(service, own, robots=mapping, grace_seconds=GRACE_SECONDS))
+            leaves = stack.enter_context(first) if first is not None and service is services[0] else stack
+            leaves.enter_context(bridged(service, own, robots=mapping, grace_seconds=grace_seconds))
         bus = stack.enter_context(stranger(own.endpoint))
         wait_for(lambda: len(list(bus.session.liveliness().get(bus.keys.replica("*")))) == 2, "both tokens")
         yield Pair(services, bus, mapping)
@@ -229,3 +234,27 @@ def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:
         wait_for(lambda: not list(bus.session.liveliness().get(bus.keys.replica("*"))), "both to be gone")
         with one.on(bus.session):
             assert all(one.owns(robot) for robot in ROBOTS)
+
+
+def refusing(*_: Any) -> Any:
+    raise Failure(OVERLOADED, "the database does not answer")
+
+
+@pytest.mark.parametrize("source", ["ros2", "scan"])
+def test_what_waits_for_a_replica_that_leaves_is_applied_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str
+) -> None:
+    first, endless = ExitStack(), 1_000.0
+    with router() as own, paired(tmp_path, own, endless, first) as pair:
+        session = pair.open()
+        pair.map(session, "Q1")
+        monkeypatch.setattr(pair.services[0].inside.sessions.store, "change_session", refusing)
+        for robot in ROBOTS:
+            if source == "ros2":
+                pair.bus.session.put(f"{robot}/scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0))
+            else:
+                put(pair, session, robot, stamped(robot))
+        wait_for(lambda: sum(each["scans"] for each in pair.reports(pair.services[1], source).values()) == 8, "all")
+        wait_for(lambda: any(each["refused"] for each in pair.reports(pair.services[0], source).values()), "its own")
+        first.close()
+        wait_for(lambda: len(pair.stamps(session)) == len(ROBOTS), "all scans")

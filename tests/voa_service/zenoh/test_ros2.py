@@ -115,14 +115,14 @@ class Lab:
 
 
 @contextmanager
-def lab(folder: Path, own_router: Router) -> Iterator[Lab]:
+def lab(folder: Path, own_router: Router, **settings: Any) -> Iterator[Lab]:
     folder.mkdir(exist_ok=True)
     mapping = folder / "robots.toml"
     if not mapping.exists():
         mapping.write_text("")
     with ExitStack() as stack:
         service = stack.enter_context(serving(folder, limits=Limits(scan_bytes=20_000)))
-        stack.enter_context(bridged(service, own_router, robots=mapping))
+        stack.enter_context(bridged(service, own_router, robots=mapping, **settings))
         bus = stack.enter_context(stranger(own_router.endpoint))
         wait_for(lambda: bus.replies("service.health", {}), "the service")
         yield Lab(service, bus, mapping)

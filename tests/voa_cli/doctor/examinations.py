@@ -1,0 +1,38 @@
+"""`voa doctor --json`, and what it found."""
+
+import json
+import socket
+import time
+
+import pytest
+
+from voa_cli.main import main
+
+LIMIT_SECONDS = 20.0
+"""The command promises 15; the machine may be busy."""
+
+Findings = dict[str, dict[str, str]]
+
+
+def examined(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, Findings]:
+    """The exit code, and the findings by check."""
+    began = time.monotonic()
+    code = main(["doctor", "--json", *options])
+    assert time.monotonic() - began < LIMIT_SECONDS
+    told = json.loads(capsys.readouterr().out)
+    found = {finding["check"]: finding for finding in told["findings"]}
+    assert code == int(any(finding["state"] == "wrong" for finding in found.values()))
+    assert told["healthy"] is (code == 0)
+    assert all(finding["advice"] for finding in found.values() if finding["state"] != "ok")
+    return code, found
+
+
+def wrong(found: Findings) -> dict[str, str]:
+    """List what was seen of all that is wrong, by check."""
+    return {check: finding["seen"] for check, finding in found.items() if finding["state"] == "wrong"}
+
+
+def free_port() -> int:
+    """A port that nobody listens at."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        return int(listening.getsockname()[1])
