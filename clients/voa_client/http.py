@@ -19,6 +19,7 @@ _WIRE = "Voa-Wire-Version"
 _CONNECT_S = 5.0
 _SILENCE_S = 20.0  # the service says that it is alive every 15
 _MOST_EVENT_BYTES = 64_000_000
+_MOST_DIGITS = 18
 _JSON = {"Content-Type": "application/json"}
 
 
@@ -214,7 +215,7 @@ def _reply(response: httpx2.Response) -> Reply:
 
 def _number(headers: Mapping[str, str], name: str) -> int | None:
     value = headers.get(name, "").strip()
-    return int(value) if value.isascii() and value.isdigit() else None
+    return int(value) if value.isascii() and value.isdigit() and len(value) <= _MOST_DIGITS else None
 
 
 def _check_stream(response: httpx2.Response) -> None:

@@ -17,7 +17,7 @@ from voa_client.answers import Reply
 from voa_client.calls import Call
 from voa_client.errors import TimedOutError, UnreachableError, UsageError, VoaClientError
 from voa_client.installing import install_hint
-from voa_client.transport import Deleted, Lost, State, Tell
+from voa_client.transport import Hint, Lost, Tell
 from voa_client.zenoh_address import ZenohAddress
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import CHUNK, Attachment, Keys
@@ -32,6 +32,9 @@ _LOOK_S = 0.02
 _JOIN_S = 0.2  # a watch begins again where it cannot begin now
 _AGAIN_S = 0.2
 _CLOSE_S = 2.0
+_MOST_DIGITS = 18
+_MOST_BODY_BYTES = 8_000_000
+"""Of a version that is kept until the service was asked; larger ones are asked for."""
 
 
 class MissingLibraryError(VoaClientError, ImportError):
@@ -117,8 +120,7 @@ class AsyncZenohTransport:
             tell(Lost(error))
             yield
             return
-        told = _into(asyncio.get_running_loop(), tell)
-        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, told)
+        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, tell)
         try:
             yield
         finally:
@@ -283,7 +285,7 @@ def _reply(asked: str, replies: "list[zenoh.Reply]") -> Reply:
 def _wire(attachment: bytes) -> int | None:
     try:
         told = json.loads(attachment)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     wire = told.get("wire") if isinstance(told, dict) else None
     return wire if isinstance(wire, int) else None
@@ -295,16 +297,27 @@ def _subscribe(session: "zenoh.Session", keys: Keys, session_id: str, tell: Tell
         return None
     library = _library()
 
-    def heard(sample: "zenoh.Sample") -> None:
-        tell(Deleted() if sample.kind == library.SampleKind.DELETE else State(sample.payload.to_bytes()))
+    def receive(sample: "zenoh.Sample") -> None:
+        tell(_hint(sample))
 
     try:
         subscriber: zenoh.Subscriber[None] = session.declare_subscriber(
-            keys.belief(session_id), library.handlers.Callback(heard, indirect=False)
+            keys.belief(session_id), library.handlers.Callback(receive, indirect=False)
         )
     except library.ZError as error:
         raise UnreachableError(f"cannot follow {session_id}: {error}") from error
     return subscriber
+
+
+def _hint(sample: "zenoh.Sample") -> Hint:
+    """What a sample says, be it from the service or from anybody else who may put there.
+
+    A delete, and a put without a version beside it, say that there is something to ask for.
+    """
+    said = b"" if sample.attachment is None else sample.attachment.to_bytes()
+    version = int(said) if said.isdigit() and len(said) <= _MOST_DIGITS else None
+    is_kept = version is not None and len(sample.payload) <= _MOST_BODY_BYTES
+    return Hint(version, sample.payload.to_bytes() if is_kept else b"")
 
 
 def _undeclare(subscriber: "zenoh.Subscriber[None] | None") -> None:
