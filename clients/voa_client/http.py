@@ -58,8 +58,12 @@ class HttpTransport:
             reader.stop()
 
     def close(self) -> None:
-        """As the port says; whoever still follows is told."""
-        self._http.close()
+        """Close, as the port says; whoever still follows raises UsageError."""
+        for stopping in (self._stop_readers, self._http.close, self._stop_readers):  # one may begin in between
+            stopping()
+
+    def _stop_readers(self) -> None:
+        # Before their sockets are closed: a thread that reads from a closed one is not woken.
         for reader in list(self._readers):
             reader.stop()
 
