@@ -238,12 +238,12 @@ class Client:
         """A session as it stands, then every newer version: in order, none twice.
 
         Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,
-        however long it takes, once anything was heard. Whoever reads slowly, or was cut off, may miss versions, but
-        never the newest.
+        however long it takes, once anything was received. Whoever reads slowly, or was cut off, may miss versions, but
+        never the newest. The service alone is believed: what others put on a bus ends nothing and is never returned.
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
+            UnreachableError: nothing was ever received, within `timeout_s` or `for_s`.
         """
         following = Following(session_id, self._patience, for_s)
         while not following.is_over:

@@ -60,7 +60,7 @@ def serving(proxy: Proxy) -> Iterator[str]:
         def do_GET(self) -> None:
             proxy.answer(self)
 
-        def log_message(self, format: str, *args: object) -> None:
+        def log_request(self, code: object = "-", size: object = "-") -> None:
             return
 
     with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
