@@ -12,8 +12,8 @@ from voa_client.transport import Deleted, Hint, Lost, News, State
 MOST_NEWS = 1_000
 """Of the service's own; beyond it the oldest go: who reads slowly misses versions, never the newest."""
 MOST_VERSIONS = 256
-MOST_BODIES = 4
-"""Different bodies that claim to be one version."""
+MOST_BODIES = 16
+"""Different bodies that claim to be one version; the newest, since a true one comes no earlier than its version."""
 MOST_BYTES = 32_000_000
 """In all bodies of hints."""
 
@@ -76,8 +76,10 @@ class Pile:
 
     def _keep(self, version: int, body: bytes) -> None:
         bodies = self._bodies.get(version, [])
-        if len(bodies) >= MOST_BODIES or body in bodies:
+        if body in bodies:
             return
+        if len(bodies) >= MOST_BODIES:
+            self._bytes -= len(bodies.pop(0))
         while self._bytes + len(body) > MOST_BYTES or (not bodies and len(self._bodies) >= MOST_VERSIONS):
             highest = max(self._bodies, default=version)
             if highest <= version:

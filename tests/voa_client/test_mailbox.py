@@ -54,7 +54,9 @@ def test_a_flood_is_bounded_and_leaves_the_lowest_versions(boxed: Callable[..., 
     batch = boxed([*flood, *[Hint(version, b"true") for version in (1, 2, 3)], *flood, *[Hint(None)] * 1_000])
     assert [batch.bodies[version] for version in (1, 2, 3)] == [[b"true"]] * 3
     assert len(batch.bodies) == MOST_VERSIONS
-    assert len(boxed([Hint(1, b"%d" % number) for number in range(100)]).bodies[1]) == MOST_BODIES
+    prefilled = boxed([*[Hint(1, b"%d" % number) for number in range(100)], Hint(1, b"true"), Hint(1, b"late")])
+    assert len(prefilled.bodies[1]) == MOST_BODIES
+    assert prefilled.bodies[1][-2:] == [b"true", b"late"]
 
 
 def test_large_bodies_are_bounded_too(boxed: Callable[..., Batch]) -> None:
