@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pydantic import ValidationError
 
 from voa_client.calls import Call, M
-from voa_client.errors import UnexpectedAnswerError, WireVersionError, refusal
+from voa_client.errors import ANSWERED_BETWEEN, UnexpectedAnswerError, WireVersionError, refusal
 from voa_client.installing import install_hint
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Problem
@@ -70,7 +70,7 @@ def made_up(status: int, where: str, text: str) -> bytes:
     """The problem document of an error that something in between answered."""
     title = f"HTTP {status} from {where}"
     return json.dumps(
-        {"type": "urn:voa:problem:http-error", "title": title, "status": status, "detail": text[:200]}
+        {"type": f"urn:voa:problem:{ANSWERED_BETWEEN}", "title": title, "status": status, "detail": text[:200]}
     ).encode()
 
 

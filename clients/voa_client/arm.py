@@ -53,18 +53,20 @@ class ArmClient:
         Each version of the session is judged as it comes; `timeout_s` bounds the wait, not the last judgement.
         """
         seen = self._client.get_session(self._session)
-        with closing(self._client.follow(self._session, timeout_s)) as sessions:
-            for session in sessions:
-                seen = session
-                best = self.best_grasp(reachable)
-                if best is not None and best.expected_score >= score:
-                    return Waited(session, "score")
-                ranking = self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
-                if isinstance(ranking.recommendation, GraspNow):
-                    return Waited(session, "no_look_pays")
         try:
+            with closing(self._client.follow(self._session, timeout_s)) as sessions:
+                for session in sessions:
+                    seen = session
+                    best = self.best_grasp(reachable)
+                    if best is not None and best.expected_score >= score:
+                        return Waited(session, "score")
+                    ranking = self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
+                    if isinstance(ranking.recommendation, GraspNow):
+                        return Waited(session, "no_look_pays")
             return Waited(self._client.get_session(self._session), "timeout")
-        except NotFoundError:
+        except NotFoundError as error:
+            if not error.is_of_the_service:
+                raise
             return Waited(seen, "deleted")
 
     def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:
@@ -92,18 +94,20 @@ class AsyncArmClient:
     ) -> Waited:
         """As in `ArmClient`."""
         seen = await self._client.get_session(self._session)
-        async with aclosing(self._client.follow(self._session, timeout_s)) as sessions:
-            async for session in sessions:
-                seen = session
-                best = await self.best_grasp(reachable)
-                if best is not None and best.expected_score >= score:
-                    return Waited(session, "score")
-                ranking = await self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
-                if isinstance(ranking.recommendation, GraspNow):
-                    return Waited(session, "no_look_pays")
         try:
+            async with aclosing(self._client.follow(self._session, timeout_s)) as sessions:
+                async for session in sessions:
+                    seen = session
+                    best = await self.best_grasp(reachable)
+                    if best is not None and best.expected_score >= score:
+                        return Waited(session, "score")
+                    ranking = await self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
+                    if isinstance(ranking.recommendation, GraspNow):
+                        return Waited(session, "no_look_pays")
             return Waited(await self._client.get_session(self._session), "timeout")
-        except NotFoundError:
+        except NotFoundError as error:
+            if not error.is_of_the_service:
+                raise
             return Waited(seen, "deleted")
 
     async def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:

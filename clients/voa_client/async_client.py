@@ -10,12 +10,13 @@ from typing import Any, Self
 
 from voa_client import calls
 from voa_client.addresses import async_transport_to
-from voa_client.answers import check, read
+from voa_client.answers import Reply, read
 from voa_client.attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client.calls import Call, M
 from voa_client.errors import VoaClientError
-from voa_client.following import AsyncMailbox, Following
-from voa_client.transport import AsyncTransport, Lost, News, State
+from voa_client.following import Ask, Following, Pause, Result, Step, Wait, taken
+from voa_client.mailbox import AsyncMailbox
+from voa_client.transport import AsyncTransport
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
@@ -239,40 +240,43 @@ class AsyncClient:
         """A session as it stands, then every newer version: in order, none twice.
 
         Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,
-        however long it takes, once anything was heard. Whoever reads slowly, or was cut off, may miss versions, but
-        never the newest.
+        however long it takes, once anything was received. Whoever reads slowly, or was cut off, may miss versions, but
+        never the newest. The service alone is believed: what others put on a bus ends nothing and is never returned.
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
+            UnreachableError: nothing was ever received, within `timeout_s` or `for_s`.
         """
-        following = Following(self._patience, for_s)
+        following = Following(session_id, self._patience, for_s)
         while not following.is_over:
-            box = AsyncMailbox()
-            news: News | None
+            box = AsyncMailbox(following.seen)
+            steps = following.steps(self._transport.ask_s)
             async with self._transport.watch(session_id, following.seen, box.put):
-                news = None if self._transport.ask_s is None else await self._ask(session_id, following)
-                while not following.is_over and not isinstance(news, Lost):
-                    if news is None:
-                        news = await box.get(following.within(self._transport.ask_s))
-                        if news is None and not following.is_over:
-                            news = await self._ask(session_id, following)
-                        continue
-                    session, news = following.take(news), None
-                    if session is not None:
-                        yield session
-            if isinstance(news, Lost):
-                await self._sleep(following.lost(news))
+                result: Result = None
+                while isinstance(step := taken(steps, result), Step):
+                    if isinstance(step, Session):
+                        yield step
+                    result = await self._result(step, box)
+            if step is not None:
+                await self._sleep(following.lost(step))
         following.end()
 
-    async def _ask(self, session_id: str, following: Following) -> News:
-        call = calls.get_session(session_id)
+    async def _result(self, step: Step, box: AsyncMailbox) -> Result:
+        """What comes of a step of a follower."""
+        match step:
+            case Wait():
+                return await box.take(step.seconds, step.seen)
+            case Pause():
+                await self._sleep(step.seconds)
+            case Ask():
+                return await self._attempt(step)
+        return None
+
+    async def _attempt(self, step: Ask) -> Reply | VoaClientError:
         try:
-            reply = await self._transport.send(call, None, following.within(self._patience.attempt_s) or 0.001)
-            check(reply)
+            return await self._transport.send(step.call, None, step.seconds)
         except VoaClientError as error:
-            return Lost(error)
-        return State(reply.body)
+            return error
 
     async def _do(self, call: Call[M], key: str | None = None) -> M:
         key = self._patience.key(call, key)

@@ -9,12 +9,13 @@ from typing import Any, Self
 
 from voa_client import calls
 from voa_client.addresses import transport_to
-from voa_client.answers import check, read
+from voa_client.answers import Reply, read
 from voa_client.attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client.calls import Call, M
 from voa_client.errors import VoaClientError
-from voa_client.following import Following, Mailbox
-from voa_client.transport import Lost, News, State, Transport
+from voa_client.following import Ask, Following, Pause, Result, Step, Wait, taken
+from voa_client.mailbox import Mailbox
+from voa_client.transport import Transport
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
@@ -237,40 +238,43 @@ class Client:
         """A session as it stands, then every newer version: in order, none twice.
 
         Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,
-        however long it takes, once anything was heard. Whoever reads slowly, or was cut off, may miss versions, but
-        never the newest.
+        however long it takes, once anything was received. Whoever reads slowly, or was cut off, may miss versions, but
+        never the newest. The service alone is believed: what others put on a bus ends nothing and is never returned.
 
         Raises:
             NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever heard, within `timeout_s` or `for_s`.
+            UnreachableError: nothing was ever received, within `timeout_s` or `for_s`.
         """
-        following = Following(self._patience, for_s)
+        following = Following(session_id, self._patience, for_s)
         while not following.is_over:
-            box = Mailbox()
-            news: News | None
+            box = Mailbox(following.seen)
+            steps = following.steps(self._transport.ask_s)
             with self._transport.watch(session_id, following.seen, box.put):
-                news = None if self._transport.ask_s is None else self._ask(session_id, following)
-                while not following.is_over and not isinstance(news, Lost):
-                    if news is None:
-                        news = box.get(following.within(self._transport.ask_s))
-                        if news is None and not following.is_over:
-                            news = self._ask(session_id, following)
-                        continue
-                    session, news = following.take(news), None
-                    if session is not None:
-                        yield session
-            if isinstance(news, Lost):
-                self._sleep(following.lost(news))
+                result: Result = None
+                while isinstance(step := taken(steps, result), Step):
+                    if isinstance(step, Session):
+                        yield step
+                    result = self._result(step, box)
+            if step is not None:
+                self._sleep(following.lost(step))
         following.end()
 
-    def _ask(self, session_id: str, following: Following) -> News:
-        call = calls.get_session(session_id)
+    def _result(self, step: Step, box: Mailbox) -> Result:
+        """What comes of a step of a follower."""
+        match step:
+            case Wait():
+                return box.take(step.seconds, step.seen)
+            case Pause():
+                self._sleep(step.seconds)
+            case Ask():
+                return self._attempt(step)
+        return None
+
+    def _attempt(self, step: Ask) -> Reply | VoaClientError:
         try:
-            reply = self._transport.send(call, None, following.within(self._patience.attempt_s) or 0.001)
-            check(reply)
+            return self._transport.send(step.call, None, step.seconds)
         except VoaClientError as error:
-            return Lost(error)
-        return State(reply.body)
+            return error
 
     def _do(self, call: Call[M], key: str | None = None) -> M:
         key = self._patience.key(call, key)

@@ -18,6 +18,9 @@ VoaClientError
 
 from voa_msgs.problems import Problem
 
+ANSWERED_BETWEEN = "http-error"
+"""The kind of a problem that a proxy's answer, or whatever else is no document of the service, stands for."""
+
 
 class VoaClientError(Exception):
     """Root of what this package raises on purpose."""
@@ -66,6 +69,11 @@ class DeniedError(ProblemError):
 
 class NotFoundError(ProblemError):
     """There is no such thing, or no longer."""
+
+    @property
+    def is_of_the_service(self) -> bool:
+        """Whether the service says so, and not something in between that answered in its place."""
+        return self.kind != ANSWERED_BETWEEN
 
 
 class ConflictError(ProblemError):

@@ -1,34 +1,92 @@
-"""A session's versions in order, each once, out of news that may be late, double, lost or cut off."""
+"""A session's versions in order, each once, out of news that may be late, double, lost, cut off or forged.
 
-import asyncio
-import threading
-from collections import deque
+The service alone is believed. What anybody may put on a bus is a hint: a reason to ask the service, which then says
+how the session stands. The versions between two questions are taken from hints, if the service's history has them with
+the same time; the history itself has no beliefs. Whoever wants to forge such a version has to know when it was
+committed before the service has published it.
 
-from voa_client.answers import parse
+A hint that the service does not bear out costs a pause: a flood of them comes to `1 / PAUSE_S` questions a second.
+"""
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from voa_client import calls
+from voa_client.answers import Reply, read
 from voa_client.attempts import Patience, worth_another
-from voa_client.errors import NotFoundError, TimedOutError, VoaClientError
-from voa_client.transport import Deleted, Lost, News, State
-from voa_msgs.sessions import Session
+from voa_client.calls import Call, M
+from voa_client.errors import NotFoundError, TimedOutError, UnexpectedAnswerError, VoaClientError
+from voa_client.mailbox import MOST_VERSIONS, Batch
+from voa_client.transport import Deleted, Lost, State
+from voa_client.versions import Version, confirmed, received, stored
+from voa_msgs.sessions import HistoryPage, Session
 
-_MOST_NEWS = 1_000  # beyond it the oldest go: who reads slowly misses versions, never the newest
+PAUSE_S = 0.1
+"""After a hint that the service does not bear out."""
+GRACE_S = 0.25
+"""For hints of versions that the service has, and that are still on their way."""
+_SHORTEST_S = 0.001
+
+
+@dataclass(frozen=True)
+class Wait:
+    """Wait for news, at most so many seconds (None: for ever); hints of versions up to `seen` are of no use."""
+
+    seconds: float | None
+    seen: int | None
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Do nothing for so many seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Ask:
+    """Make one attempt of a call, in so many seconds."""
+
+    call: Call[Any]
+    seconds: float
+
+
+Step = Wait | Pause | Ask | Session
+"""What to do next; a `Session` is for the caller."""
+Result = Batch | Reply | VoaClientError | None
+"""What came of a step: of a `Wait` a batch, of an `Ask` a reply or why there is none."""
+Steps = Generator[Step, Result, Lost | None]
+
+
+def taken(steps: Steps, result: Result) -> Step | Lost | None:
+    """The step after one that came to `result`; at the end what `Following.steps` returns."""
+    try:
+        return steps.send(result)
+    except StopIteration as end:
+        lost: Lost | None = end.value
+        return lost
 
 
 class Following:
-    """What a follower knows; it says what to do with each piece of news, and how long to wait for the next.
+    """What a follower knows, and what it does next; without I/O.
 
     Args:
+        session_id: which session.
         patience: how long to wait for what.
         for_s: when to end; None: with the session.
     """
 
-    def __init__(self, patience: Patience, for_s: float | None) -> None:
+    def __init__(self, session_id: str, patience: Patience, for_s: float | None) -> None:
         self.seen: int | None = None
         self.ended = False
+        self._id = session_id
         self._patience = patience
         self._began = patience.clock()
         self._for_s = for_s
         self._failures = 0
-        self._error: VoaClientError = TimedOutError("nothing was heard of the session in time")
+        self._error: VoaClientError = TimedOutError("no news of the session came in time")
+        self._pause_until = self._began
 
     @property
     def left_s(self) -> float | None:
@@ -47,32 +105,44 @@ class Following:
             return left if seconds is None else seconds
         return min(seconds, left)
 
-    def take(self, news: State | Deleted) -> Session | None:
-        """The session, if it is newer than what was seen."""
-        if isinstance(news, Deleted):
-            self.ended = True
-            return None
-        self._failures = 0
-        session = parse(Session, news.body)
-        if session.version is None or (self.seen is not None and session.version <= self.seen):
-            return None
-        self.seen = session.version
-        return session
+    def steps(self, ask_s: float | None) -> Steps:
+        """Follow along one watch; returns why it must be begun anew, or None if all is over.
+
+        Args:
+            ask_s: as the transport's; None: the watch says by itself how the session stands.
+        """
+        lost = None if ask_s is None else (yield from self._look({}, hinted=False))
+        while lost is None and not self.is_over:
+            pause = self._pause_until - self._patience.clock()
+            if pause > 0.0:
+                yield Pause(self.within(pause) or 0.0)
+            batch = yield from self._wait(ask_s)
+            for news in batch.news:
+                lost = yield from self._take(news)
+                if lost is not None or self.is_over:
+                    return lost
+            silent = batch.is_empty and ask_s is not None
+            if (batch.hinted or silent) and not self.is_over:
+                lost = yield from self._look(batch.bodies, hinted=batch.hinted)
+        return lost
 
     def lost(self, news: Lost) -> float:
         """Seconds to wait before a new watch.
 
-        A service that went away is waited for as long as it takes; one that was never there, as long as a call.
+        A service that went away is waited for as long as it takes, and so is one in whose place something else
+        answers; one that was never there, as long as a call.
 
         Raises:
-            VoaClientError: there is no use in waiting, or nothing was ever heard within the time of a call.
+            VoaClientError: there is no use in waiting, or nothing was ever received within the time of a call.
         """
         error = news.error
-        if isinstance(error, NotFoundError) and self.seen is not None:
+        gone = isinstance(error, NotFoundError) and error.is_of_the_service
+        if gone and self.seen is not None:
             self.ended = True
             return 0.0
         late = self._patience.clock() - self._began >= self._patience.timeout_s
-        if (late and self.seen is None) or not worth_another(error):
+        spoilt = self.seen is not None and isinstance(error, UnexpectedAnswerError | NotFoundError)
+        if (late and self.seen is None) or not (spoilt or worth_another(error)):
             raise error
         self._error = error
         self._failures += 1
@@ -80,50 +150,104 @@ class Following:
         return self.within(wait) or 0.0
 
     def end(self) -> None:
-        """The time is over; raises UnreachableError if nothing was ever heard."""
+        """The time is over; raises UnreachableError if nothing was ever received."""
         if self.seen is None and not self.ended:
             raise self._error
 
+    def _take(self, news: State | Deleted | Lost) -> Steps:
+        """Take what came over the service's own connection; where that is odd, the service is asked."""
+        if isinstance(news, Lost):
+            return news
+        at: Version | None = None
+        if isinstance(news, State):
+            try:
+                at = received(self._id, news.body)
+            except UnexpectedAnswerError as error:
+                return Lost(error)
+            if self.seen is not None and at.number <= self.seen:
+                return None
+        if at is None or self.seen is None or at.number > self.seen + 1:
+            now = yield from self._now()
+            if isinstance(now, Lost):
+                return now
+            if at is None or at.number > now.number:
+                return Lost(UnexpectedAnswerError(f"the events of session {self._id} contradict the service"))
+        yield self._new(at)
+        return None
 
-class Mailbox:
-    """News between threads."""
+    def _look(self, bodies: Mapping[int, Sequence[bytes]], *, hinted: bool) -> Steps:
+        """Ask how the session stands, and hand out what is new, with what lies between as far as it is known."""
+        now = yield from self._now()
+        if isinstance(now, Lost):
+            return now
+        if self.seen is not None:
+            if now.number <= self.seen:
+                self._pause_until = self._patience.clock() + (PAUSE_S if hinted else 0.0)
+                return None
+            if hinted:
+                between = range(self.seen + 1, now.number)
+                found = yield from self._await_hints(between, bodies)
+                yield from self._confirm(found, now.session)
+        yield self._new(now)
+        return None
 
-    def __init__(self) -> None:
-        self._held: deque[News] = deque(maxlen=_MOST_NEWS)
-        self._arrived = threading.Condition()
+    def _await_hints(
+        self, between: range, bodies: Mapping[int, Sequence[bytes]]
+    ) -> Generator[Step, Result, Mapping[int, Sequence[bytes]]]:
+        """What claims to be one of some versions: those at hand, and those that come within the grace."""
+        found = {version: bodies[version] for version in between if version in bodies}
+        until, left = self._patience.clock() + GRACE_S, GRACE_S
+        while left > 0.0 and len(found) < len(between) <= MOST_VERSIONS and not self.is_over:
+            batch = yield from self._wait(left)
+            more = {version: each for version, each in batch.bodies.items() if version in between}
+            found |= {version: [*found.get(version, ()), *each] for version, each in more.items()}
+            # A batch takes its part of the grace, however quickly it came and whatever the clock says.
+            left = 0.0 if batch.is_empty else min(left - _SHORTEST_S, until - self._patience.clock())
+        return found
 
-    def put(self, news: News) -> None:
-        """Never waits."""
-        with self._arrived:
-            self._held.append(news)
-            self._arrived.notify()
+    def _confirm(self, found: Mapping[int, Sequence[bytes]], now: Session) -> Generator[Step, Result, None]:
+        """Hand out the versions that the service's history has; a page that has none of them is the last one."""
+        left = sorted(found)
+        while left:
+            page = yield from self._ask(calls.history(self._id, str(left[0] - 1)))
+            entries = page.items if isinstance(page, HistoryPage) else []
+            before = self.seen
+            for entry in entries:
+                session = confirmed(entry, found[entry.version], now) if entry.version in left else None
+                if session is not None:
+                    yield self._new(stored(self._id, session))
+            reached = entries[-1].version if entries and self.seen != before else left[-1]
+            left = [version for version in left if version > reached]
 
-    def get(self, seconds: float | None) -> News | None:
-        """The oldest; None: nothing came."""
-        with self._arrived:
-            self._arrived.wait_for(lambda: self._held, seconds)
-            return self._held.popleft() if self._held else None
-
-
-class AsyncMailbox:
-    """The same within an event loop."""
-
-    def __init__(self) -> None:
-        self._held: deque[News] = deque(maxlen=_MOST_NEWS)
-        self._arrived = asyncio.Event()
-
-    def put(self, news: News) -> None:
-        """Never waits."""
-        self._held.append(news)
-        self._arrived.set()
-
-    async def get(self, seconds: float | None) -> News | None:
-        """The oldest; None: nothing came."""
+    def _now(self) -> Generator[Step, Result, Version | Lost]:
+        """Ask how the session stands."""
+        answer = yield from self._ask(calls.get_session(self._id))
+        if not isinstance(answer, Session):
+            return Lost(answer)
         try:
-            async with asyncio.timeout(seconds):
-                while not self._held:
-                    self._arrived.clear()
-                    await self._arrived.wait()
-        except TimeoutError:
-            return None
-        return self._held.popleft()
+            now = stored(self._id, answer)
+        except UnexpectedAnswerError as error:
+            return Lost(error)
+        self._failures = 0
+        return now
+
+    def _ask(self, call: Call[M]) -> Generator[Step, Result, M | VoaClientError]:
+        result = yield Ask(call, self.within(self._patience.attempt_s) or _SHORTEST_S)
+        assert isinstance(result, Reply | VoaClientError)  # noqa: S101 - as whoever takes the steps promises
+        if isinstance(result, VoaClientError):
+            return result
+        try:
+            return read(call, result)
+        except VoaClientError as error:
+            return error
+
+    def _wait(self, seconds: float | None) -> Generator[Step, Result, Batch]:
+        result = yield Wait(self.within(seconds), self.seen)
+        assert isinstance(result, Batch)  # noqa: S101 - as whoever takes the steps promises
+        return result
+
+    def _new(self, at: Version) -> Session:
+        """The session of a version, which is seen from now on."""
+        self.seen = at.number
+        self._failures = 0
+        return at.session

@@ -19,6 +19,7 @@ _WIRE = "Voa-Wire-Version"
 _CONNECT_S = 5.0
 _SILENCE_S = 20.0  # the service says that it is alive every 15
 _MOST_EVENT_BYTES = 64_000_000
+_MOST_DIGITS = 18
 _JSON = {"Content-Type": "application/json"}
 
 
@@ -57,8 +58,12 @@ class HttpTransport:
             reader.stop()
 
     def close(self) -> None:
-        """As the port says; whoever still follows is told."""
-        self._http.close()
+        """Close, as the port says; whoever still follows raises UsageError."""
+        for stopping in (self._stop_readers, self._http.close, self._stop_readers):  # one may begin in between
+            stopping()
+
+    def _stop_readers(self) -> None:
+        # Before their sockets are closed: a thread that reads from a closed one is not woken.
         for reader in list(self._readers):
             reader.stop()
 
@@ -214,7 +219,7 @@ def _reply(response: httpx2.Response) -> Reply:
 
 def _number(headers: Mapping[str, str], name: str) -> int | None:
     value = headers.get(name, "").strip()
-    return int(value) if value.isascii() and value.isdigit() else None
+    return int(value) if value.isascii() and value.isdigit() and len(value) <= _MOST_DIGITS else None
 
 
 def _check_stream(response: httpx2.Response) -> None:

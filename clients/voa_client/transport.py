@@ -16,14 +16,27 @@ from voa_client.errors import VoaClientError
 
 @dataclass(frozen=True)
 class State:
-    """A session at some version: its body, as JSON."""
+    """A session at some version, from the service over a connection of its own: its body, as JSON."""
 
     body: bytes
 
 
 @dataclass(frozen=True)
 class Deleted:
-    """The session has ended."""
+    """The session has ended, the service says over a connection of its own."""
+
+
+@dataclass(frozen=True)
+class Hint:
+    """A reason to ask the service how a session stands, from anybody who may put on the session's key.
+
+    Attributes:
+        version: what the session is said to be at; None: nothing sensible is said, or that it has ended.
+        body: the session at that version, if it is true; b"" where none is said.
+    """
+
+    version: int | None
+    body: bytes = b""
 
 
 @dataclass(frozen=True)
@@ -33,10 +46,9 @@ class Lost:
     error: VoaClientError
 
 
-News = State | Deleted | Lost
+News = State | Deleted | Hint | Lost
 Tell = Callable[[News], None]
-"""Takes news of a session. It only keeps them, and may be called from any thread (of an `AsyncTransport`: from the
-event loop)."""
+"""Takes news of a session. It only keeps them, and may be called from any thread."""
 
 
 class Transport(Protocol):

@@ -1,8 +1,7 @@
 """Zenoh: calls as queries, news as what the service puts on a session's key.
 
 A transport is made without a router and joins by itself when there is one, again and again; a call waits for the link
-within its own time. Zenoh's library is imported when a transport is made, not before: robots that speak HTTP do
-without it. Its callbacks run on its network threads, so they only hand over what they got.
+within its own time. Zenoh's callbacks run on its network threads, so they only hand over what they got.
 """
 
 import asyncio
@@ -15,27 +14,22 @@ from typing import TYPE_CHECKING, Any
 
 from voa_client.answers import Reply
 from voa_client.calls import Call
-from voa_client.errors import TimedOutError, UnreachableError, UsageError, VoaClientError
-from voa_client.installing import install_hint
-from voa_client.transport import Deleted, Lost, State, Tell
+from voa_client.errors import TimedOutError, UnreachableError
+from voa_client.transport import Hint, Lost, Tell
 from voa_client.zenoh_address import ZenohAddress
+from voa_client.zenoh_link import LOOK_S, Links, joined, zenoh_library
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import CHUNK, Attachment, Keys
-from voa_msgs.links import session_config
 
 if TYPE_CHECKING:
     import zenoh
 
 _ASK_S = 3.0  # puts are lost without a word while a link is down
 _GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over; it gets a moment to say so
-_LOOK_S = 0.02
 _JOIN_S = 0.2  # a watch begins again where it cannot begin now
-_AGAIN_S = 0.2
-_CLOSE_S = 2.0
-
-
-class MissingLibraryError(VoaClientError, ImportError):
-    """Zenoh's library is not installed; says how to get it."""
+_MOST_DIGITS = 18
+_MOST_BODY_BYTES = 8_000_000
+"""Of a version that is kept until the service was asked; larger ones are asked for."""
 
 
 class ZenohTransport:
@@ -45,17 +39,17 @@ class ZenohTransport:
 
     def __init__(self, address: ZenohAddress) -> None:
         self._keys = Keys(address.root)
-        self._link = _Link(address)
+        self._links = Links(address)
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
         call.check_has_rpc()
         asked = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
-        session = self._link.wait(seconds)
+        session = self._links.calls.wait(seconds)
         replies: list[zenoh.Reply] = []
         complete = threading.Event()
-        left = max(_LOOK_S, until - time.monotonic())
+        left = max(LOOK_S, until - time.monotonic())
         _ask(session, asked, call, key, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
             raise TimedOutError(f"no answer at {asked} within {seconds:.3g} s")
@@ -65,7 +59,7 @@ class ZenohTransport:
     def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:  # noqa: ARG002 - the port's
         """As the port says."""
         try:
-            session = self._link.wait(_JOIN_S)
+            session = self._links.news().wait(_JOIN_S)
         except UnreachableError as error:
             tell(Lost(error))
             yield
@@ -78,7 +72,7 @@ class ZenohTransport:
 
     def close(self) -> None:
         """As the port says."""
-        self._link.close()
+        self._links.close()
 
 
 class AsyncZenohTransport:
@@ -88,18 +82,18 @@ class AsyncZenohTransport:
 
     def __init__(self, address: ZenohAddress) -> None:
         self._keys = Keys(address.root)
-        self._link = _Link(address)
+        self._links = Links(address)
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """As the port says."""
         call.check_has_rpc()
         asked = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
-        session = await self._joined(seconds)
+        session = await joined(self._links.calls, seconds)
         loop = asyncio.get_running_loop()
         replies: list[zenoh.Reply] = []
         complete = asyncio.Event()
-        left = max(_LOOK_S, until - time.monotonic())
+        left = max(LOOK_S, until - time.monotonic())
         _ask(session, asked, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
         try:
             async with asyncio.timeout(left + _GRACE_S):
@@ -112,13 +106,12 @@ class AsyncZenohTransport:
     async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002 - the port's
         """As the port says."""
         try:
-            session = await self._joined(_JOIN_S)
+            session = await joined(self._links.news(), _JOIN_S)
         except UnreachableError as error:
             tell(Lost(error))
             yield
             return
-        told = _into(asyncio.get_running_loop(), tell)
-        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, told)
+        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, tell)
         try:
             yield
         finally:
@@ -126,112 +119,7 @@ class AsyncZenohTransport:
 
     async def close(self) -> None:
         """As the port says."""
-        await asyncio.to_thread(self._link.close)
-
-    async def _joined(self, seconds: float) -> "zenoh.Session":
-        """The session, once it is connected."""
-        until = time.monotonic() + seconds
-        while (session := self._link.session) is None:
-            if time.monotonic() > until:
-                raise self._link.failure(seconds)
-            await asyncio.sleep(_LOOK_S)
-        return session
-
-
-class _Link:
-    """A session with a router: opened by a thread as soon as one answers; from then on it joins again by itself."""
-
-    def __init__(self, address: ZenohAddress) -> None:
-        self._address = address
-        self._config = config(address)
-        self._opened: zenoh.Session | None = None
-        self._connected: set[str] = set()
-        self._why = ""
-        self._ended = threading.Event()
-        self._changed = threading.Condition()
-        self._opening = threading.Thread(target=self._open, name="voa-zenoh", daemon=True)
-        self._opening.start()
-
-    @property
-    def session(self) -> "zenoh.Session | None":
-        """The session while it is connected; raises UsageError once it is closed."""
-        if self._ended.is_set():
-            raise UsageError(f"the client of {self._address.endpoint} is closed")
-        return self._opened if self._connected else None
-
-    def wait(self, seconds: float) -> "zenoh.Session":
-        """The session; raises TimedOutError if it is not connected in time, UsageError if it is closed."""
-        with self._changed:
-            if not self._changed.wait_for(lambda: self.session is not None, seconds):
-                raise self.failure(seconds)
-            assert self._opened is not None  # noqa: S101 - as waited for
-            return self._opened
-
-    def failure(self, seconds: float) -> TimedOutError:
-        """What to say where the wait was in vain."""
-        return TimedOutError(f"no Zenoh router at {self._address.endpoint} within {seconds:.3g} s{self._why}")
-
-    def close(self) -> None:
-        """An open session keeps threads, and hears the router for ever."""
-        self._ended.set()
-        with self._changed:
-            self._changed.notify_all()
-        self._opening.join(_CLOSE_S)
-        session: Any = self._opened  # Zenoh's stub leaves the method untyped
-        if session is not None:
-            session.close()
-
-    def _open(self) -> None:
-        library = _library()
-        while not self._ended.is_set():
-            try:
-                opened = library.open(self._config)
-            except library.ZError as error:
-                self._why = f" ({str(error).partition(' at /')[0]}); it is down, or refuses the credentials"
-                self._ended.wait(_AGAIN_S)
-                continue
-            self._opened = opened
-            if self._ended.is_set():  # closed in the meantime, without waiting for us
-                opened.close()
-                return
-            heard = library.handlers.Callback(self._heard, indirect=False)
-            self._listener = opened.info.declare_transport_events_listener(heard, history=True)
-            return
-
-    def _heard(self, event: "zenoh.TransportEvent") -> None:
-        with self._changed:
-            gone = event.kind == _library().SampleKind.DELETE
-            change = self._connected.discard if gone else self._connected.add
-            change(str(event.transport.zid))
-            self._changed.notify_all()
-
-
-def config(address: ZenohAddress) -> "zenoh.Config":
-    """The configuration of a session."""
-    secure = {
-        "root_ca_certificate": address.ca,
-        "connect_certificate": address.cert,
-        "connect_private_key": address.key,
-    }
-    files: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
-    settings = session_config([address.endpoint], address.user, address.password)
-    if files:
-        settings["transport/link/tls"] = files | ({"enable_mtls": True} if address.cert is not None else {})
-    built: zenoh.Config = _library().Config()
-    try:
-        for name, value in settings.items():
-            built.insert_json5(name, json.dumps(value))
-    except _library().ZError as error:
-        raise UsageError(f"{address.endpoint}: {error}") from error
-    return built
-
-
-def _library() -> Any:
-    try:
-        import zenoh  # noqa: PLC0415 - optional: only who speaks Zenoh needs it
-    except ModuleNotFoundError as error:
-        raise MissingLibraryError(f"Zenoh is not installed; install it with: {install_hint('zenoh')}") from error
-    return zenoh
+        await asyncio.to_thread(self._links.close)
 
 
 def _ask(
@@ -244,7 +132,7 @@ def _ask(
     done: Callable[[], object],
 ) -> None:
     """Send a query; `reply` and `done` are called on Zenoh's threads."""
-    library = _library()
+    library = zenoh_library()
     try:
         session.get(
             asked,
@@ -283,7 +171,7 @@ def _reply(asked: str, replies: "list[zenoh.Reply]") -> Reply:
 def _wire(attachment: bytes) -> int | None:
     try:
         told = json.loads(attachment)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     wire = told.get("wire") if isinstance(told, dict) else None
     return wire if isinstance(wire, int) else None
@@ -293,24 +181,35 @@ def _subscribe(session: "zenoh.Session", keys: Keys, session_id: str, tell: Tell
     """Hear what is put on a session's key; None for an id that can be no part of a key, so nothing is put there."""
     if not CHUNK.fullmatch(session_id):
         return None
-    library = _library()
+    library = zenoh_library()
 
-    def heard(sample: "zenoh.Sample") -> None:
-        tell(Deleted() if sample.kind == library.SampleKind.DELETE else State(sample.payload.to_bytes()))
+    def receive(sample: "zenoh.Sample") -> None:
+        tell(_hint(sample))
 
     try:
         subscriber: zenoh.Subscriber[None] = session.declare_subscriber(
-            keys.belief(session_id), library.handlers.Callback(heard, indirect=False)
+            keys.belief(session_id), library.handlers.Callback(receive, indirect=False)
         )
     except library.ZError as error:
         raise UnreachableError(f"cannot follow {session_id}: {error}") from error
     return subscriber
 
 
+def _hint(sample: "zenoh.Sample") -> Hint:
+    """What a sample says, be it from the service or from anybody else who may put there.
+
+    A delete, and a put without a version beside it, say that there is something to ask for.
+    """
+    said = b"" if sample.attachment is None else sample.attachment.to_bytes()
+    version = int(said) if said.isdigit() and len(said) <= _MOST_DIGITS else None
+    is_kept = version is not None and len(sample.payload) <= _MOST_BODY_BYTES
+    return Hint(version, sample.payload.to_bytes() if is_kept else b"")
+
+
 def _undeclare(subscriber: "zenoh.Subscriber[None] | None") -> None:
     if subscriber is not None:
         declared: Any = subscriber
-        with suppress(_library().ZError):  # the session was closed before
+        with suppress(zenoh_library().ZError):  # the session was closed before
             declared.undeclare()
 
 

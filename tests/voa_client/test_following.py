@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
@@ -14,14 +13,14 @@ from tests.replicas import Replica, replicas
 from tests.routers import Router, router
 from tests.serving import data_scenario
 from tests.voa_client.blocking import blocking
-from tests.voa_client.test_attempts import SESSION, problem
+from tests.voa_client.stepping import Service
+from tests.voa_client.test_attempts import problem
 from tests.waiting import wait_for
 from voa_cli.local_service import running
 from voa_client import AsyncClient, Client, NotFoundError, Retries, UnavailableError, UnreachableError, UsageError
-from voa_client.attempts import Patience
+from voa_client.attempts import TIMEOUT_S
 from voa_client.errors import refusal
-from voa_client.following import AsyncMailbox, Following, Mailbox
-from voa_client.transport import Deleted, Lost, State
+from voa_client.transport import Lost
 from voa_msgs.problems import Problem
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, Session, SessionRequest
@@ -31,80 +30,55 @@ SECONDS = 30.0
 Connect = Callable[..., AbstractContextManager[Client]]
 
 
-def state(version: int) -> State:
-    return State(json.dumps(json.loads(SESSION.body) | {"version": version}).encode())
-
-
-def test_news_come_once_in_order_and_the_newest_wins() -> None:
-    following = Following(Patience(), None)
-    taken = [following.take(state(version)) for version in (3, 3, 2, 4, 7, 5, 7, 8)]
-    assert [session.version for session in taken if session is not None] == [3, 4, 7, 8]
-    assert not following.is_over
-    assert following.take(Deleted()) is None
-    assert following.is_over
-
-
-def test_what_is_lost_is_waited_for_longer_each_time_until_something_comes() -> None:
-    following = Following(Patience(chance=lambda: 0.0), None)
-    gone = Lost(UnreachableError("gone"))
-    assert [following.lost(gone) for _ in range(3)] == [0.1, 0.2, 0.4]
-    following.take(state(0))
-    assert following.lost(gone) == 0.1
-    assert following.lost(Lost(UnavailableError(json_problem("not-ready", 503)))) == 0.2
-
-
 def json_problem(kind: str, status: int) -> Problem:
     return Problem.model_validate_json(problem(kind, status).body)
 
 
+def test_what_is_lost_is_waited_for_longer_each_time_until_something_comes() -> None:
+    service = Service(0)
+    following = service.following()
+    gone = Lost(UnreachableError("gone"))
+    assert [following.lost(gone) for _ in range(3)] == [0.1, 0.2, 0.4]
+    service.follow(following, [])
+    assert following.lost(gone) == 0.1
+    assert following.lost(Lost(UnavailableError(json_problem("not-ready", 503)))) == 0.2
+
+
 def test_a_session_that_was_there_and_is_not_found_has_ended() -> None:
     missing = Lost(refusal(json_problem("not-found", 404)))
-    following = Following(Patience(), None)
+    service = Service(0)
+    following = service.following()
     with pytest.raises(NotFoundError):
         following.lost(missing)
-    following.take(state(0))
+    service.follow(following, [])
     following.lost(missing)
     assert following.is_over
 
 
 def test_a_service_that_was_never_there_is_waited_for_as_long_as_a_call() -> None:
-    now = [0.0]
+    service = Service(0)
     gone = Lost(UnreachableError("gone"))
-    following = Following(Patience(timeout_s=10.0, clock=lambda: now[0]), None)
+    following = service.following()
     following.lost(gone)
-    now[0] = 10.0
+    service.now = TIMEOUT_S
     with pytest.raises(UnreachableError):
         following.lost(gone)
-    following.take(state(0))
-    now[0] = 1e6
+    service.follow(following, [])
+    service.now = 1e6
     following.lost(gone)
 
 
 def test_the_end_bounds_every_wait() -> None:
-    now = [0.0]
-    following = Following(Patience(chance=lambda: 0.0, clock=lambda: now[0]), 0.15)
+    service = Service(0)
+    following = service.following(for_s=0.15)
     assert (following.within(None), following.within(3.0), following.within(0.1)) == (0.15, 0.15, 0.1)
-    following.take(state(0))
+    service.follow(following, [])
     gone = Lost(UnreachableError("gone"))
     assert [following.lost(gone), following.lost(gone)] == [0.1, 0.15]
-    now[0] = 0.2
+    service.now = 0.2
     assert following.is_over
     assert (following.within(None), following.lost(gone)) == (0.0, 0.0)
-    assert Following(Patience(), None).within(None) is None
-
-
-def test_a_mailbox_keeps_the_newest_for_who_reads_slowly() -> None:
-    box, twin = Mailbox(), AsyncMailbox()
-
-    async def all_of_twin() -> list[object]:
-        return [await twin.get(0.0) for _ in range(1_001)]
-
-    for version in range(1_500):
-        box.put(state(version))
-        twin.put(state(version))
-    found = [box.get(0.0) for _ in range(1_001)]
-    assert found == [*[state(version) for version in range(500, 1_500)], None]
-    assert asyncio.run(all_of_twin()) == found
+    assert Service().following().within(None) is None
 
 
 class Follower(threading.Thread):

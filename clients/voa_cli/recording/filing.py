@@ -163,7 +163,7 @@ def _without_secrets(attachment: bytes) -> bytes | None:
     """An attachment of the service's without its API key; None: it is none, or says nothing else."""
     try:
         told = json.loads(attachment)
-    except ValueError:
+    except (ValueError, RecursionError):  # anybody may have put it there
         return None
     kept = {name: value for name, value in told.items() if name != "key"} if isinstance(told, dict) else {}
     return json.dumps(kept).encode() if kept else None

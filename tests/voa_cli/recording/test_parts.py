@@ -170,6 +170,12 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
     assert moved == ["s1"] + [None] * 7
 
 
+@pytest.mark.parametrize("attachment", [b"[" * 100_000, b"9" * 5_000, b"\xff", b"{", b'"key"'])
+def test_an_attachment_that_is_none_of_the_service_s_ends_no_recording(attachment: bytes) -> None:
+    kept, _, _ = filed(heard(KEYS.scan("s", "r"), b"{}", attachment=attachment))
+    assert len(kept) == 1
+
+
 def test_an_inbox_that_is_full_drops_and_counts() -> None:
     inbox = Inbox(2)
     items = [heard("a"), heard("b"), heard("c")]

@@ -2,6 +2,7 @@
 
 import json
 import math
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -170,6 +171,21 @@ def test_scans_of_every_robot_count_once_whichever_replica_owns_it(pair: Pair) -
     wait_for(lambda: len(pair.stamps(session)) >= len(ROBOTS), "a scan of each robot")
     looks = [[report["looks"] for report in pair.reports(service, "scan").values()] for service in pair.services]
     assert all(sum(of_service) for of_service in looks), "each replica owns some"
+    assert sorted(pair.stamps(session)) == ROBOTS
+
+
+def test_a_replica_that_is_none_keeps_no_scan_from_being_applied(pair: Pair) -> None:
+    """Anybody may declare its token; what it owns by it the others apply after their grace."""
+    session = pair.open()
+    with ExitStack() as stack:
+        for number in range(32):
+            token = pair.bus.session.liveliness().declare_token(pair.bus.keys.replica(f"forged-{number}"))
+            stack.enter_context(token)
+        began = time.monotonic()
+        for robot in ROBOTS:
+            put(pair, session, robot, stamped(robot))
+        wait_for(lambda: len(pair.stamps(session)) >= len(ROBOTS), "every scan")
+        assert time.monotonic() - began >= GRACE_SECONDS, "the forged ones own robots"
     assert sorted(pair.stamps(session)) == ROBOTS
 
 
