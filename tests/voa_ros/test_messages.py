@@ -55,7 +55,7 @@ def test_angles_that_run_both_ways_are_told_with_all_numbers(
     wrong = header_contradiction(header(low, high, increment, 360))
     assert wrong is not None
     assert wrong.startswith(f"angle_min {low} and angle_max {high} {says}")
-    assert "lidar.upside_down" in wrong
+    assert "reversed" in wrong
 
 
 @pytest.mark.parametrize(
