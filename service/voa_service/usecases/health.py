@@ -1,5 +1,8 @@
 """How the service is."""
 
+import threading
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Literal
@@ -11,12 +14,72 @@ from voa_service.ports import Clock, Store
 
 Joined = Literal["off", "connecting", "connected"]
 
+_FRESH_SECONDS = 1.0
+_WAIT_SECONDS = 0.25
+_PATIENCE_SECONDS = 12.0
+"""A write that takes longer than a database waits for locks is one that fails."""
+_TRY_AGAIN = {"Retry-After": "1"}
+
 
 @dataclass
 class Link:
     """Whether this process is joined to Zenoh; whoever joins it says so here."""
 
     state: Joined = "off"
+
+
+class StoreCheck:
+    """Whether the store can be read and written: tried at most once a second, and nobody waits for long.
+
+    A write that is under way when somebody asks (the writer may be busy) counts as it did before, for a while.
+
+    Args:
+        attempt: reads and writes; raises whatever is wrong.
+        clock: in seconds.
+    """
+
+    def __init__(self, attempt: Callable[[], None], clock: Callable[[], float] = time.monotonic) -> None:
+        self._attempt = attempt
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._running: threading.Event | None = None
+        self._began = 0.0
+        self._ended: float | None = None
+        self._error: Exception | None = None
+
+    def check(self) -> None:
+        """Return if the store worked at the last attempt.
+
+        Raises:
+            Failure: it did not, or the last attempt has not ended for long.
+        """
+        with self._lock:
+            now = self._clock()
+            if self._running is None and (self._ended is None or now - self._ended >= _FRESH_SECONDS):
+                self._running, self._began = threading.Event(), now
+                threading.Thread(target=self._run, args=(self._running,), name="voa-ready", daemon=True).start()
+            running = self._running
+        if running is not None:
+            running.wait(_WAIT_SECONDS)
+        with self._lock:
+            late = self._clock() - self._began if self._running is not None else 0.0
+            error = self._error
+        if late > _PATIENCE_SECONDS:
+            raise Failure(NOT_READY, f"a write to the store has not ended for {late:.0f} s", _TRY_AGAIN)
+        if isinstance(error, Failure):
+            raise Failure((error.kind, error.status, error.title), error.detail, error.headers)
+        if error is not None:
+            raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
+
+    def _run(self, running: threading.Event) -> None:
+        error: Exception | None = None
+        try:
+            self._attempt()
+        except Exception as caught:  # whatever it is, it is told whoever asks
+            error = caught
+        with self._lock:
+            self._error, self._ended, self._running = error, self._clock(), None
+        running.set()
 
 
 @dataclass(frozen=True)
@@ -28,24 +91,24 @@ class HealthCheck:
     replica: str
     """The name of this process."""
     link: Link = field(default_factory=Link)
+    checked: StoreCheck = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "checked", StoreCheck(self.store.ping))
 
     def ready(self) -> Health:
         """The service can work. It can without a router, so `zenoh` only tells.
 
         Raises:
-            Failure: the store does not answer.
+            Failure: the store cannot be read or written.
         """
-        try:
-            self.store.ping()
-        except Failure:
-            raise
-        except Exception as error:
-            raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
+        self.checked.check()
         return Health(
             status="ready",
             version=version("voa"),
             wire_version=WIRE_VERSION,
             replica=self.replica,
             zenoh=self.link.state,
+            database=self.store.software,
             now=self.now(),
         )
