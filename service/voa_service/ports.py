@@ -201,6 +201,10 @@ class Store(Protocol):
     def software(self) -> str:
         """Name the database's software and its version ("SQLite 3.53.4")."""
 
+    @property
+    def troubles(self) -> int:
+        """Count how often the database has failed a call so far."""
+
     def ping(self) -> None:
         """Return if the store can be read and written; raise whatever is wrong. Costs a small commit."""
 

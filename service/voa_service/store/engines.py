@@ -27,6 +27,13 @@ _MALFORMED = ("malformed", "not a database")
 """What SQLite says of a file whose pages are not as they should be."""
 
 
+@dataclass(eq=False)
+class Troubles:
+    """How often a database has failed so far."""
+
+    count: int = 0
+
+
 @dataclass(frozen=True, eq=False)
 class Engines:
     """An engine to write with, one to read with in one state of the database, and one for reads of one statement.
@@ -42,6 +49,7 @@ class Engines:
     single: Engine
     parameters: dict[str, Any] = field(default_factory=dict)
     held: ExitStack = field(default_factory=ExitStack)
+    troubles: Troubles = field(default_factory=Troubles)
 
     @property
     def software(self) -> str:
@@ -112,6 +120,7 @@ def _told(engine: Engine) -> Iterator[None]:
         raise
     except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error
+        engine.get_execution_options()["troubles"].count += 1
         structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
         if engine.dialect.name == "sqlite" and any(sign in str(cause) for sign in _MALFORMED):
             raise Failure(DAMAGED, f"the database's file is damaged ({cause}): restore a backup") from error
@@ -161,23 +170,24 @@ def _postgres(url: URL, patience_s: float) -> Engines:
     event.listen(
         engine, "do_connect", lambda _dialect, _record, _args, given: patience.connected(impatient, given, outage)
     )
-    engine = engine.execution_options(outage=outage)
+    troubles = Troubles()
+    engine = engine.execution_options(outage=outage, troubles=troubles)
     held = ExitStack()
     held.callback(outage.close)
     single = engine.execution_options(isolation_level="AUTOCOMMIT")
-    return Engines(engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, given, held)
+    return Engines(engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, given, held, troubles)
 
 
 def _sqlite(url: URL) -> Engines:
     driver, held = sqlite_driver(), ExitStack()
-    version, file = version_of(driver), database_file(url)
+    version, file, troubles = version_of(driver), database_file(url), Troubles()
     if file is not None and loses_commits(version):
         held.enter_context(alone(file, version))
 
     def opened(begin: str | None, connections: int) -> Engine:
-        return _sqlite_engine(url, driver, begin, connections)
+        return _sqlite_engine(url, driver, begin, connections).execution_options(troubles=troubles)
 
-    return Engines(opened("BEGIN IMMEDIATE", 1), opened("BEGIN", _READERS), opened(None, _READERS), held=held)
+    return Engines(opened("BEGIN IMMEDIATE", 1), opened("BEGIN", _READERS), opened(None, _READERS), {}, held, troubles)
 
 
 def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:

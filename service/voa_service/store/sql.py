@@ -81,6 +81,11 @@ class SqlStore(Contents):
         """See `ports.Store`."""
         return self._engines.software
 
+    @property
+    def troubles(self) -> int:
+        """See `ports.Store`."""
+        return self._engines.troubles.count
+
     def ping(self) -> None:
         """Read, write, and see whether the tables are this version's."""
         with statement(self._single) as connection:

@@ -1,5 +1,6 @@
 """How the service is."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -29,22 +30,23 @@ class Link:
 
 
 class StoreCheck:
-    """Whether the store can be read and written: tried at most once a second, and nobody waits for long.
+    """Whether the store can be read and written: tried at most once a second while all is well.
 
-    A write that is under way when somebody asks (the writer may be busy) counts as it did before, for a while.
+    Nobody waits for long: where an attempt is under way (the writer may be busy), the one before it counts for a while.
+    A failure of any other call, and a failed attempt, make the next one who asks try anew.
 
     Args:
-        attempt: reads and writes; raises whatever is wrong.
+        store: whose `ping` is the attempt.
         clock: in seconds.
     """
 
-    def __init__(self, attempt: Callable[[], None], clock: Callable[[], float] = time.monotonic) -> None:
-        self._attempt = attempt
+    def __init__(self, store: Store, clock: Callable[[], float] = time.monotonic) -> None:
+        self._store = store
         self._clock = clock
         self._lock = threading.Lock()
         self._running: threading.Event | None = None
-        self._began = 0.0
-        self._ended: float | None = None
+        self._began = -math.inf
+        self._troubles = 0
         self._error: Exception | None = None
 
     def check(self) -> None:
@@ -54,9 +56,8 @@ class StoreCheck:
             Failure: it did not, or the last attempt has not ended for long.
         """
         with self._lock:
-            now = self._clock()
-            if self._running is None and (self._ended is None or now - self._ended >= _FRESH_SECONDS):
-                self._running, self._began = threading.Event(), now
+            if self._running is None and not self._is_fresh():
+                self._running, self._began, self._troubles = threading.Event(), self._clock(), self._store.troubles
                 threading.Thread(target=self._run, args=(self._running,), name="voa-ready", daemon=True).start()
             running = self._running
         if running is not None:
@@ -67,18 +68,22 @@ class StoreCheck:
         if late > _PATIENCE_SECONDS:
             raise Failure(NOT_READY, f"a write to the store has not ended for {late:.0f} s", _TRY_AGAIN)
         if isinstance(error, Failure):
-            raise Failure((error.kind, error.status, error.title), error.detail, error.headers)
+            raise Failure((error.kind, error.status, error.title), error.detail, error.headers) from error
         if error is not None:
             raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
+
+    def _is_fresh(self) -> bool:
+        well = self._error is None and self._store.troubles == self._troubles
+        return well and self._clock() - self._began < _FRESH_SECONDS
 
     def _run(self, running: threading.Event) -> None:
         error: Exception | None = None
         try:
-            self._attempt()
+            self._store.ping()
         except Exception as caught:  # whatever it is, it is told whoever asks
             error = caught
         with self._lock:
-            self._error, self._ended, self._running = error, self._clock(), None
+            self._error, self._running = error, None
         running.set()
 
 
@@ -94,7 +99,7 @@ class HealthCheck:
     checked: StoreCheck = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "checked", StoreCheck(self.store.ping))
+        object.__setattr__(self, "checked", StoreCheck(self.store))
 
     def ready(self) -> Health:
         """The service can work. It can without a router, so `zenoh` only tells.
