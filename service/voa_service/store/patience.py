@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import psycopg
 
 CONNECT_SECONDS = 4
+_LEAST_SECONDS = 2  # libpq takes less for more
 _SHARE = 0.8  # of the patience: how long a lock is waited for
 _IDLE_MS = 10_000
 _AGAIN_SECONDS = 1.0
@@ -127,7 +128,7 @@ def ask(given: dict[str, Any]) -> None:
 def parameters(url: URL, patience_s: float) -> dict[str, Any]:
     """Build libpq's parameters for a URL: a server that is gone is noticed; what the URL says itself holds."""
     usual: dict[str, Any] = {
-        "connect_timeout": CONNECT_SECONDS,
+        "connect_timeout": max(_LEAST_SECONDS, min(CONNECT_SECONDS, int(patience_s))),
         "keepalives_idle": 10,
         "keepalives_interval": 5,
         "keepalives_count": 3,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 import structlog
 from sqlalchemy import URL, make_url
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
 
 from voa_service.failures import Failure
 from voa_service.store.drivers import InUse, database_file
@@ -85,7 +85,7 @@ def explain(error: Exception, url: str) -> str:
                 f"{where} was written by a newer version of voa ({error}): start that version, or restore the backup "
                 "that was made before it"
             )
-        case NoSuchModuleError() | ArgumentError():
+        case _ if parsed.get_backend_name() not in ("sqlite", "postgresql") or isinstance(error, ArgumentError):
             line = f"--database-url: {_EXPECTED}, got {where}"
         case ImportError():
             line = f"{where} needs a driver that is not installed ({error}): pip install 'voa[postgres]'"

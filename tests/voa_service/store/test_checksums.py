@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import Engine, create_engine, text
+from sqlalchemy import text
 
-from tests.voa_service.store.samples import create, next_version, scenario, write
+from tests.voa_service.store.samples import create, engine_of, next_version, scenario, write
 from voa_service.failures import Failure
 from voa_service.ports import Store
-from voa_service.store.drivers import sqlite_driver
 from voa_service.store.engines import connect
 from voa_service.store.sql import SqlStore
 from voa_service.store.verify import Verified, main, verify_all
@@ -27,10 +26,6 @@ def long(store: Store) -> Store:
         for number in range(VERSIONS):
             store.change_session(id_, write(request=f'"{id_}{number}"'), next_version)
     return store
-
-
-def engine_of(url: str) -> Engine:
-    return create_engine(url, module=sqlite_driver()) if url.startswith("sqlite") else create_engine(url)
 
 
 def spoil(url: str, statement: str, **named: Any) -> None:
