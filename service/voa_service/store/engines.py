@@ -166,7 +166,7 @@ def _postgres(url: URL, patience_s: float) -> Engines:
     )
     given = dict(engine.dialect.create_connect_args(url)[1]) | wanted
     outage = patience.Outage(partial(patience.ask, given))
-    impatient = patience.connection_type(patience_s, outage.begin)
+    impatient = patience.connection_type(patience_s, outage)
     event.listen(
         engine, "do_connect", lambda _dialect, _record, _args, given: patience.connected(impatient, given, outage)
     )

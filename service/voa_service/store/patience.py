@@ -21,6 +21,7 @@ _SHARE = 0.8  # of the patience: how long a lock is waited for
 _IDLE_MS = 10_000
 _AGAIN_SECONDS = 1.0
 _WAKE_SECONDS = 0.1
+_HOPELESS_SECONDS = 0.5
 
 T = TypeVar("T")
 
@@ -68,10 +69,11 @@ class Outage:
             return
 
 
-def connection_type(seconds: float, silent: Callable[[], None]) -> "type[psycopg.Connection[Any]]":
-    """Make the type of connections that wait `seconds` at most for anything, and call `silent` where that was in vain.
+def connection_type(seconds: float, outage: Outage | None = None) -> "type[psycopg.Connection[Any]]":
+    """Make the type of connections that wait `seconds` for anything, and begin an outage where that was in vain.
 
-    A connection that waited in vain is closed: what comes later would be the answer to another question.
+    A connection that waited in vain is closed: what comes later would be the answer to another question. During an
+    outage nothing that is begun waits for longer than a moment.
     """
     import psycopg  # noqa: PLC0415 - the extra `postgres`; without it there is no such database
 
@@ -81,14 +83,16 @@ def connection_type(seconds: float, silent: Callable[[], None]) -> "type[psycopg
         patience_s: float | None = seconds
 
         def wait(self, gen: Any, interval: float = _WAKE_SECONDS, timeout: float | None = None) -> Any:
-            patience = timeout if timeout is not None else self.patience_s
+            if timeout is not None:
+                return super().wait(gen, interval=interval, timeout=timeout)
+            hopeless = outage is not None and outage.present
+            patience = _HOPELESS_SECONDS if hopeless else self.patience_s
             try:
                 return super().wait(gen, interval=interval, timeout=patience)
             except psycopg.errors._WaitTimeout as error:  # it has no other name
-                if timeout is not None:
-                    raise
                 self.pgconn.finish()
-                silent()
+                if outage is not None:
+                    outage.begin()
                 raise psycopg.OperationalError(f"the database was silent for {patience:g} s") from error
 
     return Impatient
@@ -117,11 +121,7 @@ def ask(given: dict[str, Any]) -> None:
     Raises:
         psycopg.Error: the server does not answer, or refuses.
     """
-
-    def silent() -> None:
-        """Leave it to the one who asked."""
-
-    with connection_type(CONNECT_SECONDS, silent).connect(**given) as connection:
+    with connection_type(CONNECT_SECONDS).connect(**given) as connection:
         connection.execute("SELECT 1")
 
 

@@ -17,7 +17,7 @@ Columns = dict[str, Any]
 
 
 def written(
-    state: SessionState, write: Write, report: str | None, before: bytes, prior: bytes
+    state: SessionState, write: Write, report: str | None, before: bytes, prior: str
 ) -> tuple[Columns, Columns]:
     """Write one version: the columns of the session's row that change with it, and the row of its history.
 

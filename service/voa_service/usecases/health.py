@@ -17,8 +17,8 @@ Joined = Literal["off", "connecting", "connected"]
 
 _FRESH_SECONDS = 1.0
 _WAIT_SECONDS = 0.25
-_PATIENCE_SECONDS = 12.0
-"""A write that takes longer than a database waits for locks is one that fails."""
+_PATIENCE_SECONDS = 5.0
+"""A write that takes longer is one that fails."""
 _TRY_AGAIN = {"Retry-After": "1"}
 
 
