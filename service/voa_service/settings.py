@@ -87,7 +87,7 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=0, le=65535)
     database_url: str = "sqlite:///voa.db"
-    database_patience_s: Annotated[float, Field(ge=1.0, le=600.0)] = 5.0
+    database_patience_s: Annotated[float, Field(ge=1.0, le=600.0)] = 4.0
     """How long PostgreSQL may be silent before a call is answered 503. A row that somebody holds is waited for 0.8 of
     that, unless `options` in the URL say otherwise."""
     wait_for_database_s: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0

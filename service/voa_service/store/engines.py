@@ -140,7 +140,7 @@ def said(cause: BaseException | None) -> str:
     return "" if diagnosis is None else f" ({diagnosis})"
 
 
-def connect(url: str, patience_s: float = 5.0) -> Engines:
+def connect(url: str, patience_s: float = 4.0) -> Engines:
     """Open `sqlite:///file` or `postgresql://user@host/database`.
 
     Args:

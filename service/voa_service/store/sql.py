@@ -37,7 +37,7 @@ from voa_service.store.rows import blob, session_of, written
 from voa_service.store.summaries import list_sessions
 from voa_service.store.tables import GONE, history, sessions
 
-PATIENCE_SECONDS = 5.0
+PATIENCE_SECONDS = 4.0
 _AT_ONCE = 64  # versions of a session that are removed in the transaction that deletes it
 
 # Built once: SQLAlchemy then finds their compiled form without looking at them anew.

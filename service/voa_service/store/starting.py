@@ -88,7 +88,9 @@ def explain(error: Exception, url: str) -> str:
         case _ if parsed.get_backend_name() not in ("sqlite", "postgresql") or isinstance(error, ArgumentError):
             line = f"--database-url: {_EXPECTED}, got {where}"
         case ImportError():
-            line = f"{where} needs a driver that is not installed ({error}): pip install 'voa[postgres]'"
+            line = (
+                f"{where} needs a driver that is not installed ({error}): install psycopg, the extra `postgres` of voa"
+            )
         case _ if parsed.get_backend_name() == "sqlite":
             line = _explain_file(error, parsed)
         case _:

@@ -651,4 +651,4 @@ def test_a_row_that_is_held_is_not_waited_for_without_end_and_own_options_hold(p
             for name in ("lock_timeout", "idle_in_transaction_session_timeout", "application_name")
         ]
     engines.dispose()
-    assert shown == ["4s", "10s", "lab"]
+    assert shown == ["3200ms", "10s", "lab"]
