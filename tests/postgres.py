@@ -50,6 +50,13 @@ class Server:
         """The URL of one database."""
         return f"postgresql://voa@127.0.0.1:{self._port}/{database}"
 
+    @property
+    def pids(self) -> list[int]:
+        """Of its processes, the first one last: that one would start others anew."""
+        first = int((self._home / "data" / "postmaster.pid").read_text().split()[0])
+        children = Path(f"/proc/{first}/task/{first}/children").read_text().split()
+        return [*map(int, children), first]
+
     def start(self) -> None:
         """Returns when it answers."""
         address = f"-c port={self._port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={self._home}"

@@ -47,5 +47,7 @@ class Health(Message):
     replica: str | None = None
     """The name of this process."""
     zenoh: Literal["off", "connecting", "connected"] | None = None
+    database: str | None = None
+    """The database's software and its version ("SQLite 3.53.4"); null from a service that does not say."""
     now: datetime | None = None
     """The service's clock."""

@@ -18,7 +18,7 @@ from voa_service.models import Models
 from voa_service.ports import Clock, IdSource
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
-from voa_service.store.sql import SqlStore
+from voa_service.store.starting import open_store
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
@@ -45,7 +45,7 @@ def new_id() -> str:
 def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -> Iterator[Services]:
     """Everything behind the entrypoints; released on leaving."""
     limits = settings.limits
-    store = SqlStore(settings.database_url)
+    store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database_s)
     threads = Threads(settings.workers)
     cache = Cache(settings.cache_mebibytes * MEBIBYTE)
     models = Models(store, cache)
@@ -63,7 +63,15 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     robots = Robots(now, store.robot_session)
     claims = Claims(store, robots)
     sessions = Sessions(
-        store, models, now, ids, Cache(_TOLD_BYTES), changes.committed, metrics.observation, claims.check
+        store,
+        models,
+        now,
+        ids,
+        Cache(_TOLD_BYTES),
+        changes.committed,
+        metrics.observation,
+        claims.check,
+        limits.history_bytes,
     )
     reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
     try:

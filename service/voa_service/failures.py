@@ -30,6 +30,7 @@ KEY_REUSED = ("idempotency-key-reused", 422, "This Idempotency-Key came with ano
 SPEAKS_OTHERWISE = ("wire-version", 400, "The caller speaks another version of the messages")
 OVERLOADED = ("overloaded", 503, "Too much to do at the moment")
 NOT_READY = ("not-ready", 503, "The service cannot work at the moment")
+DAMAGED = ("damaged", 500, "What is stored is not as it was written")
 INTERNAL = ("internal", 500, "The service failed")
 
 Kind = tuple[str, int, str]

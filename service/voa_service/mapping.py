@@ -28,7 +28,7 @@ from voa_msgs.geometry import SensorConfiguration as SensorMessage
 from voa_msgs.updates import POLICY_FIELDS
 from voa_msgs.warnings import ProbableMistake
 from voa_service.meshes.mistakes import extent_mistakes
-from voa_service.ports import StoredObject
+from voa_service.ports import ListedObject, StoredObject
 
 _LIDAR_FIELDS = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "zero")
 _MOST_NAMES = 100
@@ -39,14 +39,24 @@ _USUAL_NOISE = {"noise_m": 0.01, "noise_ratio": 0.02, "dropout": 0.05}
 def object_message(stored: StoredObject) -> objects.Object:
     """A stored mesh as a message."""
     mesh: Object = stored.object
+    x, y, z = mesh.extents.tolist()
+    return listed_object_message(
+        ListedObject(
+            mesh.digest, stored.name, (x, y, z), len(mesh.faces), mesh.watertight, stored.up, stored.created_at
+        )
+    )
+
+
+def listed_object_message(stored: ListedObject) -> objects.Object:
+    """A mesh in a list as a message."""
     return objects.Object(
-        id=mesh.digest,
+        id=stored.id,
         name=stored.name,
-        extents=[float(extent) for extent in mesh.extents],
-        faces=len(mesh.faces),
-        watertight=mesh.watertight,
+        extents=list(stored.extents),
+        faces=stored.faces,
+        watertight=stored.watertight,
         up=stored.up,
-        warnings=extent_mistakes(mesh),
+        warnings=extent_mistakes(stored.extents),
         created_at=stored.created_at,
     )
 

@@ -53,6 +53,8 @@ class StoredScenario:
     name: str
     body: str
     created_at: datetime
+    summary: str = "{}"
+    """What lists show of it beside its name, as JSON; kept when it is stored, and read by lists alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,47 @@ class SessionState:
     belief: Belief
     prior: Belief
     last_fit_rmsd_mm: float | None
+    created_at: datetime
+    updated_at: datetime
+    summary: str | None = None
+    """What lists show of its belief, as JSON; None: nobody has said."""
+
+
+@dataclass(frozen=True)
+class ListedObject:
+    """A mesh in a list, without its vertices and faces."""
+
+    id: str
+    name: str
+    extents: tuple[float, float, float]
+    """Of its bounding box, metres."""
+    faces: int
+    watertight: bool
+    up: UpAxis
+    created_at: datetime
+
+
+@dataclass(frozen=True)
+class ListedScenario:
+    """A scenario in a list, without its body."""
+
+    id: str
+    name: str
+    summary: str
+    """As it was stored."""
+    created_at: datetime
+
+
+@dataclass(frozen=True)
+class ListedSession:
+    """A session in a list, without its beliefs."""
+
+    id: str
+    scenario: str
+    version: int
+    last_fit_rmsd_mm: float | None
+    summary: str | None
+    """As it was stored with this version; None: it is one of before summaries were kept."""
     created_at: datetime
     updated_at: datetime
 
@@ -150,11 +193,20 @@ class Write:
 class Store(Protocol):
     """Keeps every answered write. All methods block; they are called from worker threads.
 
-    Every method raises `Failure` (503, with a time to try again) where the database does not work.
+    Every method raises `Failure` (503, with a time to try again) where the database does not work, and `Failure`
+    (500, `damaged`) where a session that it reads is not as it was written.
     """
 
+    @property
+    def software(self) -> str:
+        """Name the database's software and its version ("SQLite 3.53.4")."""
+
+    @property
+    def troubles(self) -> int:
+        """Count how often the database has failed a call so far."""
+
     def ping(self) -> None:
-        """Return if the store works; raise whatever is wrong."""
+        """Return if the store can be read and written; raise whatever is wrong. Costs a small commit."""
 
     def close(self) -> None:
         """Release what is held."""
@@ -168,7 +220,7 @@ class Store(Protocol):
     def get_object(self, id_: str) -> StoredObject | None:
         """The mesh with that digest."""
 
-    def list_objects(self, limit: int, after: str | None) -> Listed[StoredObject]:
+    def list_objects(self, limit: int, after: str | None) -> Listed[ListedObject]:
         """Oldest first."""
 
     def put_upload(self, upload: Upload, object_: str) -> None:
@@ -183,7 +235,7 @@ class Store(Protocol):
     def get_scenario(self, id_: str) -> StoredScenario | None:
         """The scenario with that digest."""
 
-    def list_scenarios(self, limit: int, after: str | None) -> Listed[StoredScenario]:
+    def list_scenarios(self, limit: int, after: str | None) -> Listed[ListedScenario]:
         """Oldest first."""
 
     def get_answer(self, key: IdempotencyKey) -> Answered | None:
@@ -220,7 +272,7 @@ class Store(Protocol):
     def claim_robot(self, robot: str, session: str | None) -> bool:
         """Say whose session a robot's scans are for, None: nobody's; returns False where there is no such session."""
 
-    def list_sessions(self, limit: int, after: str | None) -> Listed[SessionState]:
+    def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
         """Oldest first."""
 
     def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
@@ -235,8 +287,14 @@ class Store(Protocol):
     def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
         """At most `limit` looks of a robot that a session has accepted, the newest first."""
 
-    def history(self, id_: str, after: int, limit: int) -> list[HistoryEntry]:
-        """At most `limit` versions of a session above `after`, ascending; -1 begins with the prior."""
+    def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
+        """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
+
+        Fewer, and at least one, where they would have more than `most_bytes` bytes (None: no bound).
+        """
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
-        """Remove a session with its history; whether it was there. Key and version as in `change_session`."""
+        """Remove a session with its history; whether it was there. Key and version as in `change_session`.
+
+        It is gone for everybody on return; the rows of a long history are removed afterwards, a few at a time.
+        """

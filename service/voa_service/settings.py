@@ -39,6 +39,8 @@ class Limits(BaseModel):
     """Of a scan that is put on Zenoh."""
     numbers: PositiveInt = 5_000_000
     """Values in one JSON body, either way (counted by their separators on the way in)."""
+    history_bytes: PositiveInt = 8_000_000
+    """Of requests, reports and beliefs behind one page of a history; a page has at least one version."""
 
 
 def _endpoint(endpoint: str) -> str:
@@ -85,6 +87,11 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=0, le=65535)
     database_url: str = "sqlite:///voa.db"
+    database_patience_s: Annotated[float, Field(ge=1.0, le=600.0)] = 4.0
+    """How long PostgreSQL may be silent before a call is answered 503. A row that somebody holds is waited for 0.8 of
+    that, unless `options` in the URL say otherwise."""
+    wait_for_database_s: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    """How long a database that cannot be reached is waited for at the start."""
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()

@@ -22,7 +22,7 @@ class Package:
     Attributes:
         folder: where it stands in the repository.
         may: top-level names; `STDLIB` for the standard library.
-        only_in: names that only files whose own name fits a pattern may import.
+        only_in: names that only files whose own name fits one of some patterns may import, with spaces between them.
     """
 
     folder: str
@@ -32,6 +32,10 @@ class Package:
 
 def _package(folder: str, *may: str, only_in: dict[str, str] | None = None) -> Package:
     return Package(folder, frozenset(may), only_in or {})
+
+
+def _fits(file: str, patterns: str) -> bool:
+    return any(fnmatch.fnmatch(Path(file).name, pattern) for pattern in patterns.split())
 
 
 PACKAGES = {
@@ -104,7 +108,7 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
-        only_in={"mapbox_earcut": "polygons.py", "psycopg": "listening.py"},
+        only_in={"mapbox_earcut": "polygons.py", "psycopg": "listening.py patience.py"},
     ),
 }
 SHADOWED = {
@@ -140,7 +144,7 @@ def forbidden(name: str, package: Package, file: str, source: str) -> list[str]:
             top == name
             or top in package.may
             or (STDLIB in package.may and top in sys.stdlib_module_names)
-            or (top in package.only_in and fnmatch.fnmatch(Path(file).name, package.only_in[top]))
+            or (top in package.only_in and _fits(file, package.only_in[top]))
         )
         if not allowed:
             wrong.append(dotted)

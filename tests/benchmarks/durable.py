@@ -6,7 +6,6 @@ The echo beside is in `service`. PostgreSQL's own processes are not in the CPU t
 does not.
 """
 
-import sqlite3
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -27,6 +26,7 @@ from voa_service import bootstrap, logs
 from voa_service.http.app import create_app
 from voa_service.ports import Write
 from voa_service.settings import Settings
+from voa_service.store.drivers import sqlite_driver
 
 _POSES, _UPDATES, _ROUNDS, _WRITERS = 500, 40, 5, 16
 _REPORT = '{"accepted":true}' + 150 * " "
@@ -93,7 +93,7 @@ def _per_second(update: Callable[[str], None], sessions: list[str]) -> float:
 @contextmanager
 def _bare_sqlite(path: Path) -> Iterator[Prepare]:
     """The same reads and writes by the raw driver."""
-    connection = sqlite3.connect(path, isolation_level=None)
+    connection = sqlite_driver().connect(str(path), isolation_level=None)
     for statement in (
         "PRAGMA journal_mode=WAL",
         "PRAGMA synchronous=FULL",

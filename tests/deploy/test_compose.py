@@ -43,6 +43,10 @@ def test_the_service_is_built_from_the_dockerfile_and_keeps_its_health_check(fil
     assert "/readyz" in FINAL_STAGE.partition("HEALTHCHECK")[2]
 
 
+def test_the_build_stops_on_an_sqlite_that_can_lose_commits() -> None:
+    assert "python -m voa_service.store.drivers" in DOCKERFILE
+
+
 @pytest.mark.parametrize("file", FILES)
 def test_only_this_machine_reaches_what_is_published(file: str) -> None:
     published = [port for service in compose(file)["services"].values() for port in service.get("ports", [])]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.serving import Service, serving
+from tests.waiting import wait_for
 from voa_service.settings import Limits
 from voa_service.usecases.scenarios import Scenarios
 
@@ -72,6 +73,6 @@ def test_ready_is_503_when_the_store_does_not_answer(small: Service, monkeypatch
         raise OSError("the disk is gone")
 
     monkeypatch.setattr(small.inside.health.store, "ping", fail)
-    answer = small.http.get("/readyz")
-    assert (answer.status_code, answer.json()["type"]) == (503, "urn:voa:problem:not-ready")
+    wait_for(lambda: small.http.get("/readyz").status_code == 503, "readiness to be tried again, once a second")
+    assert small.http.get("/readyz").json()["type"] == "urn:voa:problem:not-ready"
     assert small.get("/livez") == {"status": "alive"}

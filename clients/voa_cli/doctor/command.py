@@ -19,6 +19,7 @@ from pathlib import Path
 from rich.console import Console
 
 from voa_cli.doctor.findings import Budget, Finding, checklist, verdict
+from voa_cli.doctor.over_database import check_database
 from voa_cli.doctor.over_http import Answers, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots, needs_second_report
@@ -53,6 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"voa doctor: {error}", file=sys.stderr)
         return 1
     findings = list(_findings(options.url, address, listening))
+    findings += [] if options.database_url is None else check_database(options.database_url)
     wrong = any(finding.state == "wrong" for finding in findings)
     if options.json:
         json.dump({"healthy": not wrong, "findings": [asdict(finding) for finding in findings]}, sys.stdout, indent=1)
@@ -100,5 +102,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--listen", type=float, default=_LISTEN_S, help=f"for how long, in seconds (default {_LISTEN_S:g})"
     )
+    parser.add_argument("--database-url", metavar="URL", help="verify every version in this database, which takes time")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

@@ -1,5 +1,7 @@
 """Probable mistakes in a mesh that can be used all the same."""
 
+from collections.abc import Sequence
+
 from voa_core.objects import Object
 from voa_msgs.objects import UpAxis
 from voa_msgs.warnings import ProbableMistake
@@ -8,15 +10,15 @@ from voa_service.meshes.units import LARGE_M, SMALL_M, unit_hint
 _ON_THE_TABLE = 1e-6  # of the object's size
 
 
-def extent_mistakes(mesh: Object, scale: float | None = None) -> list[ProbableMistake]:
+def extent_mistakes(extents: Sequence[float], scale: float | None = None) -> list[ProbableMistake]:
     """Warn of an object that is hardly one for an arm, and name the scales to try.
 
     Args:
-        mesh: in metres.
+        extents: of the object's bounding box, metres.
         scale: what was applied to its file. None: it is not known any more; then too large is most often a file in
             millimetres read at 1, too small a file in metres read at 0.001.
     """
-    size = float(mesh.extents.max())
+    size = float(max(extents))
     if SMALL_M <= size <= LARGE_M:
         return []
     hint = unit_hint(size, scale or (1.0 if size > LARGE_M else 0.001))

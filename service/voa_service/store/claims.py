@@ -12,20 +12,21 @@ from typing import Any, NamedTuple
 from sqlalchemy import BigInteger, Connection, Row, Select, bindparam, func, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
-from voa_service.store.tables import claims, sessions
+from voa_service.store.tables import GONE, claims, sessions
 
 _BEFORE_ALL = -1
 
 _CLAIM = select(claims).where(claims.c.robot == bindparam("by_robot"))
 _LOCK_CLAIM = _CLAIM.with_for_update()
 _SESSION: Select[Any] = select(sessions.c.id, sessions.c.scenario, sessions.c.seq).where(
-    sessions.c.id == bindparam("by_id")
+    sessions.c.id == bindparam("by_id"), sessions.c.version > GONE
 )
 _NEWEST_AFTER: Select[Any] = (
     select(sessions.c.id, sessions.c.scenario, sessions.c.seq)
     .where(
         sessions.c.scenario == bindparam("by_scenario"),
         sessions.c.seq > bindparam("by_seq", type_=BigInteger),
+        sessions.c.version > GONE,
     )
     .order_by(sessions.c.seq.desc())
     .limit(1)

@@ -1,8 +1,10 @@
 """Connections: how each kind of database is opened."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any, NamedTuple
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import structlog
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
@@ -10,34 +12,59 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedEr
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.sql.compiler import SQLCompiler
 
-from voa_service.failures import NOT_READY, OVERLOADED, Failure
+from voa_service.failures import DAMAGED, NOT_READY, OVERLOADED, Failure
+from voa_service.store import patience
+from voa_service.store.drivers import alone, database_file, loses_commits, sqlite_driver, version_of
 
 _READERS = 8
 _CONNECTIONS = 16
 _BUSY_MS = 10_000
-_WAIT_SECONDS = 30
-_CONNECT_SECONDS = 5
+_WAIT_SECONDS = 10
 _TRY_AGAIN = {"Retry-After": "1"}
 _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 """What a statement of ours did; every other error of a database is that of the database."""
+_MALFORMED = ("malformed", "not a database")
+"""What SQLite says of a file whose pages are not as they should be."""
 
 
-class Engines(NamedTuple):
-    """An engine to write with, one to read with, and one for reads of a single statement.
+@dataclass(eq=False)
+class Troubles:
+    """How often a database has failed so far."""
 
-    The first two are the same where the database serialises writers by rows. The last needs no transaction: of what a
-    read costs, beginning and ending one is the larger part.
+    count: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Engines:
+    """An engine to write with, one to read with in one state of the database, and one for reads of one statement.
+
+    The last needs no transaction: of what a read costs, beginning and ending one is the larger part.
+
+    Attributes:
+        parameters: of a PostgreSQL connection, as libpq takes them; empty for SQLite.
     """
 
     writer: Engine
     readers: Engine
     single: Engine
+    parameters: dict[str, Any] = field(default_factory=dict)
+    held: ExitStack = field(default_factory=ExitStack)
+    troubles: Troubles = field(default_factory=Troubles)
+
+    @property
+    def software(self) -> str:
+        """Name the database's software and version; PostgreSQL's is known once a connection was opened."""
+        if self.writer.dialect.name == "sqlite":
+            return f"SQLite {sqlite_driver().sqlite_version}"
+        version = self.writer.dialect.server_version_info or ()
+        return f"PostgreSQL {'.'.join(str(part) for part in version)}".strip()
 
     def dispose(self) -> None:
         """Close every connection."""
         self.single.dispose()
         self.readers.dispose()
         self.writer.dispose()
+        self.held.close()
 
 
 @contextmanager
@@ -81,61 +108,95 @@ def _told(engine: Engine) -> Iterator[None]:
     """What a database does wrong, as a failure.
 
     Raises:
-        Failure: the database is gone, full, locked or broken: not the caller's fault, and it may pass.
+        Failure: the database is gone, silent, full, locked or broken: not the caller's fault, and it may pass. Or its
+            file is damaged, which does not.
     """
+    outage: patience.Outage | None = engine.get_execution_options().get("outage")
+    if outage is not None and outage.present:
+        raise Failure(NOT_READY, "the database does not answer: try again", _TRY_AGAIN)
     try:
         yield
     except _OURS:
         raise
     except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error
+        engine.get_execution_options()["troubles"].count += 1
         structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
-        detail = "the database does not work at the moment: try again, writes with the same Idempotency-Key"
+        if engine.dialect.name == "sqlite" and any(sign in str(cause) for sign in _MALFORMED):
+            raise Failure(DAMAGED, f"the database's file is damaged ({cause}): restore a backup") from error
+        why = said(cause)
+        detail = f"the database does not work at the moment{why}: try again, writes with the same Idempotency-Key"
         raise Failure(NOT_READY, detail, _TRY_AGAIN) from error
     except NoConnection as error:
         structlog.get_logger().error("the database is too slow", waited_seconds=_WAIT_SECONDS)
         raise Failure(OVERLOADED, "too many requests wait for the database: try again", _TRY_AGAIN) from error
 
 
-def connect(url: str) -> Engines:
-    """Engines for `sqlite:///file` or `postgresql://user@host/database`."""
-    if make_url(url).get_backend_name() == "sqlite":
-        return Engines(
-            _sqlite(url, "BEGIN IMMEDIATE", connections=1),
-            _sqlite(url, "BEGIN", connections=_READERS),
-            _sqlite(url, None, connections=_READERS),
-        )
+def said(cause: BaseException | None) -> str:
+    """Quote what the database itself said, in brackets; nothing of a driver's, which may name hosts and users."""
+    diagnosis = getattr(getattr(cause, "diag", None), "message_primary", None)
+    if diagnosis is None and type(cause).__module__.split(".")[0] in ("sqlite3", "pysqlite3"):
+        diagnosis = str(cause)
+    return "" if diagnosis is None else f" ({diagnosis})"
+
+
+def connect(url: str, patience_s: float = 4.0) -> Engines:
+    """Open `sqlite:///file` or `postgresql://user@host/database`.
+
+    Args:
+        url: of the database.
+        patience_s: how long PostgreSQL may be silent before a call fails.
+
+    Raises:
+        InUse: SQLite's file is open elsewhere, and this SQLite could lose what is committed.
+    """
+    parsed = make_url(url)
+    return _sqlite(parsed) if parsed.get_backend_name() == "sqlite" else _postgres(parsed, patience_s)
+
+
+def _postgres(url: URL, patience_s: float) -> Engines:
+    wanted = patience.parameters(url, patience_s)
     engine = create_engine(
         url,
         pool_size=_CONNECTIONS,
         max_overflow=0,
         pool_timeout=_WAIT_SECONDS,
         pool_pre_ping=True,  # a database that went and came back costs one query, not an error
-        connect_args=_patience(make_url(url)),
+        connect_args=wanted,
     )
-    return Engines(engine, engine, engine.execution_options(isolation_level="AUTOCOMMIT"))
+    given = dict(engine.dialect.create_connect_args(url)[1]) | wanted
+    outage = patience.Outage(partial(patience.ask, given))
+    impatient = patience.connection_type(patience_s, outage)
+    event.listen(
+        engine, "do_connect", lambda _dialect, _record, _args, given: patience.connected(impatient, given, outage)
+    )
+    troubles = Troubles()
+    engine = engine.execution_options(outage=outage, troubles=troubles)
+    held = ExitStack()
+    held.callback(outage.close)
+    single = engine.execution_options(isolation_level="AUTOCOMMIT")
+    return Engines(engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, given, held, troubles)
 
 
-def _patience(url: URL) -> dict[str, Any]:
-    """How long PostgreSQL is waited for; what the URL says itself holds."""
-    usual: dict[str, Any] = {
-        "connect_timeout": _CONNECT_SECONDS,
-        "keepalives_idle": 10,
-        "keepalives_interval": 5,
-        "keepalives_count": 3,
-    }
-    # A row that somebody holds, who may be frozen, must not hold up every worker for good.
-    options = f"-c lock_timeout={_BUSY_MS} -c idle_in_transaction_session_timeout={_BUSY_MS}"
-    own = url.query.get("options", "")
-    return usual | dict(url.query) | {"options": f"{options} {own if isinstance(own, str) else ' '.join(own)}".strip()}
+def _sqlite(url: URL) -> Engines:
+    driver, held = sqlite_driver(), ExitStack()
+    version, file, troubles = version_of(driver), database_file(url), Troubles()
+    if file is not None and loses_commits(version):
+        held.enter_context(alone(file, version))
+
+    def opened(begin: str | None, connections: int) -> Engine:
+        return _sqlite_engine(url, driver, begin, connections).execution_options(troubles=troubles)
+
+    return Engines(opened("BEGIN IMMEDIATE", 1), opened("BEGIN", _READERS), opened(None, _READERS), {}, held, troubles)
 
 
-def _sqlite(url: str, begin: str | None, connections: int) -> Engine:
+def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:
     """WAL and synchronous=FULL: every commit is on the disk before it is answered."""
-    engine = create_engine(url, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
+    engine = create_engine(url, module=driver, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
 
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
+        connection.text_factory = _text
         for pragma in ("journal_mode=WAL", "synchronous=FULL", f"busy_timeout={_BUSY_MS}", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
 
@@ -143,3 +204,8 @@ def _sqlite(url: str, begin: str | None, connections: int) -> Engine:
     if begin is not None:
         event.listen(engine, "begin", lambda connection: connection.exec_driver_sql(begin))
     return engine
+
+
+def _text(stored: bytes) -> str:
+    """Read a text; a byte that belongs to none stays, so that the checksum can tell whose it was."""
+    return stored.decode("utf-8", "surrogateescape")

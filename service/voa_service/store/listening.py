@@ -1,7 +1,8 @@
 """Hears from PostgreSQL which sessions other processes moved (LISTEN), so that nobody has to wait for a look."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import structlog
 
@@ -9,15 +10,14 @@ CHANNEL = "voa_sessions"
 
 _LOOK_SECONDS = 0.5  # how late the end is noticed
 _AGAIN_SECONDS = 1.0  # after the database went
-_CONNECT_SECONDS = 5
 _END_SECONDS = 1.0  # a host that is silent is not waited for
 
 
 class Listener:
     """A thread with a connection of its own; it comes back when the database does."""
 
-    def __init__(self, address: str, moved: Callable[[str], None]) -> None:
-        self._address = address
+    def __init__(self, parameters: Mapping[str, Any], moved: Callable[[str], None]) -> None:
+        self._parameters = dict(parameters)
         self._moved = moved
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="voa-listener", daemon=True)
@@ -33,7 +33,7 @@ class Listener:
 
         while not self._ended.is_set():
             try:
-                with psycopg.connect(self._address, autocommit=True, connect_timeout=_CONNECT_SECONDS) as connection:
+                with psycopg.connect(**self._parameters, autocommit=True) as connection:
                     connection.execute(f"LISTEN {CHANNEL}")
                     while not self._ended.is_set():
                         for notice in connection.notifies(timeout=_LOOK_SECONDS):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from datetime import datetime
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,50 @@ from sqlalchemy import Row
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
-from voa_service.ports import HistoryEntry, SessionState, StoredObject, StoredScenario
+from voa_service.ports import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
+from voa_service.store import checksums
+
+Columns = dict[str, Any]
 
 
-def session_columns(state: SessionState) -> dict[str, Any]:
-    """Write the columns of a session that change with its version."""
-    return {
+def written(
+    state: SessionState, write: Write, report: str | None, before: bytes, prior: str
+) -> tuple[Columns, Columns]:
+    """Write one version: the columns of the session's row that change with it, and the row of its history.
+
+    Args:
+        state: the session at that version.
+        write: what made it.
+        report: what became of it.
+        before: the checksum of the version before; `checksums.NOTHING`: this is the first.
+        prior: the digest of the session's prior.
+    """
+    belief = blob(state.belief)
+    digest = checksums.of_blob(belief)
+    fit = None if state.last_fit_rmsd_mm is None else float(state.last_fit_rmsd_mm)
+    entry: Columns = {
+        "session": state.id,
         "version": state.version,
-        "belief": blob(state.belief),
-        "prior": blob(state.prior),
-        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
-        "created_at": state.created_at.isoformat(),
-        "updated_at": state.updated_at.isoformat(),
+        "kind": write.kind,
+        "at": state.updated_at.isoformat(),
+        "request": write.request,
+        "report": report,
+        "last_fit_rmsd_mm": fit,
     }
+    newest = checksums.of_entry(before, SimpleNamespace(**entry), digest)
+    session: Columns = {
+        "id": state.id,
+        "scenario": state.scenario,
+        "version": state.version,
+        "last_fit_rmsd_mm": fit,
+        "created_at": state.created_at.isoformat(),
+        "updated_at": entry["at"],
+        "summary": state.summary,
+    }
+    own = checksums.of_session(SimpleNamespace(**session), newest, digest, prior)
+    changing = ("version", "last_fit_rmsd_mm", "updated_at", "summary")
+    columns = {name: session[name] for name in changing} | {"belief": belief, "newest": newest, "checksum": own}
+    return columns, entry | {"belief": belief, "checksum": newest}
 
 
 def blob(belief: Belief) -> bytes:
@@ -47,7 +79,7 @@ def scenario_of(row: Row[Any]) -> StoredScenario:
 
 
 def session_of(row: Row[Any]) -> SessionState:
-    """Read a session as it stands."""
+    """Read a session as it stands, from a row that `checksums.check_session` has passed."""
     return SessionState(
         row.id,
         row.scenario,
@@ -57,6 +89,7 @@ def session_of(row: Row[Any]) -> SessionState:
         row.last_fit_rmsd_mm,
         datetime.fromisoformat(row.created_at),
         datetime.fromisoformat(row.updated_at),
+        row.summary,
     )
 
 
@@ -68,5 +101,6 @@ def entry_of(session: SessionState, row: Row[Any]) -> HistoryEntry:
         belief=_belief(row.belief),
         last_fit_rmsd_mm=row.last_fit_rmsd_mm,
         updated_at=datetime.fromisoformat(row.at),
+        summary=None,
     )
     return HistoryEntry(then, row.kind, row.request, row.report)

@@ -41,6 +41,9 @@ scenarios = Table(
     Column("body", Text, nullable=False),
 )
 
+GONE = -1
+"""The version of a session that was deleted and whose rows are still being removed: nobody may see it."""
+
 sessions = Table(
     "sessions",
     metadata,
@@ -53,7 +56,12 @@ sessions = Table(
     Column("last_fit_rmsd_mm", Float),
     Column("created_at", String(32), nullable=False),
     Column("updated_at", String(32), nullable=False),
+    Column("summary", Text),
+    Column("newest", LargeBinary),
+    Column("checksum", LargeBinary),
 )
+"""`summary` is what lists show of the belief, null in rows from before it was kept; `newest` is the checksum of the
+newest row of the history, `checksum` that of this row (`store.checksums`)."""
 
 history = Table(
     "history",
@@ -66,7 +74,9 @@ history = Table(
     Column("report", Text),
     Column("belief", LargeBinary, nullable=False),
     Column("last_fit_rmsd_mm", Float),
+    Column("checksum", LargeBinary),
 )
+"""Every version of a session; `checksum` covers the row and the checksum of the version before."""
 
 robot_looks = Table(
     "robot_looks",
@@ -108,3 +118,19 @@ uploads = Table(
     Column("object", String(64), ForeignKey("objects.id", ondelete="CASCADE"), nullable=False),
 )
 """The mesh that a file became: its bytes, its type, and how it was read."""
+
+summaries = Table(
+    "summaries",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("summary", Text, nullable=False),
+)
+"""What lists show of an object or a scenario, by its digest, as JSON: its own row holds megabytes."""
+
+probes = Table(
+    "probes",
+    metadata,
+    Column("replica", String(64), primary_key=True),
+    Column("filler", LargeBinary, nullable=False),
+)
+"""A row of each process, written again and again to see whether writes work."""

@@ -10,7 +10,7 @@ from voa_core.stable_poses import propose_stable_poses
 from voa_msgs.objects import MeshType, Object, ObjectPage, StablePose, StablePoses, UpAxis
 from voa_service.cache import Cache
 from voa_service.failures import INVALID, INVALID_MESH, TOO_LARGE, Failure, not_found
-from voa_service.mapping import object_message
+from voa_service.mapping import listed_object_message, object_message
 from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store, StoredObject, Upload
 from voa_service.settings import Limits
@@ -97,7 +97,7 @@ class Objects:
         if sha256 is None:
             if (mesh_type, scale, up) != (None, None, None):
                 raise Failure(INVALID, "type, scale and up describe a mesh file: expected its sha256 beside them")
-            return ObjectPage(**page(self.store.list_objects, object_message, limit, after))
+            return ObjectPage(**page(self.store.list_objects, listed_object_message, limit, after))
         if mesh_type is None or after is not None:
             raise Failure(INVALID, "sha256 asks for the mesh of one file: expected its type beside it, and no `after`")
         return self.find(sha256, mesh_type, 1.0 if scale is None else scale, up)
@@ -123,7 +123,7 @@ def _uploaded(there: StoredObject, upload: Upload, *, stated: bool) -> Object:
         stated: whether the caller said which axis is up.
     """
     mesh = there.object
-    doubts = extent_mistakes(mesh, upload.scale) + ([] if stated else up_mistakes(mesh, upload.up))
+    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + ([] if stated else up_mistakes(mesh, upload.up))
     return object_message(replace(there, up=upload.up)).model_copy(update={"warnings": doubts})
 
 

@@ -16,7 +16,7 @@ from voa_msgs.warnings import Warnings
 from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
 from voa_service.mapping import candidates, filled_in, warning_messages
 from voa_service.models import Model, Models
-from voa_service.ports import Clock, Store, StoredScenario
+from voa_service.ports import Clock, ListedScenario, Store, StoredScenario
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
@@ -46,7 +46,7 @@ class Scenarios:
             self.models.build(id_, filled)
         except VoaError as error:
             raise of_core(error) from error
-        stored = StoredScenario(id_, request.name, body, self.now())
+        stored = StoredScenario(id_, request.name, body, self.now(), _json(_facts(filled)))
         there, new = self.store.put_scenario(stored)
         return self._message(there), new
 
@@ -116,15 +116,17 @@ def _still_default(message: Message, fields: Sequence[str]) -> set[str]:
     return {name for name in fields if getattr(message, name) == type(message).model_fields[name].default}
 
 
-def _summary(stored: StoredScenario) -> ScenarioSummary:
-    body = json.loads(stored.body)
-    return ScenarioSummary(
-        id=stored.id,
-        name=stored.name,
-        object=body["object"],
-        poses=len(body["poses"]),
-        grasps=len(body["grasps"]),
-        sensors=len(body["sensors"]),
-        rule=body["update"]["rule"],
-        created_at=stored.created_at,
-    )
+def _facts(filled: ScenarioRequest) -> dict[str, Any]:
+    """What a list shows of a scenario beside its name."""
+    return {
+        "object": filled.object,
+        "poses": len(filled.poses),
+        "grasps": len(filled.grasps),
+        "sensors": len(filled.sensors),
+        "rule": filled.update.rule,
+    }
+
+
+def _summary(stored: ListedScenario) -> ScenarioSummary:
+    facts = json.loads(stored.summary)
+    return ScenarioSummary(id=stored.id, name=stored.name, created_at=stored.created_at, **facts)

@@ -3,11 +3,12 @@
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from voa_core.errors import UnknownName, VoaError
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
-from voa_core.grasps import log_outcome_weights
+from voa_core.grasps import best_grasp, log_outcome_weights
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.scenario import Scenario
 from voa_core.updating import Update, update, update_by_outcome
@@ -37,6 +38,7 @@ from voa_service.ports import (
     HistoryEntry,
     IdempotencyKey,
     IdSource,
+    ListedSession,
     RobotLook,
     SessionState,
     Step,
@@ -72,6 +74,8 @@ class Sessions:
     """Told the kind of each observation, and what became of it: "accepted", or the reason why not."""
     check_robots: Callable[[Sequence[str], str], None]
     """Refuses robots that a session on a scenario cannot claim."""
+    history_bytes: int
+    """Of requests, reports and beliefs that one page of a history is made of, at most; one version always is."""
 
     def create(self, request: SessionRequest, write: Write) -> Answered:
         """Open a session on a scenario, at version 0, and claim robots for it.
@@ -89,7 +93,7 @@ class Sessions:
             raise of_core(error) from error
         self.check_robots(robots, request.scenario)
         now = self.now()
-        state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now)
+        state = _summarised(SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now), scenario)
         answer = self._session(state, scenario)
         given = Answered(answer.model_dump_json(), 0)
         answered = self.store.create_session(state, write, given, robots)
@@ -179,6 +183,7 @@ class Sessions:
         def step(state: SessionState) -> Step:
             belief = state.prior if given is None else given
             after = replace(state, version=state.version + 1, belief=belief, updated_at=self.now())
+            after = _summarised(after, scenario)
             answer = Session(**session_fields(after, scenario), warnings=list(warnings))
             return Step(after, Answered(answer.model_dump_json(), after.version), None)
 
@@ -188,11 +193,11 @@ class Sessions:
         """Every version and what made it, the prior first."""
         self.state(id_)
         seen = -1 if after is None else position(after)
-        entries = self.store.history(id_, seen, limit + 1)
-        more = len(entries) > limit
+        entries = self.store.history(id_, seen, limit, self.history_bytes)
+        newest = self.state(id_).version
+        last = entries[-1].state.version if entries else newest
         return HistoryPage(
-            items=[_history_message(entry) for entry in entries[:limit]],
-            next=str(entries[limit - 1].state.version) if more else None,
+            items=[_history_message(entry) for entry in entries], next=str(last) if last < newest else None
         )
 
     def robot_looks(self, id_: str, robot: str, limit: int) -> Sequence[RobotLook]:
@@ -211,7 +216,7 @@ class Sessions:
         if seen is None or seen > state.version:
             states = [state]
         else:
-            states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS)]
+            states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS, self.history_bytes)]
         return [self.message(each) for each in states]
 
     def message(self, state: SessionState) -> Session:
@@ -275,6 +280,7 @@ class Sessions:
                 last_fit_rmsd_mm=fit_rmsd_mm,
                 updated_at=self.now(),
             )
+            after = _summarised(after, scenario)
         now = after or state
         answer = UpdatedSession(**session_fields(now, scenario), warnings=list(warnings), update=report)
         return Step(after, Answered(answer.model_dump_json(), now.version), report.model_dump_json())
@@ -309,9 +315,34 @@ class Sessions:
         """The mathematics of a session's scenario, which is never removed."""
         return scenario_in_body(self.models, state.scenario)
 
-    def _summary(self, state: SessionState) -> SessionSummary:
-        fields = session_fields(state, self.scenario_of(state))
-        return SessionSummary(**{name: fields[name] for name in SessionSummary.model_fields})
+    def _summary(self, listed: ListedSession) -> SessionSummary:
+        facts = None if listed.summary is None else json.loads(listed.summary)
+        if facts is None:  # not changed since before summaries were kept
+            state = self.state(listed.id)
+            facts = _facts(state, self.scenario_of(state))
+        return SessionSummary(
+            id=listed.id,
+            scenario=listed.scenario,
+            version=listed.version,
+            last_fit_rmsd_mm=listed.last_fit_rmsd_mm,
+            created_at=listed.created_at,
+            updated_at=listed.updated_at,
+            **facts,
+        )
+
+
+def _summarised(state: SessionState, scenario: Scenario) -> SessionState:
+    """A session with what a list shows of its belief."""
+    return replace(state, summary=json.dumps(_facts(state, scenario)))
+
+
+def _facts(state: SessionState, scenario: Scenario) -> dict[str, Any]:
+    choice = best_grasp(scenario.table, state.belief.p)
+    return {
+        "best_grasp": None if choice.index is None else scenario.table.names[choice.index],
+        "expected_score": choice.expected_score,
+        "entropy_nats": state.belief.entropy_nats,
+    }
 
 
 def scenario_in_body(models: Models, id_: str) -> Scenario:

@@ -9,6 +9,7 @@ from threading import Barrier
 from typing import TypeVar
 
 import numpy as np
+from sqlalchemy import Engine, create_engine
 
 from tests.voa_core.worlds import BOX_FACES
 from voa_core.filtering import Belief
@@ -24,12 +25,18 @@ from voa_service.ports import (
     StoredScenario,
     Write,
 )
+from voa_service.store.drivers import sqlite_driver
 
 T = TypeVar("T")
 Open = Callable[[], Store]
 
 NOON = datetime(2026, 1, 2, 12, 0, 0, 123456, tzinfo=UTC)
 THREADS = 4
+
+
+def engine_of(url: str) -> Engine:
+    """An engine beside the store's, by the same driver: two SQLites in one process undo each other's locks."""
+    return create_engine(url, module=sqlite_driver()) if url.startswith("sqlite") else create_engine(url)
 
 
 def mesh(size: float = 0.05) -> Object:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from sqlalchemy import create_engine, text
+from sqlalchemy import text
 
 from tests.postgres import Server
 from tests.voa_service.store.samples import (
@@ -22,6 +22,7 @@ from tests.voa_service.store.samples import (
     at_once,
     belief,
     create,
+    engine_of,
     key,
     mesh,
     never,
@@ -252,6 +253,40 @@ def test_history_ascends_and_keeps_what_was_received(store: Store) -> None:
     assert [entry.state.version for entry in store.history("S", 0, 2)] == [1, 2]
     assert [entry.state.version for entry in store.history("S", 2, 2)] == [3]
     assert store.history("S", 3, 2) == []
+
+
+def test_a_page_of_a_history_is_bounded_in_bytes_and_goes_on(store: Store) -> None:
+    create(store)
+    for _ in range(9):
+        store.change_session("S", write(request='"' + "x" * 998 + '"'), next_version)
+    whole = store.history("S", -1, 99)
+    for most_bytes, expected in ((1, [1] * 10), (2_500, [4, 3, 3]), (10**9, [10])):
+        read: list[int] = []
+        pages = []
+        while len(read) < len(whole):
+            page = store.history("S", read[-1] if read else -1, 99, most_bytes)
+            read += [entry.state.version for entry in page]
+            pages.append(len(page))
+        assert read == [entry.state.version for entry in whole]
+        assert pages == expected
+
+
+def test_lists_show_what_was_stored_with_the_version(store: Store) -> None:
+    store.put_scenario(replace(scenario("B"), summary='{"poses": 3}'))
+    stored, _ = store.put_object(stored_mesh())
+    create(store)
+    store.change_session("S", write(), lambda state: replace_summary(next_version(state), '{"entropy": 1}'))
+    (listed,) = store.list_sessions(9, None).items
+    assert (listed.id, listed.version, listed.summary) == ("S", 1, '{"entropy": 1}')
+    assert [item.summary for item in store.list_scenarios(9, None).items] == ["{}", '{"poses": 3}']
+    (mesh_,) = store.list_objects(9, None).items
+    assert mesh_.extents == tuple(stored.object.extents.tolist())
+    assert (mesh_.id, mesh_.faces, mesh_.watertight) == (stored.object.digest, 12, stored.object.watertight)
+
+
+def replace_summary(step: Step, summary: str) -> Step:
+    assert step.after is not None
+    return replace(step, after=replace(step.after, summary=summary))
 
 
 def test_histories_of_two_sessions_do_not_mix(store: Store) -> None:
@@ -528,7 +563,7 @@ def test_a_change_and_a_delete_at_once_leave_nothing_behind(pair: tuple[Store, S
 
 def test_ping_says_when_the_tables_are_of_another_version(store: Store, database_url: str) -> None:
     store.ping()
-    engine = create_engine(database_url)
+    engine = engine_of(database_url)
     with engine.begin() as connection:
         connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     engine.dispose()
@@ -616,4 +651,4 @@ def test_a_row_that_is_held_is_not_waited_for_without_end_and_own_options_hold(p
             for name in ("lock_timeout", "idle_in_transaction_session_timeout", "application_name")
         ]
     engines.dispose()
-    assert shown == ["10s", "10s", "lab"]
+    assert shown == ["3200ms", "10s", "lab"]

@@ -1,17 +1,18 @@
 """A database of an earlier version keeps what is in it."""
 
+import json
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import Engine, create_engine, text
+from sqlalchemy import Engine, text
 
 from tests.voa_core.worlds import box
-from tests.voa_service.store.samples import next_version
+from tests.voa_service.store.samples import engine_of, next_version, write
 from voa_core.objects import Object
-from voa_service.ports import RobotLook, Upload, Write
+from voa_service.ports import Answered, RobotLook, Upload, Write
 from voa_service.store import migrate
 from voa_service.store.sql import SqlStore
 
@@ -23,7 +24,7 @@ AT = datetime(2026, 11, 28, tzinfo=UTC).isoformat()
 
 def at_revision(url: str, revision: str) -> Engine:
     """An empty database with the tables of an earlier version."""
-    engine = create_engine(url)
+    engine = engine_of(url)
     with engine.begin() as connection:
         config = Config()
         config.set_main_option("script_location", str(Path(migrate.__file__).parent / "migrations"))
@@ -98,4 +99,42 @@ def test_a_session_from_before_looks_were_counted_counts_its_next_one(database_u
     assert store.robot_looks("S", "tb3_1", 9) == []
     store.change_session("S", Write("scan", "{}", None, None, counted), next_version)
     assert store.robot_looks("S", "tb3_1", 9) == [counted]
+    store.close()
+
+
+def test_sessions_and_lists_from_before_checksums_are_filled_in(database_url: str) -> None:
+    engine, mesh = at_revision(database_url, "0005"), box(0.1, 0.2, 0.3)
+    blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).tobytes()
+    body = '{"grasps": [{}], "object": null, "poses": [{}, {}], "sensors": [{}], "update": {"rule": "beam"}}'
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
+        connection.execute(
+            text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, :body)"),
+            {"at": AT, "body": body},
+        )
+        connection.execute(
+            text(
+                "INSERT INTO sessions (id, scenario, version, belief, prior, last_fit_rmsd_mm, created_at, updated_at)"
+                " VALUES ('S', 'A', 250, :blob, :blob, 0.1, :at, :at)"
+            ),
+            {"blob": blob, "at": AT},
+        )
+        connection.execute(
+            text(
+                "INSERT INTO history (session, version, kind, at, request, report, belief, last_fit_rmsd_mm)"
+                " VALUES ('S', :version, 'scan', :at, '{\"ü\": 1}', NULL, :blob, 0.1)"
+            ),
+            [{"version": version, "blob": blob, "at": AT} for version in range(251)],
+        )
+    engine.dispose()
+    store = SqlStore(database_url)
+    assert [entry.state.version for entry in store.history("S", -1, 999)] == list(range(251))
+    assert store.change_session("S", write(), next_version) == Answered("v251", 251)
+    assert len(store.history("S", 249, 9)) == 2
+    (scenario,) = store.list_scenarios(9, None).items
+    assert json.loads(scenario.summary) == {"object": None, "poses": 2, "grasps": 1, "sensors": 1, "rule": "beam"}
+    (listed,) = store.list_objects(9, None).items
+    assert (listed.extents, listed.faces) == (tuple(mesh.extents.tolist()), len(mesh.faces))
+    (session,) = store.list_sessions(9, None).items
+    assert session.summary is None
     store.close()
