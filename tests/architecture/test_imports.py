@@ -104,7 +104,7 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
-        only_in={"mapbox_earcut": "polygons.py", "psycopg": "listening.py"},
+        only_in={"httptools": "connection.py", "mapbox_earcut": "polygons.py", "psycopg": "listening.py"},
     ),
 }
 SHADOWED = {

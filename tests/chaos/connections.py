@@ -1,6 +1,11 @@
 """Bytes that are no request yet: endless headers, unfinished bodies, idle connections, readers that do not read."""
 
+import json
+import math
 import socket
+import subprocess
+import sys
+import threading
 import time
 from collections import Counter
 from contextlib import suppress
@@ -11,13 +16,17 @@ import httpx2
 
 from tests.chaos.attack import Attack, Outcome
 from tests.chaos.connection_tools import Server, head, posting, server, status, together
-from tests.serving import data_scenario, scan_of
+from tests.serving import box_obj, data_scenario, mesh_scenario, scan_of
+from tests.waiting import wait_for
 
 _HEADER_MEGABYTES = 100
 _BODIES = 45
 _BODY_BYTES = 50_000_000
 _PIPELINED = 12_000
 _READERS = 24
+_LONG_POSES = 400
+_LONG_SENSORS = 2_000
+_MOST_STOP_SECONDS = 100.0
 
 
 def endless_headers(folder: Path) -> Outcome:
@@ -56,12 +65,13 @@ def unfinished_bodies(folder: Path) -> Outcome:
     """Send 45 bodies of 50 MB but for their last byte, all at once."""
     with server(folder) as service:
         before = service.memory()
+        unfinished = posting(_BODY_BYTES) + b" " * (_BODY_BYTES - 1)
         many = [service.connect() for _ in range(_BODIES)]
-        together([partial(_send, each, posting(_BODY_BYTES) + b" " * (_BODY_BYTES - 1)) for each in many])
+        together([partial(_send, each, unfinished) for each in many])
         works = _scans(service)
         grown = service.memory("VmHWM") - before
         said = Counter(status(each, 0.05) for each in many)
-        return _outcome(service, f"{grown:+.0f} MB, {_listed(said)}", works and grown < 350)
+        return _outcome(service, f"{grown:+.0f} MB, {_listed(said)}", works and grown < 350 and said["503"] > 0)
 
 
 def idle_connections(folder: Path) -> Outcome:
@@ -145,16 +155,118 @@ def answers_that_nobody_reads(folder: Path) -> Outcome:
         return _outcome(service, f"{held:.0f} of {_READERS} answers of {size:.0f} MB held after 40 s", held == 0)
 
 
+def stop_when_idle(folder: Path) -> Outcome:
+    """Stop a service that nobody uses."""
+    with server(folder) as service:
+        return _stopped(service)
+
+
+def stop_with_hanging_connections(folder: Path) -> Outcome:
+    """Stop a service with 100 followers, 100 idle connections, 100 unfinished headers, bodies and unread answers."""
+    with server(folder) as service, httpx2.Client(base_url=service.url) as client:
+        session = _session(client)
+        for _ in range(100):
+            service.connect().sendall(head("GET", f"/v1/sessions/{session}/events"))
+            service.connect()
+            service.connect().sendall(b"GET /livez HTTP/1.1\r\n")
+            service.connect().sendall(posting(1_000_000) + b" " * 100)
+            service.connect().sendall(head("GET", "/openapi.json") * 10)
+        service.answers()
+        return _stopped(service)
+
+
+def stop_during_long_work(folder: Path) -> Outcome:
+    """Stop a service that computes rankings for minutes, while a robot sends scans; no answered scan is lost."""
+    with server(folder, VOA_WORKERS="2") as service, httpx2.Client(base_url=service.url, timeout=60.0) as client:
+        _begin_long_rankings(service, client)
+        session = _session(client)
+        answered = 0
+        stopped: list[float | None] = []
+        ending = threading.Thread(target=lambda: stopped.append(service.stop(_MOST_STOP_SECONDS)))
+        with suppress(httpx2.HTTPError):
+            for count in range(10_000):
+                if count == 20:
+                    ending.start()
+                client.post(f"/v1/sessions/{session}/scans", json=scan_of([0.5, 0.5, 0.6, 1.0])).raise_for_status()
+                answered += 1
+        ending.join()
+        code = service.process.poll()
+    with server(folder) as again:
+        kept = httpx2.get(f"{again.url}/v1/sessions/{session}").raise_for_status().json()["version"]
+    figure = _stop_figure(stopped[0], code)
+    survived = f"{kept} of {answered} answered scans are stored"
+    return Outcome(figure, survived, held=_stops(stopped[0], code) and kept >= answered)
+
+
+def stop_while_waiting(folder: Path) -> Outcome:
+    """Stop a service that waits for its database."""
+    waiting = ["--wait-for-database", "60", "--database-url", "sqlite:////nowhere/at/all/voa.db", "--port", "0"]
+    log = folder / "service.log"
+    with log.open("wb") as stderr:
+        process = subprocess.Popen([sys.executable, "-m", "voa_service", *waiting], stderr=stderr)
+    service = Server(process, 0, log)
+    try:
+        wait_for(lambda: b"waiting for the database" in log.read_bytes(), "the service to wait")
+        return _stopped(service)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def _begin_long_rankings(service: Server, client: httpx2.Client) -> None:
+    """Ask for rankings that take minutes on as many threads as the service has, and wait until they are under way."""
+    object_id = client.post("/v1/objects", files={"file": ("box.obj", box_obj())}).raise_for_status().json()["id"]
+    turns = [2.0 * math.pi * i / _LONG_POSES for i in range(_LONG_POSES)]
+    made = mesh_scenario(
+        object_id,
+        poses=[
+            {
+                "name": str(i),
+                "position": [0.0, 0.0, 0.0],
+                "quaternion_wxyz": [math.cos(turn / 2.0), 0.0, 0.0, math.sin(turn / 2.0)],
+            }
+            for i, turn in enumerate(turns)
+        ],
+        scores={"probabilities": [[0.5] * _LONG_POSES, [i / _LONG_POSES for i in range(_LONG_POSES)]]},
+    )
+    scenario = client.post("/v1/scenarios", json=made).raise_for_status().json()["id"]
+    session = client.post("/v1/sessions", json={"scenario": scenario}).raise_for_status().json()["id"]
+    for shift in range(4):
+        places = [2.0 * math.pi * i / _LONG_SENSORS for i in range(_LONG_SENSORS)]
+        sensors = [{"x": 0.3 * math.cos(at), "y": 0.3 * math.sin(at), "yaw_rad": at + shift / 100.0} for at in places]
+        body = json.dumps({"sensors": sensors}).encode()
+        headers = ("Content-Type: application/json", f"Content-Length: {len(body)}")
+        service.connect().sendall(head("POST", f"/v1/sessions/{session}/voa", *headers) + body)
+    wait_for(lambda: "voa_heavy_requests 4" in client.get("/metrics").text, "the rankings to begin")
+
+
+def _stopped(service: Server) -> Outcome:
+    took = service.stop(_MOST_STOP_SECONDS)
+    code = service.process.poll()
+    lost = "Traceback" in service.log.read_text()
+    return Outcome(_stop_figure(took, code), "errors in the log" if lost else "a clean log", _stops(took, code))
+
+
+def _stops(took: float | None, code: int | None) -> bool:
+    return took is not None and took <= 10.0 and code == 0
+
+
+def _stop_figure(took: float | None, code: int | None) -> str:
+    return f"over {_MOST_STOP_SECONDS:.0f} s" if took is None else f"{took:.1f} s, exit code {code}"
+
+
 def _send(opened: socket.socket, data: bytes, seconds: float = 20.0) -> None:
     opened.settimeout(seconds)
+    rest = memoryview(data)
     with suppress(OSError):
-        opened.sendall(data)
+        while rest:
+            rest = rest[opened.send(rest[:1_000_000]) :]
 
 
 def _unread(port: int) -> int:
     """Count the service's connections with bytes that wait to be sent."""
     rows = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
-    return sum(row[1].endswith(f":{port:04X}") and int(row[4].split(":")[0], 16) > 0 for row in rows)
+    return sum(row[1].endswith(f":{port:04X}") and int(row[4].partition(":")[0], 16) > 0 for row in rows)
 
 
 def _session(client: httpx2.Client) -> str:
@@ -193,4 +305,8 @@ ATTACKS = [
     Attack("200 slow requests", "?", "408", slow_requests),
     Attack("50 x 12 000 pipelined requests", "?", "100 MB", pipelined_requests),
     Attack("24 answers that nobody reads", "?", "none held after 40 s", answers_that_nobody_reads),
+    Attack("SIGTERM when idle", "?", "10 s, exit code 0", stop_when_idle),
+    Attack("SIGTERM with 500 hanging connections", "?", "10 s, exit code 0", stop_with_hanging_connections),
+    Attack("SIGTERM with rankings under way", "?", "10 s, exit code 0, no scan lost", stop_during_long_work),
+    Attack("SIGTERM while waiting for the database", "none", "10 s, exit code 0", stop_while_waiting),
 ]

@@ -1,6 +1,9 @@
 """One connection: uvicorn's protocol, with its bytes counted and its stages timed."""
 
 import asyncio
+import socket
+import struct
+from contextlib import suppress
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from voa_service.http.connections.guard import Guard
 
 _MOST_PIPELINED = 16
+_RESET = struct.pack("ii", 1, 0)  # SO_LINGER: on, for no time
 _LINGER_SECONDS = 2.0
 _PROBES = (b"/livez", b"/readyz", b"/metrics")
 
@@ -53,6 +57,7 @@ class Connection(HttpToolsProtocol):
         self._came = 0  # bytes of the body since `since`
         self._was_paused = False
         self._is_upgraded = False
+        self._has_asked = False
         self._unanswered = 0
         self._most_unsent = 0
         self.sent_at = self.since
@@ -114,6 +119,7 @@ class Connection(HttpToolsProtocol):
         self._came = 0
         self._was_paused = False
         self._enter(Stage.BODY)
+        self._has_asked = True
         self._unanswered += 1
         super().on_headers_complete()
         if self.is_probe:
@@ -147,7 +153,7 @@ class Connection(HttpToolsProtocol):
             return refusals.STALLED if stalled or seconds > _LINGER_SECONDS else None
         if self.stage is Stage.HEADERS and seconds > settings.header_seconds:
             return refusals.header_timeout(settings.header_seconds)
-        if self.stage is Stage.SILENT and self.cycle is None and seconds > settings.header_seconds:
+        if self.stage is Stage.SILENT and not self._has_asked and seconds > settings.header_seconds:
             return refusals.SILENT
         if self.stage is Stage.BODY and seconds > settings.progress_seconds:
             # What is not read by the application does not come, and that is not the peer's fault.
@@ -161,14 +167,14 @@ class Connection(HttpToolsProtocol):
         """Answer a refusal where that is still possible, and end the connection."""
         self._guard.count(refusal)
         if self.stage is Stage.CLOSING or self.transport.is_closing():
-            self.transport.abort()
+            self._abort()
             return
         answerable = refusal.kind is not None and self._can_answer()
         if self._unanswered and not self.cycle.response_complete:
             self.cycle.disconnected = True
             self.cycle.message_event.set()
         if not answerable:
-            self.transport.abort()
+            self._abort()
             return
         self.transport.write(refusals.response(refusal))
         self._enter(Stage.CLOSING)
@@ -181,12 +187,20 @@ class Connection(HttpToolsProtocol):
         if self.stage is Stage.SILENT and self.unsent == 0:
             self.transport.close()
         else:
-            self.transport.abort()
+            self._abort()
 
     def _enter(self, stage: Stage) -> None:
         self.stage = stage
         self.since = self.loop.time()
         self._guard.moved(self)
+
+    def _abort(self) -> None:
+        """End the connection with a reset, so that the system does not keep what the peer does not read either."""
+        opened = self.transport.get_extra_info("socket")
+        if opened is not None:
+            with suppress(OSError):
+                opened.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
+        self.transport.abort()
 
     def _can_answer(self) -> bool:
         """Tell whether the next bytes to be sent are those of an answer to what is being received."""
