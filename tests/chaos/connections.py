@@ -24,8 +24,8 @@ _BODIES = 45
 _BODY_BYTES = 50_000_000
 _PIPELINED = 12_000
 _READERS = 24
-_LONG_POSES = 400
-_LONG_SENSORS = 2_000
+_LONG_POSES = 500
+_LONG_SENSORS = 4_000
 _MOST_STOP_SECONDS = 100.0
 
 
@@ -185,7 +185,7 @@ def stop_during_long_work(folder: Path) -> Outcome:
         ending = threading.Thread(target=lambda: stopped.append(service.stop(_MOST_STOP_SECONDS)))
         with suppress(httpx2.HTTPError):
             for count in range(10_000):
-                if count == 20:
+                if count == 5:
                     ending.start()
                 client.post(f"/v1/sessions/{session}/scans", json=scan_of([0.5, 0.5, 0.6, 1.0])).raise_for_status()
                 answered += 1

@@ -60,7 +60,7 @@ class Guard:
         """Count a new connection; where there are too many, close the one that is idle the longest."""
         self._open.add(connection)
         if self._look is None:
-            self._look = connection.loop.call_later(_LOOK_SECONDS, self._look_after, connection.loop)
+            self._look = connection.loop.call_later(_LOOK_SECONDS, self.look, connection.loop)
         if len(self._open) - len(self._probes) <= self._most:
             self._idle[connection] = None
         elif self._idle:
@@ -104,14 +104,15 @@ class Guard:
         self.closed(connection)
         connection.close()
 
-    def _look_after(self, loop: asyncio.AbstractEventLoop) -> None:
+    def look(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Refuse or end what has hung; called every second while there are connections."""
         now = loop.time()
         for connection in list(self._open):
             refusal = connection.overdue(now)
             if refusal is not None:
                 connection.refuse(refusal)
         self._end_the_unread()
-        self._look = loop.call_later(_LOOK_SECONDS, self._look_after, loop) if self._open else None
+        self._look = loop.call_later(_LOOK_SECONDS, self.look, loop) if self._open else None
 
     def _end_the_unread(self) -> None:
         """Keep the answers that wait for slow readers within bounds."""

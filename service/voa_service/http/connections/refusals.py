@@ -73,7 +73,7 @@ def bytes_in_flight(most: int) -> Refusal:
     return Refusal("bytes-in-flight", detail, OVERLOADED, tuple(_RETRY.items()))
 
 
-MALFORMED = Refusal("malformed-request", "expected a request as of HTTP/1.1 (RFC 9112)", _NO_REQUEST)
+MALFORMED = Refusal("malformed-request", "expected an HTTP request, as in RFC 9112", _NO_REQUEST)
 PIPELINED = Refusal("pipelined", "a connection sent many requests without waiting for answers: it was closed")
 EVICTED = Refusal("idle-closed", "there are as many connections as there may be: the one idle the longest was closed")
 SILENT = Refusal("silent", "a connection was opened and nothing sent: it was closed")
