@@ -178,8 +178,8 @@ def stop_with_hanging_connections(folder: Path) -> Outcome:
 def stop_during_long_work(folder: Path) -> Outcome:
     """Stop a service that computes rankings for minutes, while a robot sends scans; no answered scan is lost."""
     with server(folder, VOA_WORKERS="2") as service, httpx2.Client(base_url=service.url, timeout=60.0) as client:
-        _begin_long_rankings(service, client)
         session = _session(client)
+        _begin_long_rankings(service, client)
         answered = 0
         stopped: list[float | None] = []
         ending = threading.Thread(target=lambda: stopped.append(service.stop(_MOST_STOP_SECONDS)))

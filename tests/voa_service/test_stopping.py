@@ -2,12 +2,15 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
+from contextlib import ExitStack
 from pathlib import Path
 
 import httpx2
+import pytest
 from structlog.testing import capture_logs
 
 from tests.serving import data_scenario
@@ -43,34 +46,30 @@ def test_a_deadline_that_never_began_ends_nothing() -> None:
     assert codes == []
 
 
-def test_a_service_with_connections_that_hang_ends_in_time_and_says_so_to_them(tmp_path: Path) -> None:
-    options = ["--database-url", f"sqlite:///{tmp_path / 'voa.db'}"]
-    with running("voa_service", options, tmp_path / "log") as service:
+def test_a_service_with_connections_that_hang_ends_in_time_and_says_so_to_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VOA_STOP_SECONDS", "3")
+    with ExitStack() as stack:
+        options = ["--database-url", f"sqlite:///{tmp_path / 'voa.db'}"]
+        service = stack.enter_context(running("voa_service", options, tmp_path / "log"))
+        address = ("127.0.0.1", int(service.url.rpartition(":")[2]))
         scenario = httpx2.post(f"{service.url}/v1/scenarios", json=data_scenario()).json()["id"]
         session = httpx2.post(f"{service.url}/v1/sessions", json={"scenario": scenario}).json()["id"]
-        with httpx2.stream("GET", f"{service.url}/v1/sessions/{session}/events") as events:
-            body = iter([b"{", b"}"])
-            next(events.iter_raw())
-            answers: list[int] = []
-
-            def unfinished() -> None:
-                def pieces() -> object:
-                    yield next(body)
-                    begun.set()
-                    assert stopped.wait(30)
-
-                begun.wait(0)
-                answers.append(httpx2.post(f"{service.url}/v1/scenarios", content=pieces(), timeout=30).status_code)  # type: ignore[arg-type]
-
-            begun, stopped = threading.Event(), threading.Event()
-            caller = threading.Thread(target=unfinished)
-            caller.start()
-            assert begun.wait(30)
-            os.kill(service.pid, signal.SIGTERM)
-            wait_for(lambda: "Shutting down" in (tmp_path / "log").read_text(), "the service to stop")
-            stopped.set()
-            caller.join(30)
-    assert "Finished server process" in (tmp_path / "log").read_text()
+        requests = (
+            f"GET /v1/sessions/{session}/events HTTP/1.1\r\nHost: here\r\n\r\n",
+            "POST /v1/scenarios HTTP/1.1\r\nHost: here\r\nContent-Length: 10\r\n\r\n{",
+            "GET /livez HTTP",
+        )
+        opened = [stack.enter_context(socket.create_connection(address, timeout=30)) for _ in (*requests, "")]
+        for connection, request in zip(opened, requests, strict=False):
+            connection.sendall(request.encode())
+        assert opened[0].recv(65_536).startswith(b"HTTP/1.1 200")
+        os.kill(service.pid, signal.SIGTERM)
+        assert opened[1].recv(65_536).startswith(b"HTTP/1.1 503")
+        assert opened[3].recv(65_536) == b""  # was idle
+        wait_for(lambda: "Finished server process" in (tmp_path / "log").read_text(), "the service to end")
+    assert "Traceback" not in (tmp_path / "log").read_text()
 
 
 def test_a_service_that_waits_for_its_database_ends_at_once(tmp_path: Path) -> None:
