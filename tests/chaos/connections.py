@@ -297,16 +297,48 @@ def _listed(said: Counter[str]) -> str:
 
 
 ATTACKS = [
-    Attack("headers without end", "?", "431, 20 MB", endless_headers),
-    Attack("one header without end", "?", "431, 20 MB", one_endless_header),
-    Attack("45 unfinished bodies of 50 MB", "?", "350 MB, scans are answered", unfinished_bodies),
-    Attack("1 100 idle connections, 1 024 files", "?", "/livez within 5 s", idle_connections),
-    Attack("followers on every connection", "?", "/livez within 5 s, others 503", followers_everywhere),
-    Attack("200 slow requests", "?", "408", slow_requests),
-    Attack("50 x 12 000 pipelined requests", "?", "100 MB", pipelined_requests),
-    Attack("24 answers that nobody reads", "?", "none held after 40 s", answers_that_nobody_reads),
-    Attack("SIGTERM when idle", "?", "10 s, exit code 0", stop_when_idle),
-    Attack("SIGTERM with 500 hanging connections", "?", "10 s, exit code 0", stop_with_hanging_connections),
+    Attack("headers without end", "2026-11-28: none after 101 MB, +252 MB", "431, 20 MB", endless_headers),
+    Attack("one header without end", "2026-11-28: none after 100 MB, +192 MB", "431, 20 MB", one_endless_header),
+    Attack(
+        "45 unfinished bodies of 50 MB",
+        "2026-11-28: +2247 MB, 45 x none",
+        "350 MB, scans are answered",
+        unfinished_bodies,
+    ),
+    Attack(
+        "1 100 idle connections, 1 024 files",
+        "2026-11-28: /livez not answered in 5 s",
+        "/livez within 5 s",
+        idle_connections,
+    ),
+    Attack(
+        "followers on every connection",
+        "2026-11-28: /livez not answered in 5 s, another request none",
+        "/livez within 5 s, others 503",
+        followers_everywhere,
+    ),
+    Attack("200 slow requests", "2026-11-28: 200 x none", "408", slow_requests),
+    Attack(
+        "50 x 12 000 pipelined requests", "2026-11-28: +4 MB, /livez not answered in 5 s", "100 MB", pipelined_requests
+    ),
+    Attack(
+        "24 answers that nobody reads",
+        "2026-11-28: 18 of 24 answers of 20 MB held after 40 s",
+        "none held after 40 s",
+        answers_that_nobody_reads,
+    ),
+    Attack("SIGTERM when idle", "2026-11-28: 2.7 s, exit code 0", "10 s, exit code 0", stop_when_idle),
+    Attack(
+        "SIGTERM with 500 hanging connections",
+        "2026-11-28: 23.4 s, exit code 0, errors in the log",
+        "10 s, exit code 0",
+        stop_with_hanging_connections,
+    ),
     Attack("SIGTERM with rankings under way", "?", "10 s, exit code 0, no scan lost", stop_during_long_work),
-    Attack("SIGTERM while waiting for the database", "none", "10 s, exit code 0", stop_while_waiting),
+    Attack(
+        "SIGTERM while waiting for the database",
+        "nothing waited for a database",
+        "10 s, exit code 0",
+        stop_while_waiting,
+    ),
 ]
