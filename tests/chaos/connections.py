@@ -86,10 +86,10 @@ def idle_connections(folder: Path) -> Outcome:
 
 def followers_everywhere(folder: Path) -> Outcome:
     """Take every connection there may be with streams that are wanted, and probe the service's health."""
-    with server(folder, files=400) as service, httpx2.Client(base_url=service.url) as client:
+    with server(folder, files=200) as service, httpx2.Client(base_url=service.url) as client:
         session = _session(client)
         with suppress(OSError):
-            for _ in range(450):
+            for _ in range(250):
                 service.connect().sendall(head("GET", f"/v1/sessions/{session}/events"))
         late = service.answers()
         other = service.connect()
