@@ -1,6 +1,10 @@
-"""JSON logs, one object a line on stderr, with the request id of whatever is being served."""
+"""Logs on stderr with the request id of whatever is being served: for people on a terminal, else JSON.
+
+In JSON each line is one object.
+"""
 
 import logging
+import os
 import sys
 from typing import TextIO
 
@@ -13,13 +17,12 @@ def is_wanted(level: str) -> bool:
 
 
 def configure(level: str, stream: TextIO = sys.stderr) -> None:
-    """Send the service's and its libraries' logs through one JSON formatter."""
+    """Send the service's and its libraries' logs through one formatter."""
     shared: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         structlog.stdlib.add_log_level,
         structlog.stdlib.add_logger_name,
         structlog.processors.TimeStamper(fmt="iso", utc=True),
-        structlog.processors.format_exc_info,
     ]
     structlog.configure(
         # What nobody wants to read costs nothing but the first of these.
@@ -34,7 +37,7 @@ def configure(level: str, stream: TextIO = sys.stderr) -> None:
             foreign_pre_chain=shared,
             processors=[
                 structlog.stdlib.ProcessorFormatter.remove_processors_meta,
-                structlog.processors.JSONRenderer(),
+                *_renderers(stream),
             ],
         )
     )
@@ -42,3 +45,14 @@ def configure(level: str, stream: TextIO = sys.stderr) -> None:
     root.handlers = [handler]
     root.setLevel(level)
     logging.getLogger("alembic").setLevel(logging.WARNING)  # else two lines whenever anybody asks for /readyz
+
+
+def _renderers(stream: TextIO) -> list[structlog.typing.Processor]:
+    """Give what turns an event into text: aligned and, unless NO_COLOR is set, coloured on a terminal; else JSON."""
+    if not stream.isatty():
+        return [structlog.processors.format_exc_info, structlog.processors.JSONRenderer()]
+    return [
+        structlog.dev.ConsoleRenderer(
+            colors="NO_COLOR" not in os.environ, exception_formatter=structlog.dev.plain_traceback
+        )
+    ]

@@ -35,6 +35,16 @@ class Metrics:
             ["event"],
             registry=self._registry,
         )
+        self._connections = Counter(
+            "voa_http_connections_refused",
+            "Connections and requests refused or ended.",
+            ["reason"],
+            registry=self._registry,
+        )
+
+    def connection(self, reason: str) -> None:
+        """Count a connection that was refused or ended."""
+        self._connections.labels(reason).inc()
 
     def rpc(self, method: str, status: int, seconds: float) -> None:
         """One call was answered."""

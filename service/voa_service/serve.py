@@ -1,28 +1,31 @@
 """`voa serve`: the service as a process."""
 
 import argparse
+import asyncio
+import os
+import resource
 import signal
 import socket
 import sys
-from collections.abc import Sequence
-from types import FrameType
-from typing import Any
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from typing import Any, cast
 
 import structlog
 import uvicorn
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
-from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
-from voa_service import bootstrap, logs
-from voa_service.changes import Changes
+from voa_service import logs
+from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
+from voa_service.http.connections.guard import Guard
 from voa_service.settings import Settings, ZenohSettings
+from voa_service.starting import NoDatabase, services_when_reachable, shown
+from voa_service.stopping import Deadline, Server
 from voa_service.zenoh.entry import on_zenoh
-
-_DRAIN_SECONDS = 20
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,6 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 2
     logs.configure(settings.log_level)
+    _report_unknown(os.environ)
     try:
         listening = _socket(settings, inherited)
     except OSError as error:
@@ -58,22 +62,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    with bootstrap.services(settings) as services, on_zenoh(services, settings.zenoh, settings.robots):
+    try:
+        _serve(settings, listening)
+    except NoDatabase as error:
+        print(f"voa serve: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _serve(settings: Settings, listening: socket.socket) -> None:
+    """Serve on a socket until told to stop.
+
+    Raises:
+        NoDatabase: the database cannot be reached.
+    """
+    with ExitStack() as stack:
+        deadline = stack.enter_context(Deadline(settings.stop_seconds))
+        services = services_when_reachable(stack, settings)
+        stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
+        files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        guard = Guard(settings.connections, services.metrics, files)
         config = uvicorn.Config(
-            create_app(services),
+            create_app(services, guard.budget),
+            http=cast(type[asyncio.Protocol], guard.protocol),  # called, never subclassed
+            ws="none",
             log_config=None,
             access_log=False,
             server_header=False,
-            timeout_graceful_shutdown=_DRAIN_SECONDS,
         )
         host, port = listening.getsockname()[:2]
         url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
-        database = make_url(settings.database_url).render_as_string(hide_password=True)
         structlog.get_logger("voa").info(
-            "listening", url=url, docs=f"{url}/docs", database=database, zenoh=settings.zenoh.connect
+            "listening",
+            url=url,
+            docs=f"{url}/docs",
+            database=shown(settings.database_url),
+            zenoh=settings.zenoh.connect,
         )
-        _Server(config, services.changes).run([listening])
-    return 0
+        Server(config, services.changes, guard, deadline, settings.stop_seconds).run([listening])
+
+
+def _report_unknown(environment: Iterable[str]) -> None:
+    """Log the variables that nobody reads, in one line."""
+    unknown = unknown_variables(environment)
+    if unknown:
+        said = [name if closest is None else f"{name} (is it {closest}?)" for name, closest in unknown.items()]
+        structlog.get_logger("voa").warning("variables that are not settings are ignored", variables=said)
 
 
 def _wrong_mapping(settings: Settings) -> str | None:
@@ -87,18 +121,6 @@ def _wrong_mapping(settings: Settings) -> str | None:
     except (OSError, UnicodeDecodeError, InvalidRobots) as error:
         return f"{settings.robots}: {error}"
     return None
-
-
-class _Server(uvicorn.Server):
-    """Ends the streams that would never end by themselves as soon as it is told to stop."""
-
-    def __init__(self, config: uvicorn.Config, changes: Changes) -> None:
-        super().__init__(config)
-        self._changes = changes
-
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        self._changes.close()
-        super().handle_exit(sig, frame)
 
 
 def _socket(settings: Settings, inherited: int | None) -> socket.socket:
@@ -135,6 +157,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     option("--zenoh-root", help=f"of every key there (default {ROOT}); its last chunk is the lab")
     option("--robots", metavar="FILE", help="TOML: which ROS 2 robots' scans are for which sessions")
+    option(
+        "--wait-for-database",
+        type=float,
+        metavar="SECONDS",
+        help="try again for so long while the database cannot be reached (default 0)",
+    )
     option("--log-level", choices=["DEBUG", "INFO", "WARNING", "ERROR"], help="(default INFO)")
     option(
         "--insecure",

@@ -11,6 +11,7 @@ from pydantic import (
     ConfigDict,
     Field,
     FilePath,
+    NonNegativeFloat,
     PositiveFloat,
     PositiveInt,
     SecretStr,
@@ -41,6 +42,28 @@ class Limits(BaseModel):
     """Values in one JSON body, either way (counted by their separators on the way in)."""
     history_bytes: PositiveInt = 8_000_000
     """Of requests, reports and beliefs behind one page of a history; a page has at least one version."""
+
+
+class ConnectionSettings(BaseModel):
+    """Bounds for what is no request yet, and for answers not read: `VOA_CONNECTIONS__MOST=300` and so on."""
+
+    model_config = ConfigDict(frozen=True)
+
+    most: PositiveInt = 1_000
+    """Connections at once; fewer where the process may open fewer files (RLIMIT_NOFILE less 256)."""
+    header_bytes: PositiveInt = 65_536
+    """Of a request line and its headers together; more is answered 431."""
+    headers: PositiveInt = 100
+    """Of a request; more are answered 431."""
+    header_seconds: PositiveFloat = 10.0
+    """From the first byte of a request to the end of its headers; later is answered 408."""
+    progress_seconds: PositiveFloat = 20.0
+    """Time in which `progress_bytes` more of a body must come (else 408), or of an answer be read (else it ends)."""
+    progress_bytes: PositiveInt = 16_384
+    """See `progress_seconds`; the last bytes of a body or an answer may be fewer."""
+    in_flight_mebibytes: PositiveInt = 128
+    """Of request bodies that the process holds at once beyond the first 64 kB of each (more is answered 503), and as
+    many of answers that wait for their readers."""
 
 
 def _endpoint(endpoint: str) -> str:
@@ -95,6 +118,7 @@ class Settings(BaseSettings):
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()
+    connections: ConnectionSettings = ConnectionSettings()
     zenoh: ZenohSettings = ZenohSettings()
     robots: Path | None = None
     """Which ROS 2 robots' scans are for which sessions (TOML, see `voa_ros.robots`); needs Zenoh."""
@@ -111,6 +135,20 @@ class Settings(BaseSettings):
     mesh_mebibytes: PositiveInt = 2_048
     """Address space to read one mesh."""
     log_level: str = "INFO"
+    wait_for_database: NonNegativeFloat = 0.0
+    """Seconds to try again at the start while the database cannot be reached."""
+    stop_seconds: PositiveFloat = 9.0
+    """From the signal to stop to the end of the process, whatever is under way; requests have half of it to end."""
+
+    @model_validator(mode="after")
+    def _bodies_fit(self) -> Self:
+        largest = max(self.limits.body_bytes, self.limits.upload_bytes)
+        if self.connections.in_flight_mebibytes * MEBIBYTE < largest:
+            raise ValueError(
+                f"a body of {largest} bytes, which the limits allow, would always be refused: "
+                f"expected connections.in_flight_mebibytes of at least {-(-largest // MEBIBYTE)}"
+            )
+        return self
 
     @property
     def is_loopback(self) -> bool:

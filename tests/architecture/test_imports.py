@@ -108,7 +108,11 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
-        only_in={"mapbox_earcut": "polygons.py", "psycopg": "listening.py patience.py"},
+        only_in={
+            "httptools": "connection.py",
+            "mapbox_earcut": "polygons.py",
+            "psycopg": "listening.py patience.py",
+        },
     ),
 }
 SHADOWED = {

@@ -52,3 +52,45 @@ def test_levels_below_the_configured_one_are_dropped(stream: io.StringIO) -> Non
     structlog.get_logger("voa").debug("quiet")
     logging.getLogger("other").debug("quiet")
     assert lines(stream) == []
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def terminal(stream: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> io.StringIO:  # `stream` puts everything back
+    monkeypatch.setenv("NO_COLOR", "1")
+    out = Terminal()
+    logs.configure("INFO", out)
+    return out
+
+
+def test_on_a_terminal_lines_are_for_people(terminal: io.StringIO) -> None:
+    structlog.contextvars.bind_contextvars(request_id="r1")
+    structlog.get_logger("voa").info("moved", version=3)
+    logging.getLogger("uvicorn.error").warning("slow %s", "client")
+    ours, theirs = terminal.getvalue().splitlines()
+    assert ours.split() == [ours.split()[0], "[info", "]", "moved", "[voa]", "request_id=r1", "version=3"]
+    assert "slow client" in theirs
+    assert "{" not in terminal.getvalue()
+
+
+def test_on_a_terminal_an_exception_is_a_traceback(terminal: io.StringIO) -> None:
+    try:
+        raise ValueError("the secret of the house")
+    except ValueError as error:
+        structlog.get_logger().exception("unexpected error", exc_info=error)
+        logging.getLogger("uvicorn.error").error("theirs", exc_info=error)
+    assert terminal.getvalue().count("ValueError: the secret of the house") == 2
+
+
+def test_colours_are_for_who_wants_them(terminal: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> None:
+    structlog.get_logger("voa").info("moved")
+    assert "\x1b[" not in terminal.getvalue()
+    monkeypatch.delenv("NO_COLOR")
+    coloured = Terminal()
+    logs.configure("INFO", coloured)
+    structlog.get_logger("voa").info("moved")
+    assert "\x1b[" in coloured.getvalue()

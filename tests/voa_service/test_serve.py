@@ -114,6 +114,38 @@ def test_the_log_is_one_json_object_a_line_with_the_request_id(tmp_path: Path) -
     assert not any(line.get("path") == "/readyz" for line in lines)
 
 
+def test_a_variable_that_nobody_reads_is_reported_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VOA_LIMITS__BEAM", "hunter2")
+    monkeypatch.setenv("VOA_XYZZY", "1")
+    with local_service(tmp_path):
+        pass
+    log = (tmp_path / "service.log").read_text()
+    (said,) = [line for each in log.splitlines() if "variables" in (line := json.loads(each))]
+    assert said["variables"] == ["VOA_LIMITS__BEAM (is it VOA_LIMITS__BEAMS?)", "VOA_XYZZY"]
+    assert "hunter2" not in log
+
+
+def test_bodies_that_the_limits_allow_fit_into_the_budget(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("VOA_CONNECTIONS__IN_FLIGHT_MEBIBYTES", "10")
+    assert main([]) == 2
+    assert "connections.in_flight_mebibytes of at least 62" in capsys.readouterr().err
+
+
+def test_a_database_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "voa_service", "--port", "0", "--database-url", f"sqlite:///{tmp_path}/no/voa.db"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert "--wait-for-database SECONDS" in line
+
+
 def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) -> None:
     # A database that is not there: the service ends, whatever it says goes to stderr.
     url = "postgresql+psycopg://voa:s3cret@127.0.0.1:1/voa"

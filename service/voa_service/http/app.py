@@ -6,9 +6,11 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
+from voa_service.http.connections.in_flight import ByteBudget, BytesInFlight
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
 from voa_service.services import Services
+from voa_service.settings import MEBIBYTE, ConnectionSettings
 
 _DESCRIPTION = (
     "Where should the lidar look before the arm grasps? Keeps a belief over the poses of an object, updates it from "
@@ -17,8 +19,15 @@ _DESCRIPTION = (
 )
 
 
-def create_app(services: Services) -> FastAPI:
-    """The application; whoever built the services releases them."""
+def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
+    """Build the application; whoever built the services releases them.
+
+    Args:
+        services: what is served.
+        budget: bytes of bodies that may be held at once; None: one of the default size.
+    """
+    if budget is None:
+        budget = ByteBudget(ConnectionSettings().in_flight_mebibytes * MEBIBYTE)
     app = FastAPIOffline(
         title="Value of Assistance for grasping",
         version=version("voa"),
@@ -32,5 +41,6 @@ def create_app(services: Services) -> FastAPI:
     openapi.install(app, services.limits)
     app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
+    app.add_middleware(BytesInFlight, budget=budget)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app
