@@ -5,7 +5,7 @@ from importlib.metadata import version
 from typing import Literal
 
 from voa_msgs import WIRE_VERSION
-from voa_msgs.problems import Health
+from voa_msgs.problems import Health, Memory
 from voa_service.failures import NOT_READY, Failure
 from voa_service.ports import Clock, Store
 
@@ -27,6 +27,8 @@ class HealthCheck:
     now: Clock
     replica: str
     """The name of this process."""
+    memory: Memory | None = None
+    """What its parts may hold."""
     link: Link = field(default_factory=Link)
 
     def ready(self) -> Health:
@@ -48,4 +50,5 @@ class HealthCheck:
             replica=self.replica,
             zenoh=self.link.state,
             now=self.now(),
+            memory=self.memory,
         )
