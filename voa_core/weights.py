@@ -16,7 +16,7 @@ from voa_core.kernels import Array
 from voa_core.prediction import Prediction
 from voa_core.rules import UpdateRule, squared_distance
 
-_POSES_AT_ONCE = 4096  # beyond, a matrix is computed in parts of as many numbers: about a second each
+_POSES_AT_ONCE = 2048  # beyond, a matrix is computed in parts of as many numbers: a second at most each
 
 
 def wanted() -> None:
@@ -61,7 +61,7 @@ class Weigher:
             weights = _scaled(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
             return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
         weights = np.zeros((n, n), dtype=weigher.dtype)
-        rows = _POSES_AT_ONCE**2 // n
+        rows = max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()
             part = rule.statistic(ranges[start : start + rows], ranges)

@@ -97,7 +97,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
-                rankings=Rankings(sessions, models, threads, Cache(_ANSWERS_BYTES)),
+                rankings=Rankings(sessions, models, threads, Cache(_ANSWERS_BYTES), limits),
                 robots=robots,
                 claims=claims,
                 health=HealthCheck(store, now, ids(), memory.message()),

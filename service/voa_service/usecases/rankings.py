@@ -26,10 +26,13 @@ from voa_msgs.rankings import (
 )
 from voa_service.cache import Cache
 from voa_service.compute import Check
-from voa_service.failures import UNKNOWN, Failure, of_core
+from voa_service.failures import TOO_LARGE, UNKNOWN, Failure, of_core
 from voa_service.mapping import candidates
 from voa_service.models import Model, Models, Precision
+from voa_service.settings import Limits
 from voa_service.usecases.sessions import Sessions, belief_in_body
+
+_NUMBERS_OF_OUTCOME = 4
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,7 @@ class Rankings:
     spread: Spread
     kept: Cache
     """Answers, by question."""
+    limits: Limits
 
     def of_session(self, id_: str, request: VoaRequest) -> Question:
         """Ask to rank looks under a session's belief as it is now."""
@@ -132,6 +136,16 @@ class Rankings:
             raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
         return model
 
+    def _check_outcomes(self, sensors: int, poses: int) -> None:
+        """Refuse to list more outcomes than an answer may hold."""
+        most = self.limits.numbers // (_NUMBERS_OF_OUTCOME * max(1, poses))
+        if sensors > most:
+            raise Failure(
+                TOO_LARGE,
+                f"the answer would list {poses} outcomes of each of {sensors} sensors, at most {self.limits.numbers} "
+                f"values fit: ask for at most {most} sensors at a time, or without outcomes",
+            )
+
     def _rank(self, model: Model, belief: Belief, request: VoaRequest, check: Check) -> Ranking:
         scenario = model.scenario
         try:
@@ -140,6 +154,9 @@ class Rankings:
             sensor_belief = None
             if request.sensor_belief is not None:
                 sensor_belief = Belief.of(request.sensor_belief, "sensor_belief", len(scenario.poses))
+            outer = belief if sensor_belief is None else sensor_belief
+            if request.outcomes:
+                self._check_outcomes(len(sensors), int(np.count_nonzero(outer.p)))
             precision, keep = self.models.precision(len(sensors), len(scenario.poses))
             ranking = rank(
                 sensors,
@@ -154,7 +171,6 @@ class Rankings:
             )
         except VoaError as error:
             raise of_core(error) from error
-        outer = belief if sensor_belief is None else sensor_belief
         return _message(ranking, table, scenario, outer, request, precision)
 
 

@@ -23,7 +23,7 @@ def routes(services: Services) -> APIRouter:
         answer = await services.heavy.share(question.key, lambda check: rankings.answer(question, check))
         return Response(answer.to(question), media_type="application/json")
 
-    @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 422, 503))
+    @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 413, 422, 503))
     async def rank_looks(
         id: str,
         http: Request,
