@@ -144,4 +144,4 @@ def _attack(folder: Path, replica: Replica, limited_by: str) -> Outcome:
     return Outcome(figure, survived, held)
 
 
-ATTACKS: list[Attack] = [Attack("everything at once in 1 GB of memory", "?", "1 GB, alive", _everything_at_once)]
+ATTACKS: list[Attack] = [Attack("everything at once in 1 GB of memory", "killed", "1 GB, alive", _everything_at_once)]
