@@ -9,6 +9,7 @@ with s the belief of the sensor agent (equation 3 of the longer paper), the grip
 A VOA may be negative and is never clamped.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -21,11 +22,11 @@ from voa_core.filtering import Belief, condition
 from voa_core.grasps import TIE, GraspTable, best_grasp, choose
 from voa_core.kernels import Array, choose_each
 from voa_core.updating import UpdatePolicy, nearest
-from voa_core.weights import Weigher
+from voa_core.weights import Weigher, wanted
 
 Definition = Literal["posterior", "executed"]
 
-_BLOCK_BYTES = 64 * 2**20
+_BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
 _GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
 _LEAST_NORM = {"float64": 1e-200, "float32": 1e-20}
 _TIE = {"float64": TIE, "float32": 1e-6}
@@ -58,6 +59,7 @@ def value_of_assistance(
     *,
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
+    check: Callable[[], None] = wanted,
 ) -> Assistance:
     """The VOA of the sensor configuration that `weigher` is for.
 
@@ -68,13 +70,14 @@ def value_of_assistance(
         policy: what an impossible scan does.
         definition: see the module's page.
         sensor_belief: of the sensor agent; None: the gripper agent's.
+        check: called before each block of weights; what it raises ends the computation.
     """
     if definition not in get_args(Definition):
         raise InvalidInput("definition", " or ".join(map(repr, get_args(Definition))), repr(definition))
     outer = (belief if sensor_belief is None else sensor_belief).p
     outcomes = np.flatnonzero(outer > 0.0)
     shares = outer[outcomes]
-    chosen, scores = _after_each(weigher, outcomes, belief, table, policy, sure=definition == "executed")
+    chosen, scores = _after_each(weigher, outcomes, belief, table, policy, sure=definition == "executed", check=check)
     before = best_grasp(table, belief.p)
     if definition == "posterior":
         after = float(shares @ scores)
@@ -97,6 +100,7 @@ def _after_each(
     policy: UpdatePolicy,
     *,
     sure: bool,
+    check: Callable[[], None],
 ) -> tuple[NDArray[np.intp], Floats]:
     """Best grasp (-1: none) and its expected score after the scan predicted for each of `outcomes`.
 
@@ -119,6 +123,7 @@ def _after_each(
     if weigher.matrix is not None and len(columns) == len(outcomes) == len(belief.p):
         rows_at_once = len(outcomes)  # the kept matrix itself: nothing is copied
     for start in range(0, len(outcomes), rows_at_once):
+        check()
         block = slice(start, start + rows_at_once)
         product = right @ weigher.weights(outcomes[block], columns).T
         chosen[block], scores[block], doubtful = _choose_each(product)

@@ -11,7 +11,7 @@ from voa_core.filtering import Belief
 from voa_core.grasps import Choice, GraspTable, best_grasp
 from voa_core.lidars import SensorConfiguration
 from voa_core.updating import UpdatePolicy
-from voa_core.weights import Weigher
+from voa_core.weights import Weigher, wanted
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -69,6 +69,7 @@ def rank(
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
     spread: Spread = map,
+    check: Callable[[], None] = wanted,
 ) -> Ranking:
     """Rank sensor configurations.
 
@@ -81,11 +82,14 @@ def rank(
         definition: of VOA.
         sensor_belief: of the sensor agent, if another.
         spread: `map`, or the same over threads.
+        check: called between sensors, predictions and blocks of weights; what it raises ends the ranking.
     """
 
     def worth(sensor: SensorConfiguration) -> RankedLook:
+        check()
+        weigher = weigher_of(sensor)
         assistance = value_of_assistance(
-            weigher_of(sensor), belief, table, policy, definition=definition, sensor_belief=sensor_belief
+            weigher, belief, table, policy, definition=definition, sensor_belief=sensor_belief, check=check
         )
         return RankedLook(sensor, assistance, assistance.voa - sensor.cost)
 

@@ -1,6 +1,6 @@
 """Everything that stays the same while one object is looked at: the mathematics of one scenario."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from voa_core.ranking import MIN_GAIN
 from voa_core.rules import UpdateRule
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
-from voa_core.weights import Weigher
+from voa_core.weights import Weigher, wanted
 from voa_core.workspace import Workspace
 
 
@@ -68,11 +68,22 @@ class Scenario:
             listed=self.lists(sensor),
         )
 
-    def weigher(self, sensor: SensorConfiguration, dtype: type[np.floating], *, keep: bool) -> Weigher:
-        """The weights between the scans predicted at `sensor`, as they are compared there."""
+    def weigher(
+        self,
+        sensor: SensorConfiguration,
+        dtype: type[np.floating],
+        *,
+        keep: bool,
+        check: Callable[[], None] = wanted,
+    ) -> Weigher:
+        """The weights between the scans predicted at `sensor`, as they are compared there.
+
+        `check` is called between prediction and weights; what it raises ends the computation.
+        """
         prediction = self.predictor.predict(sensor, listed=self.lists(sensor))
+        check()
         compared = restricted(prediction, sensor, None, self.lidar, self.workspace)
-        return Weigher.of(self.rule, compared, dtype, keep=keep)
+        return Weigher.of(self.rule, compared, dtype, keep=keep, check=check)
 
     def rankable(self, names: Sequence[str] | None) -> tuple[SensorConfiguration, ...]:
         """The named sensor configurations, all of them for None; raises UnknownName."""

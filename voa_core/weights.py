@@ -4,6 +4,7 @@ W[q, p] is proportional to the weight that pose p gets when the scan predicted f
 depend on the belief, so it is worth keeping per sensor configuration.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,12 @@ from voa_core.checks import Floats
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
 from voa_core.rules import UpdateRule, squared_distance
+
+_POSES_AT_ONCE = 2048  # beyond, a matrix is computed in parts of as many numbers: a second at most each
+
+
+def wanted() -> None:
+    """Find that the work is still wanted: the check of whoever has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +42,30 @@ class Weigher:
     matrix: Array | None = None
 
     @classmethod
-    def of(cls, rule: UpdateRule, prediction: Prediction, dtype: type[np.floating], *, keep: bool) -> "Weigher":
-        """For a prediction; `keep` computes the whole matrix now."""
+    def of(
+        cls,
+        rule: UpdateRule,
+        prediction: Prediction,
+        dtype: type[np.floating],
+        *,
+        keep: bool,
+        check: Callable[[], None] = wanted,
+    ) -> "Weigher":
+        """For a prediction; `keep` computes the whole matrix now, large ones in parts with a `check` before each."""
         weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype))
         if not keep:
             return weigher
-        ranges = weigher.ranges.astype(weigher.dtype)
-        weights = _scaled(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
+        n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
+        if n <= _POSES_AT_ONCE:
+            check()
+            weights = _scaled(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
+            return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
+        weights = np.zeros((n, n), dtype=weigher.dtype)
+        rows = max(1, _POSES_AT_ONCE**2 // n)
+        for start in range(0, n, rows):
+            check()
+            part = rule.statistic(ranges[start : start + rows], ranges)
+            weights[start : start + rows] = _scaled(rule.log_weights(part, weigher.beams))
         return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
 
     @property

@@ -36,6 +36,26 @@ class Problem(Message):
     """The names that exist, where one does not."""
 
 
+class Memory(Message):
+    """Upper bounds of what each part of the service may hold, in MiB, and what there is for their sum."""
+
+    total_mebibytes: int
+    """What the service may use."""
+    source: Literal["setting", "cgroup", "machine"]
+    """Who says so: `VOA_MEMORY_MEBIBYTES`, the limit of its container or unit, or the machine."""
+    sum_mebibytes: int
+    process_mebibytes: int
+    """The process itself."""
+    cache_mebibytes: int
+    """Cuts, predictions and weights that are kept."""
+    workers_mebibytes: int
+    """Threads that rank, each in its largest block of weights."""
+    meshes_mebibytes: int
+    """Processes that read mesh files."""
+    bodies_mebibytes: int
+    """Requests that are received, parsed and validated."""
+
+
 class Health(Message):
     """Whether the process is alive, or ready to serve."""
 
@@ -51,3 +71,4 @@ class Health(Message):
     """The database's software and its version ("SQLite 3.53.4"); null from a service that does not say."""
     now: datetime | None = None
     """The service's clock."""
+    memory: Memory | None = None

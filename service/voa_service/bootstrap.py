@@ -1,10 +1,13 @@
 """The composition root: builds the service from its settings. Nothing is built anywhere else."""
 
 import secrets
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
+from functools import partial
 
+import structlog
 from threadpoolctl import threadpool_limits
 
 from voa_assets import lidar_presets
@@ -12,6 +15,8 @@ from voa_msgs.lidars import LidarPreset
 from voa_service.cache import Cache
 from voa_service.changes import Changes
 from voa_service.compute import Threads, WorkQueue
+from voa_service.feeds import Feeds
+from voa_service.memory import MemoryBudget, budget, find, processors
 from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.metrics import Metrics
 from voa_service.models import Models
@@ -20,6 +25,7 @@ from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
 from voa_service.store.starting import open_store
 from voa_service.usecases.claims import Claims
+from voa_service.usecases.following import versions_since
 from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
@@ -27,7 +33,13 @@ from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
 
-_QUICK_WORKERS = 8
+_READERS, _WRITERS, _FEEDERS = 4, 8, 2
+_PROBES_WAITING = 32
+_END_SECONDS = 4.0
+"""How long threads are waited for at the end; one that still works then is left behind."""
+_DRAIN_SECONDS = 3.0
+"""How long rankings may go on once the service is told to end."""
+_ANSWERS_BYTES = 16 * MEBIBYTE
 _TOLD_BYTES = 16 * MEBIBYTE
 
 
@@ -46,19 +58,23 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     """Everything behind the entrypoints; released on leaving."""
     limits = settings.limits
     store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database_s)
-    threads = Threads(settings.workers)
-    cache = Cache(settings.cache_mebibytes * MEBIBYTE)
-    models = Models(store, cache)
+    memory = budget(settings, find(settings), processors())
+    _report(memory)
+    threads = Threads(memory.workers)
+    cache = Cache(memory.cache * MEBIBYTE)
+    models = Models(store, cache, settings.precision)
     metrics = Metrics()
-    quick = WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue)
-    heavy = WorkQueue("heavy", settings.workers, settings.queue)
+    reads = WorkQueue("read", _READERS, settings.scan_queue)
+    writes = WorkQueue("write", _WRITERS, settings.scan_queue)
+    probes = WorkQueue("readiness", 1, _PROBES_WAITING)
+    follows = WorkQueue("follow", _FEEDERS, 2 * settings.followers)
+    heavy = WorkQueue("heavy", memory.workers, settings.queue)
+    meshes = WorkQueue("mesh", memory.meshes, settings.queue)
     rests = WorkQueue("stable-poses", 1, settings.queue)
-    metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
-    metrics.gauge("voa_quick_requests", "Scans and reads under way or waiting.", lambda: quick.inside)
-    metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
-    metrics.gauge("voa_rest_requests", "Stable poses under way or waiting.", lambda: rests.inside)
+    queues = (reads, writes, probes, follows, heavy, meshes, rests)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
+    changes.at_close(lambda: heavy.end_in(_DRAIN_SECONDS))
     store.listen(changes.moved)
     robots = Robots(now, store.robot_session)
     claims = Claims(store, robots)
@@ -73,28 +89,57 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         claims.check,
         limits.history_bytes,
     )
-    reader = SubprocessMeshReader(settings.mesh_seconds, settings.mesh_mebibytes, limits.faces)
+    reader = SubprocessMeshReader(settings.mesh_seconds, memory.mesh, limits.faces)
+    feeds = Feeds(
+        changes, lambda id_, seen: follows.run(partial(versions_since, sessions, id_, seen)), settings.followers
+    )
+    _gauges(metrics, cache, feeds)
+    metrics.gauge("voa_read_requests", "Reads under way or waiting.", lambda: reads.inside)
+    metrics.gauge("voa_write_requests", "Scans and other writes under way or waiting.", lambda: writes.inside)
+    metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
+    metrics.gauge("voa_mesh_requests", "Mesh files being read or waiting.", lambda: meshes.inside)
+    metrics.gauge("voa_rest_requests", "Stable poses under way or waiting.", lambda: rests.inside)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
             yield Services(
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
-                rankings=Rankings(sessions, models, threads),
+                rankings=Rankings(sessions, models, threads, Cache(_ANSWERS_BYTES), limits),
                 robots=robots,
                 claims=claims,
-                health=HealthCheck(store, now, ids()),
+                health=HealthCheck(store, now, ids(), memory.message()),
                 changes=changes,
                 metrics=metrics,
                 limits=limits,
-                quick=quick,
+                reads=reads,
+                writes=writes,
+                probes=probes,
+                feeds=feeds,
                 heavy=heavy,
+                meshes=meshes,
                 rests=rests,
             )
     finally:
         changes.close()
-        quick.close()
-        heavy.close()
-        rests.close()
-        threads.close()
+        reader.close()
+        until = time.monotonic() + _END_SECONDS
+        for each in (*queues, threads):
+            each.close(max(0.0, until - time.monotonic()))
         store.close()
+
+
+def _report(memory: MemoryBudget) -> None:
+    """Log what the parts may hold, as a warning where that is more than there is."""
+    log = structlog.get_logger("voa")
+    figures = memory.message().model_dump()
+    if memory.sum_mebibytes > memory.found.mebibytes:
+        log.warning("the parts of the service may hold more memory than there is", **figures)
+    else:
+        log.info("memory", **figures)
+
+
+def _gauges(metrics: Metrics, cache: Cache, feeds: Feeds) -> None:
+    metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
+    metrics.gauge("voa_followers", "Event streams that are open.", lambda: feeds.followers)
+    metrics.gauge("voa_watched_sessions", "Sessions that somebody follows.", lambda: feeds.watched)

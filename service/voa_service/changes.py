@@ -48,6 +48,11 @@ class Changes:
         self._lock = threading.RLock()
         self._closed = False
         self._listeners: list[Listener] = []
+        self._at_close: list[Callable[[], None]] = []
+
+    def at_close(self, act: Callable[[], None]) -> None:
+        """Have `act` called when the service begins to end, maybe in a signal handler: it must take no lock."""
+        self._at_close.append(act)
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
@@ -88,6 +93,8 @@ class Changes:
 
     def close(self) -> None:
         """Send every watcher home: the service is ending."""
+        for act in self._at_close:
+            act()
         with self._lock:
             self._closed = True
             watches = [watch for held in self._watches.values() for watch in held]

@@ -20,11 +20,14 @@ from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.cache import Cache
+from voa_service.compute import Check
 from voa_service.failures import UNKNOWN, Failure, not_found
 from voa_service.mapping import scenario_of
 from voa_service.ports import Store
+from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
 
 Precision = Literal["float64", "float32"]
+
 
 _MISTAKES_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that fills it to the brim would push its own weights out
@@ -37,8 +40,8 @@ class Model:
     scenario: Scenario
     mesh: Mesh | None
     """Its object; None where all predictions are data."""
-    weigher: Callable[[SensorConfiguration, Precision, bool], Weigher]
-    """The weights of a sensor configuration, in a precision; True: kept."""
+    weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
+    """The weights of a sensor configuration, in a precision; True: kept; as long as they are wanted."""
 
     @property
     def nbytes(self) -> int:
@@ -61,8 +64,9 @@ class _Mistakes:
 class Models:
     """Scenarios by id; nothing here that the store could not rebuild."""
 
-    def __init__(self, store: Store, cache: Cache) -> None:
+    def __init__(self, store: Store, cache: Cache, precision: PrecisionSetting = "auto") -> None:
         self._store = store
+        self._precision = precision
         self._cache = cache
         self._mistakes = Cache(_MISTAKES_BYTES)  # of their own: a large ranking must not push them out
 
@@ -100,11 +104,12 @@ class Models:
 
         scenario = scenario_of(request, contours_at, remember)
 
-        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool) -> Weigher:
+        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
             def make() -> Weigher:
-                return scenario.weigher(sensor, np.float64 if precision == "float64" else np.float32, keep=keep)
+                dtype = np.float64 if precision == "float64" else np.float32
+                return scenario.weigher(sensor, dtype, keep=keep, check=check)
 
-            return self._cache.get(("weigher", id_, sensor, precision, keep), make)
+            return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
 
         return Model(scenario, mesh, weigher)
 
@@ -143,8 +148,15 @@ class Models:
         return contours_at
 
     def precision(self, sensors: int, poses: int) -> tuple[Precision, bool]:
-        """In which precision the weights of so many sensors between so many poses are computed, and if kept."""
-        room = _SHARE_FOR_WEIGHTS * self._cache.budget
-        if 8 * sensors * poses**2 <= room:
-            return "float64", True
-        return "float32", 4 * sensors * poses**2 <= room
+        """In which precision the weights of so many sensors between so many poses are computed, and if kept.
+
+        The precision is that of the settings, and depends on no machine's memory; whether weights are kept does.
+        """
+        weights = sensors * poses**2
+        precision: Precision
+        if self._precision == "auto":
+            precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
+        else:
+            precision = self._precision
+        size = {"float64": 8, "float32": 4}[precision]
+        return precision, size * weights <= _SHARE_FOR_WEIGHTS * self._cache.budget

@@ -30,6 +30,7 @@ from voa_service.logs import is_wanted
 from voa_service.ports import Answered, HistoryKind
 from voa_service.reading import json_object, message
 from voa_service.services import Services
+from voa_service.usecases.rankings import Question
 from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
 
 _PAGE = 100
@@ -108,15 +109,13 @@ class Call:
         return json.dumps(self.fields).encode()
 
 
-Work = Callable[[Call], BaseModel | Answered]
+Work = Callable[[Call], BaseModel | Answered | bytes]
 
 
 @dataclass(frozen=True)
 class _Method:
     work: Work
     queue: WorkQueue
-    unset: bool = True
-    """Whether fields that were not set are in the answer."""
 
 
 class Rpc:
@@ -127,9 +126,9 @@ class Rpc:
         self._methods = _methods(services)
 
     def queue(self, method: str) -> WorkQueue:
-        """Where calls of a method wait; those of none that exists are quick."""
+        """Where calls of a method wait; those of none that exists with the reads."""
         known = self._methods.get(method)
-        return self._services.quick if known is None else known.queue
+        return self._services.reads if known is None else known.queue
 
     def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> RpcAnswer:
         """Call a method, in this thread; whatever goes wrong is a problem document."""
@@ -164,7 +163,9 @@ class Rpc:
         done = known.work(Call(json_object(payload, self._services.limits), attached, self._services))
         if isinstance(done, Answered):
             return RpcAnswer(done.body.encode(), is_problem=False, version=done.version)
-        return RpcAnswer(done.model_dump_json(exclude_unset=not known.unset).encode(), is_problem=False)
+        if isinstance(done, bytes):
+            return RpcAnswer(done, is_problem=False)
+        return RpcAnswer(done.model_dump_json().encode(), is_problem=False)
 
 
 def attachment_of(attachment: bytes | None) -> Attachment:
@@ -188,35 +189,33 @@ def attachment_of(attachment: bytes | None) -> Attachment:
 
 def _methods(services: Services) -> Mapping[str, _Method]:
     objects, scenarios, sessions, rankings = services.objects, services.scenarios, services.sessions, services.rankings
-    quick, heavy = services.quick, services.heavy
+    reads, writes, heavy = services.reads, services.writes, services.heavy
     return {
-        "object.create": _Method(_create_object, heavy),
-        "object.get": _Method(_one(objects.get), quick),
-        "object.list": _Method(_list_objects, quick),
+        "object.create": _Method(_create_object, services.meshes),
+        "object.get": _Method(_one(objects.get), reads),
+        "object.list": _Method(_list_objects, reads),
         "object.stable_poses": _Method(_one(objects.stable_poses), services.rests),
-        "lidar.list": _Method(_given(_Nothing, lambda _: scenarios.lidars()), quick),
+        "lidar.list": _Method(_given(_Nothing, lambda _: scenarios.lidars()), reads),
         "scenario.create": _Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
-        "scenario.get": _Method(_one(scenarios.get), quick),
-        "scenario.list": _Method(_listing(scenarios.list), quick),
+        "scenario.get": _Method(_one(scenarios.get), reads),
+        "scenario.list": _Method(_listing(scenarios.list), reads),
         "scenario.warnings": _Method(_one(scenarios.warnings), heavy),
         "scenario.predict": _Method(lambda call: scenarios.predict(call.id(), call.body(PredictionsRequest)), heavy),
-        "session.create": _Method(_create_session, quick),
-        "session.get": _Method(_get_session, quick),
-        "session.list": _Method(_listing(sessions.list), quick),
-        "session.delete": _Method(_delete_session, quick),
-        "belief.put": _Method(_write("belief", BeliefRequest, sessions.put_belief), quick),
-        "scan.apply": _Method(_write("scan", ScanRequest, sessions.apply_scan), quick),
-        "outcome.report": _Method(_write("outcome", OutcomeRequest, sessions.report_outcome), quick),
-        "voa.rank": _Method(
-            lambda call: rankings.of_session(call.session(), call.body(VoaRequest)), heavy, unset=False
-        ),
-        "grasp.rank": _Method(_rank_grasps, quick),
-        "history.get": _Method(_history, quick),
-        "update.compute": _Method(_given(UpdateRequest, sessions.update_once), quick),
-        "ranking.compute": _Method(_given(RankingRequest, rankings.once), heavy, unset=False),
-        "service.health": _Method(_given(_Nothing, lambda _: services.health.ready()), quick),
-        "robot.list": _Method(_given(_Nothing, lambda _: services.robots.reports()), quick),
-        "robot.look": _Method(_given(LookRequest, lambda asked: services.robots.request_look(asked.robot)), quick),
+        "session.create": _Method(_create_session, writes),
+        "session.get": _Method(_get_session, reads),
+        "session.list": _Method(_listing(sessions.list), reads),
+        "session.delete": _Method(_delete_session, writes),
+        "belief.put": _Method(_write("belief", BeliefRequest, sessions.put_belief), writes),
+        "scan.apply": _Method(_write("scan", ScanRequest, sessions.apply_scan), writes),
+        "outcome.report": _Method(_write("outcome", OutcomeRequest, sessions.report_outcome), writes),
+        "voa.rank": _Method(_ranked(lambda call: rankings.of_session(call.session(), call.body(VoaRequest))), heavy),
+        "grasp.rank": _Method(_rank_grasps, reads),
+        "history.get": _Method(_history, reads),
+        "update.compute": _Method(_given(UpdateRequest, sessions.update_once), reads),
+        "ranking.compute": _Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
+        "service.health": _Method(_given(_Nothing, lambda _: services.health.ready()), services.probes),
+        "robot.list": _Method(_given(_Nothing, lambda _: services.robots.reports()), reads),
+        "robot.look": _Method(_given(LookRequest, lambda asked: services.robots.request_look(asked.robot)), reads),
     }
 
 
@@ -242,6 +241,16 @@ def _one(get: Callable[[str], BaseModel]) -> Work:
         id_ = call.id()
         call.body(_Nothing)
         return get(id_)
+
+    return work
+
+
+def _ranked(ask: Callable[[Call], Question]) -> Work:
+    """A method that ranks looks; nobody says on Zenoh that they wait no more, so only the service's end stops it."""
+
+    def work(call: Call) -> bytes:
+        question = ask(call)
+        return call.services.rankings.answer(question, call.services.heavy.check).to(question)
 
     return work
 

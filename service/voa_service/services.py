@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
+from voa_service.feeds import Feeds
 from voa_service.metrics import Metrics
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
@@ -29,9 +30,17 @@ class Services:
     changes: Changes
     metrics: Metrics
     limits: Limits
-    quick: WorkQueue
-    """Scans and reads."""
+    reads: WorkQueue
+    """What reads, or computes quickly, and writes nothing."""
+    writes: WorkQueue
+    """What may wait for a lock of the database, scans above all: apart, so that no read waits for one."""
+    probes: WorkQueue
+    """Whether the service is ready."""
+    feeds: Feeds
+    """Who follows sessions; their reads have a line of their own."""
     heavy: WorkQueue
-    """Rankings, predictions, meshes, scenarios."""
+    """Rankings, predictions, scenarios."""
+    meshes: WorkQueue
+    """Mesh files: only so many at a time as there is memory for."""
     rests: WorkQueue
     """Stable poses of objects: apart, so that no ranking waits for one."""

@@ -1,9 +1,8 @@
 """Settings: from the command line, else from `VOA_*` in the environment, else these defaults."""
 
 import ipaddress
-import os
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -22,6 +21,9 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from voa_msgs.keys import ROOT, check_root
 
 MEBIBYTE = 2**20
+MOST_FLOAT64_WEIGHTS = 240_000_000
+"""Sensor configurations x poses^2 up to which rankings are float64 by default: weights of 1.9 GB."""
+PrecisionSetting = Literal["auto", "float64", "float32"]
 
 
 class Limits(BaseModel):
@@ -122,18 +124,24 @@ class Settings(BaseSettings):
     zenoh: ZenohSettings = ZenohSettings()
     robots: Path | None = None
     """Which ROS 2 robots' scans are for which sessions (TOML, see `voa_ros.robots`); needs Zenoh."""
-    cache_mebibytes: PositiveInt = 2_048
-    """Memory for cuts, predictions and weights. Rankings are float64 while their weights fit into it."""
-    workers: PositiveInt = os.cpu_count() or 1
-    """Threads for rankings, predictions and meshes."""
+    memory_mebibytes: PositiveInt | None = None
+    """Memory for this service as a whole; None: what the cgroup, else the machine has (see `memory.budget`)."""
+    cache_mebibytes: PositiveInt | None = None
+    """Memory for cuts, predictions and weights; None: 2 048, or less where the service's memory is small."""
+    workers: PositiveInt | None = None
+    """Threads for rankings and predictions; None: one per processor, or fewer where the service's memory is small."""
+    precision: PrecisionSetting = "auto"
+    """Of the weights that rankings use. "auto": float64 up to `MOST_FLOAT64_WEIGHTS`, beyond float32."""
     queue: PositiveInt = 16
     """Heavy requests that may wait for a worker; one more is answered 503."""
     scan_queue: PositiveInt = 256
-    """Scans and reads that may wait."""
+    """Writes that may wait for a worker, and as many reads, in a line of their own."""
+    followers: PositiveInt = 1_000
+    """Event streams at a time; one more is answered 503."""
     mesh_seconds: PositiveInt = 30
     """Time to read one mesh."""
-    mesh_mebibytes: PositiveInt = 2_048
-    """Address space to read one mesh."""
+    mesh_mebibytes: PositiveInt | None = None
+    """Address space to read one mesh; None: 2 048, or less (at least 320) where the service's memory is small."""
     log_level: str = "INFO"
     wait_for_database: NonNegativeFloat = 0.0
     """Seconds to try again at the start while the database cannot be reached."""

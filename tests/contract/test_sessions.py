@@ -108,7 +108,7 @@ def test_the_last_fit_is_that_of_the_last_scan_whatever_came_after_it(lab: Lab) 
         assert last_fit() == fit
     lab.scan(scan_of([0.5, 0.5, None, 1.0]))
     assert last_fit() == 0.0
-    since = lab.inside.sessions.since(lab.id, 0)
+    since = lab.inside.sessions.states_since(lab.id, 0, 100)
     assert since is not None
     assert [session.last_fit_rmsd_mm for session in since] == [None, fit, fit, fit, 0.0]
 

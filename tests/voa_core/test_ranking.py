@@ -89,3 +89,24 @@ def test_the_definition_and_the_sensor_agents_belief_reach_every_look() -> None:
     executed = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), sensor_belief=sure, definition="executed")
     assert posterior.looks[0].net_value == pytest.approx(1.0 - 0.75)
     assert executed.looks[0].net_value == pytest.approx(1.0 - 0.0)
+
+
+@pytest.mark.parametrize("calls", range(6))
+def test_a_ranking_ends_at_whichever_check_finds_that_it_is_not_wanted(calls: int) -> None:
+    left = calls
+
+    def check() -> None:
+        nonlocal left
+        if left == 0:
+            raise InterruptedError
+        left -= 1
+
+    stands = [SensorConfiguration(name, 1.0, 0.0, 0.0) for name in "abc"]
+    with pytest.raises(InterruptedError):  # before each sensor and each block of its weights
+        rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), check=check)
+
+
+def test_a_ranking_that_is_wanted_is_that_without_a_check() -> None:
+    stands = [SensorConfiguration(name, 1.0, 0.0, 0.0) for name in "abc"]
+    checked = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), check=lambda: None)
+    assert [look.net_value for look in checked.looks] == [0.25] * 3

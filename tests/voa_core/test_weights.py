@@ -100,3 +100,25 @@ def test_a_place_from_which_nothing_is_ever_seen_tells_no_poses_apart(name: str,
     nothing = Prediction.of_dense(LIDAR.grid, np.full((3, 6), INF))
     weights = Weigher.of(rule_of(name, LIDAR), nothing, np.float64, keep=keep).weights(ALL, ALL)
     assert weights.tolist() == [[1.0] * 3] * 3
+
+
+@pytest.mark.parametrize("name", RULE_NAMES)
+@pytest.mark.parametrize("numbers", [1, 2, 3])
+def test_a_large_matrix_is_computed_in_parts_and_a_check_before_each_can_end_it(
+    monkeypatch: pytest.MonkeyPatch, name: str, numbers: int
+) -> None:
+    whole = weigher(name, keep=True).matrix
+    monkeypatch.setattr("voa_core.weights._POSES_AT_ONCE", numbers)
+    checks: list[None] = []
+    rule = rule_of(name, LIDAR)
+    parts = Weigher.of(rule, PREDICTION, np.float64, keep=True, check=lambda: checks.append(None))
+    assert len(checks) == {1: 3, 2: 3, 3: 1}[numbers]
+    assert whole is not None
+    assert parts.matrix is not None
+    np.testing.assert_allclose(parts.matrix, whole, rtol=0, atol=1e-12)
+
+    def unwanted() -> None:
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        Weigher.of(rule, PREDICTION, np.float64, keep=True, check=unwanted)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import pytest
 
 from voa_service.cache import Cache
+from voa_service.compute import Cancelled
 
 
 @dataclass(frozen=True)
@@ -107,3 +108,41 @@ def test_a_failure_reaches_everyone_who_waits_and_is_not_kept() -> None:
                 future.result(30)
     assert cache.get("a", Maker()).nbytes == 10
     assert cache.held == 10
+
+
+def test_when_the_one_that_computes_is_cancelled_another_that_waits_takes_over() -> None:
+    cache, release, begun = Cache(100), threading.Event(), threading.Event()
+
+    def cancelled() -> Block:
+        begun.set()
+        assert release.wait(30)
+        raise Cancelled
+
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(cache.get, "a", cancelled)
+        assert begun.wait(30)
+        second = pool.submit(cache.get, "a", Maker())
+        release.set()
+        with pytest.raises(Cancelled):
+            first.result(30)
+        assert second.result(30).nbytes == 10
+
+
+def test_whoever_is_cancelled_waits_no_longer_for_what_another_computes() -> None:
+    cache, release, begun = Cache(100), threading.Event(), threading.Event()
+
+    def slow() -> Block:
+        begun.set()
+        assert release.wait(30)
+        return Block(1)
+
+    def check() -> None:
+        raise Cancelled
+
+    with ThreadPoolExecutor(1) as pool:
+        first = pool.submit(cache.get, "a", slow)
+        assert begun.wait(30)
+        with pytest.raises(Cancelled):
+            cache.get("a", Maker(), check)
+        release.set()
+        assert first.result(30).nbytes == 1

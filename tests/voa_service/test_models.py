@@ -10,10 +10,11 @@ import pytest
 from tests.serving import LIDAR, Json, box_obj, changed, data_scenario, mesh_scenario, serving
 from voa_core.assistance import value_of_assistance
 from voa_core.lidars import SensorConfiguration
+from voa_core.weights import wanted
 from voa_service.bootstrap import services
 from voa_service.cache import Cache
 from voa_service.models import Models, Precision
-from voa_service.settings import MEBIBYTE, Settings
+from voa_service.settings import MEBIBYTE, PrecisionSetting, Settings
 
 POSES, SENSORS, BEAMS = 200, 4, 12
 
@@ -32,8 +33,8 @@ def large() -> Json:
     )
 
 
-def ranked(folder: Path, mebibytes: int) -> Any:
-    with serving(folder, cache_mebibytes=mebibytes) as service:
+def ranked(folder: Path, precision: Precision) -> Any:
+    with serving(folder, precision=precision) as service:
         session = service.open(service.create(large()))
         first = service.get(f"/v1/sessions/{session}/voa?outcomes=true")
         assert service.get(f"/v1/sessions/{session}/voa?outcomes=true") == first
@@ -41,8 +42,7 @@ def ranked(folder: Path, mebibytes: int) -> Any:
 
 
 def test_float64_and_float32_agree(tmp_path_factory: pytest.TempPathFactory) -> None:
-    # 4 sensors x 200^2 poses: 1.28 MB in float64, 0.64 MB in float32.
-    exact, rough = (ranked(tmp_path_factory.mktemp(str(size)), size) for size in (64, 1))
+    exact, rough = (ranked(tmp_path_factory.mktemp(kind), kind) for kind in get_args(Precision))
     assert (exact["precision"], rough["precision"]) == ("float64", "float32")
     values = {look["sensor"]: look["voa"] for look in exact["ranking"]}
     assert {look["sensor"]: look["voa"] for look in rough["ranking"]} == pytest.approx(values, abs=1e-5)
@@ -57,7 +57,9 @@ def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Pa
         scenario = model.scenario
         kinds: list[tuple[Precision, bool]] = [(p, keep) for p in ("float64", "float32") for keep in (True, False)]
         found = [
-            value_of_assistance(model.weigher(sensor, precision, keep), scenario.prior, scenario.table, scenario.policy)
+            value_of_assistance(
+                model.weigher(sensor, precision, keep, wanted), scenario.prior, scenario.table, scenario.policy
+            )
             for precision, keep in kinds
         ]
     assert found[0].voa == pytest.approx(found[1].voa, abs=1e-12)
@@ -66,22 +68,25 @@ def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("sensors", "poses", "expected"),
+    ("setting", "sensors", "poses", "expected", "kept_in_one_mebibyte"),
     [
-        (1, 100, ("float64", True)),
-        (11, 100, ("float64", True)),
-        (12, 100, ("float32", True)),
-        (23, 100, ("float32", True)),
-        (24, 100, ("float32", False)),
-        (1, 20_000, ("float32", False)),
+        ("auto", 11, 100, "float64", True),
+        ("auto", 12, 100, "float64", False),
+        ("float32", 23, 100, "float32", True),
+        ("float32", 24, 100, "float32", False),
+        ("auto", 24, 3_162, "float64", False),
+        ("auto", 24, 3_163, "float32", False),
+        ("auto", 1, 20_000, "float32", False),
+        ("float64", 1, 20_000, "float64", False),
     ],
 )
-def test_the_budget_decides_on_the_precision(
-    tmp_path: Path, sensors: int, poses: int, expected: tuple[str, bool]
+def test_the_setting_decides_on_the_precision_and_memory_on_what_is_kept(
+    tmp_path: Path, setting: PrecisionSetting, sensors: int, poses: int, expected: str, kept_in_one_mebibyte: bool
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
-        models = Models(inside.health.store, Cache(MEBIBYTE))
-        assert models.precision(sensors, poses) == expected
+        small, large = (Models(inside.health.store, Cache(size * MEBIBYTE), setting) for size in (1, 2**20))
+        assert small.precision(sensors, poses) == (expected, kept_in_one_mebibyte)
+        assert large.precision(sensors, poses) == (expected, True)
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
@@ -110,7 +115,7 @@ def test_nothing_that_is_kept_of_one_scenario_height_or_precision_serves_another
                 assert fresh is not None
                 for sensor in [*model.scenario.sensors, *([above] if body["name"] == "mesh" else [])]:
                     for precision in get_args(Precision):
-                        kept, anew = (each.weigher(sensor, precision, True) for each in (model, fresh))
+                        kept, anew = (each.weigher(sensor, precision, True, wanted) for each in (model, fresh))
                         assert kept.matrix is not None
                         assert kept.dtype == precision
                         np.testing.assert_array_equal(kept.matrix, anew.matrix)

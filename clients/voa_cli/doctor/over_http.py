@@ -11,6 +11,7 @@ import httpx2
 from pydantic import ValidationError
 
 from voa_cli.doctor.findings import Budget, Finding
+from voa_cli.doctor.memory import check_memory
 from voa_cli.doctor.reaching import reach
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Health, Problem
@@ -93,6 +94,7 @@ def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Fi
     yield Finding("ready", "ok", health.status)
     yield _software(health)
     yield _wire(health)
+    yield from check_memory(health.memory)
     if offsets:
         unsure, offset = min(offsets)
         answers.ahead = timedelta(seconds=offset)

@@ -2,20 +2,24 @@
 
 import io
 import os
+import signal
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+import structlog
 from numpy.typing import NDArray
 
 from voa_core.errors import InvalidInput
 from voa_core.objects import Object
 from voa_msgs.objects import UpAxis
-from voa_service.failures import INVALID_MESH, MESH_TYPE, TOO_LARGE, Failure
+from voa_service.failures import INVALID_MESH, MESH_TYPE, NOT_READY, OVERLOADED, TOO_LARGE, Failure
+from voa_service.memory import MESH_NEEDS_MEBIBYTES
+from voa_service.meshes.children import Children
 from voa_service.meshes.parsing import MESH_TYPES
 from voa_service.meshes.units import unit_hint
-from voa_service.meshes.worker import TOO_MANY_FACES
+from voa_service.meshes.worker import OUT_OF_MEMORY, TOO_MANY_FACES
 
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
@@ -32,17 +36,26 @@ class SubprocessMeshReader:
         seconds: time to read one file.
         mebibytes: address space of the process that reads it.
         faces: the most faces of a mesh.
+        needs_mebibytes: address space that a mesh within the limits may need; where `mebibytes` is less, a mesh that
+            exceeds it is not the caller's fault.
     """
 
     seconds: int
     mebibytes: int
     faces: int
+    needs_mebibytes: int = MESH_NEEDS_MEBIBYTES
+    _running: Children = field(default_factory=Children)
+
+    def close(self) -> None:
+        """End the processes that read: the service is ending."""
+        self._running.close()
 
     def __call__(self, content: bytes, mesh_type: str, scale: float, up: UpAxis) -> Object:
         """Read a file; +Y up is turned to z up.
 
         Raises:
-            Failure: another type, a file that is not that type or not usable, or too many faces.
+            Failure: another type, a file that is not that type or not usable, or too many faces; or, not the
+                caller's fault, too little memory here.
         """
         if mesh_type not in MESH_TYPES:
             raise Failure(MESH_TYPE, f"expected a file named *.{', *.'.join(MESH_TYPES)}, got *.{mesh_type}")
@@ -62,20 +75,44 @@ class SubprocessMeshReader:
         command = [sys.executable, "-B", "-m", "voa_service.meshes.worker", mesh_type]
         command += [str(self.mebibytes), str(self.seconds), str(self.faces)]
         try:
-            done = subprocess.run(  # noqa: S603 - our own module, no shell
-                command, input=content, capture_output=True, timeout=self.seconds, check=False, env=environment()
-            )
+            done = self._running.run(command, content, self.seconds, environment())
         except subprocess.TimeoutExpired as error:
-            raise Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it") from error
-        if done.returncode == TOO_MANY_FACES:
-            found = int(done.stdout)
-            raise Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {found}: simplify the mesh")
+            raise self._took_too_long() from error
+        except (MemoryError, OSError) as error:
+            raise _out_of_memory(f"no process for it: {error}") from error
+        if self._running.closed:
+            raise Failure(NOT_READY, "the service is ending: ask again", {"Retry-After": "2"})
         if done.returncode != 0:
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            why = said[-1][:300] if said else "it takes too much time or memory: simplify it"
-            raise Failure(INVALID_MESH, f"cannot read the {mesh_type.upper()} file: {why}")
+            raise self._failure(done, mesh_type)
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
             return arrays["vertices"], arrays["faces"]
+
+    def _failure(self, done: "subprocess.CompletedProcess[bytes]", mesh_type: str) -> Failure:
+        """Why the process ended without a mesh: the file's fault, or want of memory here."""
+        if done.returncode == TOO_MANY_FACES:
+            found = int(done.stdout)
+            return Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {found}: simplify the mesh")
+        if done.returncode == -signal.SIGXCPU:
+            return self._took_too_long()
+        if done.returncode == -signal.SIGKILL:
+            return _out_of_memory("the kernel ended the process that read it")
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        if done.returncode == OUT_OF_MEMORY or done.returncode < 0 or any("MemoryError" in line for line in said):
+            if self.mebibytes < self.needs_mebibytes:
+                return _out_of_memory(f"{self.mebibytes} MiB were too little for it")
+            return Failure(INVALID_MESH, f"reading it takes more than {self.mebibytes} MiB: simplify it")
+        why = said[-1][:300] if said else f"its reader ended with {done.returncode}"
+        return Failure(INVALID_MESH, f"cannot read the {mesh_type.upper()} file: {why}")
+
+    def _took_too_long(self) -> Failure:
+        return Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it")
+
+
+def _out_of_memory(what: str) -> Failure:
+    """A mesh that could not be read for want of memory here, which is not its fault."""
+    structlog.get_logger().error("a mesh was not read for want of memory", reason=what)
+    detail = f"the service has too little memory for this mesh at the moment ({what}): try again"
+    return Failure(OVERLOADED, detail, {"Retry-After": "5"})
 
 
 def environment() -> dict[str, str]:

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from typing import Literal
 
 from voa_msgs import WIRE_VERSION
-from voa_msgs.problems import Health
+from voa_msgs.problems import Health, Memory
 from voa_service.failures import NOT_READY, Failure
 from voa_service.ports import Clock, Store
 
@@ -95,6 +95,8 @@ class HealthCheck:
     now: Clock
     replica: str
     """The name of this process."""
+    memory: Memory | None = None
+    """What its parts may hold."""
     link: Link = field(default_factory=Link)
     checked: StoreCheck = field(init=False)
 
@@ -116,4 +118,5 @@ class HealthCheck:
             zenoh=self.link.state,
             database=self.store.software,
             now=self.now(),
+            memory=self.memory,
         )

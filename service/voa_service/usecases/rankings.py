@@ -1,7 +1,11 @@
 """Rankings: looks by their Value of Assistance, grasps by their expected score."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+
+import numpy as np
 
 from voa_core.errors import VoaError
 from voa_core.filtering import Belief
@@ -20,10 +24,55 @@ from voa_msgs.rankings import (
     RankingRequest,
     VoaRequest,
 )
-from voa_service.failures import UNKNOWN, Failure, of_core
+from voa_service.cache import Cache
+from voa_service.compute import Check
+from voa_service.failures import TOO_LARGE, UNKNOWN, Failure, of_core
 from voa_service.mapping import candidates
 from voa_service.models import Model, Models, Precision
+from voa_service.settings import Limits
 from voa_service.usecases.sessions import Sessions, belief_in_body
+
+_NUMBERS_OF_OUTCOME = 4
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be ranked.
+
+    Attributes:
+        scenario: its id.
+        belief: over its poses; None: the scenario's prior.
+        request: which looks, and how.
+        version: of the session whose belief it is; None: of none.
+    """
+
+    scenario: str
+    belief: Belief | Sequence[float] | None
+    request: VoaRequest
+    version: int | None
+
+    @cached_property
+    def key(self) -> Hashable:
+        """Equal for questions with equal answers, whatever the session."""
+        rest = self.request.model_dump_json(exclude={"scenario", "belief"}, exclude_defaults=True)
+        return self.scenario, _digest(self.belief), rest
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A ranking as JSON, which lacks the version of the session that asked."""
+
+    body: str
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, in bytes."""
+        return len(self.body)
+
+    def to(self, question: Question) -> bytes:
+        """The answer to whoever asked, as JSON."""
+        version = "null" if question.version is None else str(question.version)
+        return f'{{"version":{version},{self.body[1:]}'.encode()
 
 
 @dataclass(frozen=True)
@@ -33,16 +82,36 @@ class Rankings:
     sessions: Sessions
     models: Models
     spread: Spread
+    kept: Cache
+    """Answers, by question."""
+    limits: Limits
 
-    def of_session(self, id_: str, request: VoaRequest) -> Ranking:
-        """Rank looks under a session's belief."""
+    def of_session(self, id_: str, request: VoaRequest) -> Question:
+        """Ask to rank looks under a session's belief as it is now."""
         state = self.sessions.state(id_)
-        return self._rank(self._model(state.scenario), state.belief, request, state.version)
+        return Question(state.scenario, state.belief, request, state.version)
 
-    def once(self, request: RankingRequest) -> Ranking:
-        """Rank looks under the belief in the request, or the scenario's prior where that is null; stores nothing."""
-        model = self._model(request.scenario)
-        return self._rank(model, belief_in_body(model.scenario, request.belief), request, None)
+    def once(self, request: RankingRequest) -> Question:
+        """Ask to rank looks under the belief in the request, or the scenario's prior where that is null."""
+        return Question(request.scenario, request.belief, request, None)
+
+    def answer(self, question: Question, check: Check) -> Answer:
+        """Rank looks; equal questions have one answer, which is kept for a while.
+
+        Raises:
+            Failure: the question does not fit the scenario, or there is no such scenario.
+            Cancelled: `check` found that nobody waits any more.
+        """
+        return self.kept.get(question.key, lambda: self._answer(question, check), check)
+
+    def _answer(self, question: Question, check: Check) -> Answer:
+        model = self._model(question.scenario)
+        check()
+        belief = question.belief
+        if not isinstance(belief, Belief):
+            belief = belief_in_body(model.scenario, belief)
+        ranking = self._rank(model, belief, question.request, check)
+        return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
 
     def grasps(self, id_: str, names: Sequence[str] | None) -> RankedGrasps:
         """Grasps under a session's belief, those that are reachable now."""
@@ -67,7 +136,17 @@ class Rankings:
             raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
         return model
 
-    def _rank(self, model: Model, belief: Belief, request: VoaRequest, version: int | None) -> Ranking:
+    def _check_outcomes(self, sensors: int, poses: int) -> None:
+        """Refuse to list more outcomes than an answer may hold."""
+        most = self.limits.numbers // (_NUMBERS_OF_OUTCOME * max(1, poses))
+        if sensors > most:
+            raise Failure(
+                TOO_LARGE,
+                f"the answer would list {poses} outcomes of each of {sensors} sensors, at most {self.limits.numbers} "
+                f"values fit: ask for at most {most} sensors at a time, or without outcomes",
+            )
+
+    def _rank(self, model: Model, belief: Belief, request: VoaRequest, check: Check) -> Ranking:
         scenario = model.scenario
         try:
             sensors = candidates(scenario, request.sensors)
@@ -75,21 +154,33 @@ class Rankings:
             sensor_belief = None
             if request.sensor_belief is not None:
                 sensor_belief = Belief.of(request.sensor_belief, "sensor_belief", len(scenario.poses))
+            outer = belief if sensor_belief is None else sensor_belief
+            if request.outcomes:
+                self._check_outcomes(len(sensors), int(np.count_nonzero(outer.p)))
             precision, keep = self.models.precision(len(sensors), len(scenario.poses))
             ranking = rank(
                 sensors,
-                lambda sensor: model.weigher(sensor, precision, keep),
+                lambda sensor: model.weigher(sensor, precision, keep, check),
                 belief,
                 table,
                 scenario.policy,
                 definition=request.definition,
                 sensor_belief=sensor_belief,
                 spread=self.spread,
+                check=check,
             )
         except VoaError as error:
             raise of_core(error) from error
-        outer = belief if sensor_belief is None else sensor_belief
-        return _message(ranking, table, scenario, outer, request, version, precision)
+        return _message(ranking, table, scenario, outer, request, precision)
+
+
+def _digest(belief: Belief | Sequence[float] | None) -> bytes | None:
+    """Equal for equal beliefs; one that is given and one that a session has are never equal."""
+    if belief is None:
+        return None
+    if isinstance(belief, Belief):
+        return sha256(b"session" + belief.p.tobytes() + belief.log_p.tobytes()).digest()
+    return sha256(b"given" + np.asarray(belief, dtype=np.float64).tobytes()).digest()
 
 
 def _separated(names: Sequence[str], known: Sequence[str]) -> list[str]:
@@ -104,7 +195,6 @@ def _message(
     scenario: Scenario,
     outer: Belief,
     request: VoaRequest,
-    version: int | None,
     precision: Precision,
 ) -> Ranking:
     first, before = ranking.looks[0], ranking.before
@@ -115,7 +205,7 @@ def _message(
     else:
         recommendation = GraspNow(action="grasp", grasp=best, expected_score=before.expected_score)
     return Ranking(
-        version=version,
+        version=None,
         definition=request.definition,
         method="exact",
         precision=precision,

@@ -48,8 +48,6 @@ from voa_service.ports import (
 from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
 from voa_service.usecases.pages import page, position
 
-_MOST_NEWS = 100
-
 
 @dataclass(frozen=True)
 class _Told(Answered):
@@ -208,16 +206,16 @@ class Sessions:
         """What happened to a session after a version, oldest first, at most so many entries; none where it is gone."""
         return self.store.history(id_, version, most)
 
-    def since(self, id_: str, seen: int | None) -> Sequence[Session] | None:
-        """The session at every version after `seen`; None for `seen`: as it stands. None: it is gone."""
+    def states_since(self, id_: str, seen: int | None, most: int) -> Sequence[SessionState] | None:
+        """Read a session at every version after `seen`, at most so many; None for `seen`: as it stands. None: gone."""
         state = self.store.get_session(id_)
         if state is None:
             return None
         if seen is None or seen > state.version:
-            states = [state]
-        else:
-            states = [entry.state for entry in self.store.history(id_, seen, _MOST_NEWS, self.history_bytes)]
-        return [self.message(each) for each in states]
+            return [state]
+        if seen == state.version:
+            return []
+        return [entry.state for entry in self.store.history(id_, seen, most, self.history_bytes)]
 
     def message(self, state: SessionState) -> Session:
         """A session's state as it is told."""

@@ -6,12 +6,14 @@ import struct
 import subprocess
 import sys
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from tests.serving import box_obj
 from tests.voa_service.meshes.files import POINTS, Gltf
+from tests.waiting import wait_for
 from voa_service.failures import Failure
 from voa_service.meshes.reader import SubprocessMeshReader, environment
 
@@ -36,18 +38,70 @@ def test_faces_are_limited() -> None:
     assert refused.value.status == 413
 
 
-def test_memory_is_limited() -> None:
+LONG_POLYGON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + b" 1 2 3" * 700_000
+
+
+def test_a_mesh_that_takes_more_than_any_usable_one_is_the_callers_fault() -> None:
+    with pytest.raises(Failure, match="takes more than 400 MiB: simplify it") as refused:
+        reader(mebibytes=400)(LONG_POLYGON, "obj", 1.0, "+Z")
+    assert (refused.value.kind, refused.value.status) == ("invalid-mesh", 422)
+
+
+@pytest.mark.parametrize(("mebibytes", "mesh"), [(16, BOX), (300, LONG_POLYGON)])
+def test_a_mesh_that_fails_for_want_of_memory_here_is_not_the_callers_fault(mebibytes: int, mesh: bytes) -> None:
+    with pytest.raises(Failure, match=f"{mebibytes} MiB were too little") as refused:
+        reader(mebibytes=mebibytes)(mesh, "obj", 1.0, "+Z")
+    assert (refused.value.kind, refused.value.status) == ("overloaded", 503)
+    assert int(refused.value.headers["Retry-After"]) >= 1
+
+
+def interpreter(monkeypatch: pytest.MonkeyPatch, folder: Path, program: str) -> None:
+    """Have meshes read by another program."""
+    script = folder / "python"
+    script.write_text(f"#!{sys.executable}\n{program}\n")
+    script.chmod(0o700)
+    monkeypatch.setattr(sys, "executable", str(script))
+
+
+@pytest.mark.parametrize(("which", "status"), [("SIGKILL", 503), ("SIGXCPU", 422)])
+def test_whoever_ended_the_process_decides_whose_fault_it_is(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, which: str, status: int
+) -> None:
+    interpreter(monkeypatch, tmp_path, f"import os, signal\nos.kill(os.getpid(), signal.{which})")
     with pytest.raises(Failure) as refused:
-        reader(mebibytes=16)(BOX, "obj", 1.0, "+Z")
-    assert refused.value.kind == "invalid-mesh"
+        reader()(BOX, "obj", 1.0, "+Z")
+    assert refused.value.status == status
+
+
+def test_the_kernel_would_end_the_process_before_the_service() -> None:
+    program = (
+        "from voa_service.meshes.worker import main\n"
+        "main('obj', 2048, 30, 1000)\n"
+        "import sys\n"
+        "sys.exit(open('/proc/self/oom_score_adj').read())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], input=BOX, capture_output=True, env=os.environ, check=False)
+    assert done.stderr.split() == [b"1000"]
+
+
+def test_a_service_that_ends_ends_the_processes_that_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    begun = tmp_path / "begun"
+    interpreter(monkeypatch, tmp_path, f"import signal\nopen({str(begun)!r}, 'w').close()\nsignal.pause()")
+    own = reader()
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(own, BOX, "obj", 1.0, "+Z")
+        wait_for(begun.exists, "the process")
+        own.close()
+        with pytest.raises(Failure) as refused:
+            call.result(30)
+    assert (refused.value.kind, refused.value.status) == ("not-ready", 503)
+    with pytest.raises(Failure, match="ending"):
+        own(BOX, "obj", 1.0, "+Z")
 
 
 def test_time_is_limited(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     # A mesh type that is read for ever: an interpreter that waits on a pipe that nobody writes to.
-    sleeper = tmp_path / "python"
-    sleeper.write_text(f"#!{sys.executable}\nimport signal\nsignal.pause()\n")
-    sleeper.chmod(0o700)
-    monkeypatch.setattr(sys, "executable", str(sleeper))
+    interpreter(monkeypatch, tmp_path, "import signal\nsignal.pause()")
     with pytest.raises(Failure, match="more than 1 s") as refused:
         reader(seconds=1)(BOX, "obj", 1.0, "+Z")
     assert (refused.value.kind, refused.value.status) == ("invalid-mesh", 422)

@@ -22,7 +22,7 @@ def routes(services: Services) -> APIRouter:
     @router.get("/readyz", response_model=Health, responses=problems(503))
     async def is_ready() -> Response:
         """The store answers too; `zenoh` says whether this process is joined to a router."""
-        return await answer(services.quick, services.health.ready)
+        return await answer(services.probes, services.health.ready)
 
     @router.get("/metrics", response_class=PlainTextResponse)
     async def get_metrics() -> Response:

@@ -44,7 +44,7 @@ def routes(services: Services) -> APIRouter:
         _check_fields([name for name, _ in (await request.form()).multi_items()])
         content = await file.read()
         filename = file.filename or ""
-        return await created(services.heavy, lambda: objects.create(content, filename, name, scale, up))
+        return await created(services.meshes, lambda: objects.create(content, filename, name, scale, up))
 
     @router.get("", response_model=ObjectPage, responses=problems(422, 503))
     async def list_objects(
@@ -62,12 +62,12 @@ def routes(services: Services) -> APIRouter:
         With `sha256` the list has one item, which is what an upload of that file with that `scale` and `up` would be
         answered; or none, where it was never uploaded so.
         """
-        return await answer(services.quick, lambda: objects.list(limit, after, sha256, type, scale, up))
+        return await answer(services.reads, lambda: objects.list(limit, after, sha256, type, scale, up))
 
     @router.get("/{id}", response_model=Object, responses=problems(404, 422, 503))
     async def get_object(id: str) -> Response:
         """One mesh."""
-        return await answer(services.quick, lambda: objects.get(id))
+        return await answer(services.reads, lambda: objects.get(id))
 
     @router.get("/{id}/stable-poses", response_model=StablePoses, responses=problems(404, 422, 503))
     async def get_stable_poses(id: str) -> Response:

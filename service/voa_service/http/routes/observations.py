@@ -42,7 +42,7 @@ def routes(services: Services) -> APIRouter:
         check(request, services.limits)
         named = idempotency_key(key, scope_of(id), "scan", request)
         write = write_of("scan", await http.body(), named, versions(if_match))
-        return await versioned(services.quick, lambda: sessions.apply_scan(id, request, write))
+        return await versioned(services.writes, lambda: sessions.apply_scan(id, request, write))
 
     @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
     async def put_belief(
@@ -56,7 +56,7 @@ def routes(services: Services) -> APIRouter:
         check(request, services.limits)
         named = idempotency_key(key, scope_of(id), "belief", request)
         write = write_of("belief", await http.body(), named, versions(if_match))
-        return await versioned(services.quick, lambda: sessions.put_belief(id, request, write))
+        return await versioned(services.writes, lambda: sessions.put_belief(id, request, write))
 
     @router.post(
         "/sessions/{id}/grasp-outcomes",
@@ -73,12 +73,12 @@ def routes(services: Services) -> APIRouter:
         """Update the belief by what came of a grasp attempt that left the object where it was."""
         named = idempotency_key(key, scope_of(id), "outcome", request)
         write = write_of("outcome", await http.body(), named, versions(if_match))
-        return await versioned(services.quick, lambda: sessions.report_outcome(id, request, write))
+        return await versioned(services.writes, lambda: sessions.report_outcome(id, request, write))
 
     @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def update_once(request: UpdateRequest) -> Response:
         """Update the belief in the request (null: the scenario's prior); nothing is stored."""
         check(request, services.limits)
-        return await answer(services.quick, lambda: sessions.update_once(request))
+        return await answer(services.reads, lambda: sessions.update_once(request))
 
     return router

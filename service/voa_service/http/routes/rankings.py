@@ -1,14 +1,16 @@
 """/v1/sessions/{id}/voa, /v1/sessions/{id}/grasps and /v1/rankings."""
 
+from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response
 
 from voa_msgs.rankings import Definition, RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_service.http.openapi import problems
-from voa_service.http.routes.responses import answer
+from voa_service.http.routes.responses import answer, unless_gone
 from voa_service.limits import check
 from voa_service.services import Services
+from voa_service.usecases.rankings import Question
 
 
 def routes(services: Services) -> APIRouter:
@@ -16,22 +18,28 @@ def routes(services: Services) -> APIRouter:
     router = APIRouter(prefix="/v1", tags=["rankings"])
     rankings = services.rankings
 
-    @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 422, 503))
+    async def ranked(ask: Callable[[], Question]) -> Response:
+        question = await services.reads.run(lambda: _with_key(ask()))
+        answer = await services.heavy.share(question.key, lambda check: rankings.answer(question, check))
+        return Response(answer.to(question), media_type="application/json")
+
+    @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 413, 422, 503))
     async def rank_looks(
         id: str,
+        http: Request,
         definition: Annotated[Definition, Query(description="Of VOA.")] = "posterior",
         outcomes: Annotated[bool, Query(description="Whether to list what each look could find.")] = False,
     ) -> Response:
         """The scenario's sensor configurations by what looking from them is worth."""
         request = VoaRequest(definition=definition, outcomes=outcomes)
-        return await answer(services.heavy, lambda: rankings.of_session(id, request), exclude_unset=True)
+        return await unless_gone(http, ranked(lambda: rankings.of_session(id, request)))
 
     @router.post("/sessions/{id}/voa", response_model=Ranking, responses=problems(400, 404, 413, 422, 503))
-    async def rank_given_looks(id: str, request: VoaRequest | None = None) -> Response:
+    async def rank_given_looks(id: str, http: Request, request: VoaRequest | None = None) -> Response:
         """The same for any sensor poses, over the grasps that are reachable now."""
         asked = request or VoaRequest()
         check(asked, services.limits)
-        return await answer(services.heavy, lambda: rankings.of_session(id, asked), exclude_unset=True)
+        return await unless_gone(http, ranked(lambda: rankings.of_session(id, asked)))
 
     @router.get("/sessions/{id}/grasps", response_model=RankedGrasps, responses=problems(404, 422, 503))
     async def rank_grasps(
@@ -42,12 +50,18 @@ def routes(services: Services) -> APIRouter:
         ] = None,
     ) -> Response:
         """Grasps by their expected score."""
-        return await answer(services.quick, lambda: rankings.grasps(id, grasps))
+        return await answer(services.reads, lambda: rankings.grasps(id, grasps))
 
     @router.post("/rankings", response_model=Ranking, responses=problems(400, 413, 422, 503), tags=["stateless"])
-    async def rank_once(request: RankingRequest) -> Response:
+    async def rank_once(request: RankingRequest, http: Request) -> Response:
         """Rank looks for the belief in the request (null: the scenario's prior); nothing is stored."""
         check(request, services.limits)
-        return await answer(services.heavy, lambda: rankings.once(request), exclude_unset=True)
+        return await unless_gone(http, ranked(lambda: rankings.once(request)))
 
     return router
+
+
+def _with_key(question: Question) -> Question:
+    """The question, its key worked out in this thread."""
+    assert question.key  # noqa: S101 - it is kept from here on
+    return question

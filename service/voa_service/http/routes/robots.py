@@ -15,12 +15,12 @@ def routes(services: Services) -> APIRouter:
     @router.get("", response_model=Robots, responses=problems(503))
     async def list_robots() -> Response:
         """Robots whose scans this process heard since it started, or whose topics are mapped."""
-        return await answer(services.quick, services.robots.reports)
+        return await answer(services.reads, services.robots.reports)
 
     @router.post("/{robot}/look", response_model=RobotReport, responses=problems(404, 422, 503))
     async def request_look(robot: str) -> Response:
         """The next scans of a mapped robot whose looks are on request are to be one."""
-        return await answer(services.quick, lambda: services.robots.request_look(robot))
+        return await answer(services.reads, lambda: services.robots.request_look(robot))
 
     @router.put("/{robot}/session", response_model=RobotReport, responses=problems(400, 404, 409, 413, 422, 503))
     async def claim_robot(robot: str, request: ClaimRequest) -> Response:
@@ -34,6 +34,6 @@ def routes(services: Services) -> APIRouter:
             services.claims.claim(robot, request.session)
             return services.robots.report(robot)
 
-        return await answer(services.quick, claimed)
+        return await answer(services.writes, claimed)
 
     return router

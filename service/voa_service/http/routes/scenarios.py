@@ -19,7 +19,7 @@ def routes(services: Services) -> APIRouter:
     @router.get("/lidars", response_model=LidarPresets, responses=problems(503))
     async def list_lidars() -> Response:
         """The lidars that a scenario can name."""
-        return await answer(services.quick, scenarios.lidars)
+        return await answer(services.reads, scenarios.lidars)
 
     @router.post(
         "/scenarios",
@@ -38,12 +38,12 @@ def routes(services: Services) -> APIRouter:
     @router.get("/scenarios", response_model=ScenarioPage, responses=problems(422, 503))
     async def list_scenarios(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
         """All scenarios, oldest first."""
-        return await answer(services.quick, lambda: scenarios.list(limit, after))
+        return await answer(services.reads, lambda: scenarios.list(limit, after))
 
     @router.get("/scenarios/{id}", response_model=Scenario, responses=problems(404, 422, 503))
     async def get_scenario(id: str) -> Response:
         """One scenario with every default filled in."""
-        return await answer(services.quick, lambda: scenarios.get(id))
+        return await answer(services.reads, lambda: scenarios.get(id))
 
     @router.get("/scenarios/{id}/warnings", response_model=Warnings, responses=problems(404, 422, 503))
     async def get_warnings(id: str) -> Response:

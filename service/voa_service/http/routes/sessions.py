@@ -26,17 +26,17 @@ def routes(services: Services) -> APIRouter:
         """Open a session: version 0, the prior as belief; the scans of `robots` go to it from now on."""
         check(request, services.limits)
         write = write_of("prior", await http.body(), idempotency_key(key, ANYONE, "create session", request))
-        return await versioned(services.quick, lambda: sessions.create(request, write), 201)
+        return await versioned(services.writes, lambda: sessions.create(request, write), 201)
 
     @router.get("/sessions", response_model=SessionPage, responses=problems(422, 503))
     async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
         """All sessions without their beliefs, oldest first."""
-        return await answer(services.quick, lambda: sessions.list(limit, after))
+        return await answer(services.reads, lambda: sessions.list(limit, after))
 
     @router.get("/sessions/{id}", response_model=Session, responses=problems(404, 422, 503))
     async def get_session(id: str) -> Response:
         """One session as it stands."""
-        return await versioned(services.quick, lambda: sessions.answered(id))
+        return await versioned(services.reads, lambda: sessions.answered(id))
 
     @router.delete("/sessions/{id}", status_code=204, responses=problems(404, 412, 422, 503))
     async def delete_session(
@@ -46,7 +46,7 @@ def routes(services: Services) -> APIRouter:
     ) -> Response:
         """Remove a session and its history."""
         named = idempotency_key(key, scope_of(id), "delete", None)
-        await services.quick.run(lambda: sessions.delete(id, named, versions(if_match)))
+        await services.writes.run(lambda: sessions.delete(id, named, versions(if_match)))
         return Response(status_code=204)
 
     @router.get("/sessions/{id}/history", response_model=HistoryPage, responses=problems(404, 422, 503))
@@ -56,6 +56,6 @@ def routes(services: Services) -> APIRouter:
         after: After = None,
     ) -> Response:
         """Every version and what made it, the prior first: enough to replay the session."""
-        return await answer(services.quick, lambda: sessions.history(id, limit, after))
+        return await answer(services.reads, lambda: sessions.history(id, limit, after))
 
     return router
