@@ -57,7 +57,7 @@ def new_id() -> str:
 def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -> Iterator[Services]:
     """Everything behind the entrypoints; released on leaving."""
     limits = settings.limits
-    store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database_s)
+    store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database)
     memory = budget(settings, find(settings), processors())
     _report(memory)
     threads = Threads(memory.workers)

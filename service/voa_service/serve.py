@@ -15,16 +15,17 @@ import structlog
 import uvicorn
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
+from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
-from voa_service import logs
+from voa_service import bootstrap, logs
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
 from voa_service.http.connections.guard import Guard
 from voa_service.settings import Settings, ZenohSettings
-from voa_service.starting import NoDatabase, services_when_reachable, shown
 from voa_service.stopping import Deadline, Server
+from voa_service.store.starting import CannotOpen
 from voa_service.zenoh.entry import on_zenoh
 
 
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     try:
         _serve(settings, listening)
-    except NoDatabase as error:
+    except CannotOpen as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 1
     return 0
@@ -74,11 +75,11 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
     """Serve on a socket until told to stop.
 
     Raises:
-        NoDatabase: the database cannot be reached.
+        CannotOpen: the database cannot be used.
     """
     with ExitStack() as stack:
         deadline = stack.enter_context(Deadline(settings.stop_seconds))
-        services = services_when_reachable(stack, settings)
+        services = stack.enter_context(bootstrap.services(settings))
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
         guard = Guard(settings.connections, services.metrics, files)
@@ -96,7 +97,8 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
             "listening",
             url=url,
             docs=f"{url}/docs",
-            database=shown(settings.database_url),
+            database=make_url(settings.database_url).render_as_string(hide_password=True),
+            software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )
         Server(config, services.changes, guard, deadline, settings.stop_seconds).run([listening])

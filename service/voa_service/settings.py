@@ -115,8 +115,6 @@ class Settings(BaseSettings):
     database_patience_s: Annotated[float, Field(ge=1.0, le=600.0)] = 4.0
     """How long PostgreSQL may be silent before a call is answered 503. A row that somebody holds is waited for 0.8 of
     that, unless `options` in the URL say otherwise."""
-    wait_for_database_s: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
-    """How long a database that cannot be reached is waited for at the start."""
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()

@@ -12,7 +12,18 @@ from voa_cli.main import main
 def test_a_service_in_order_is_healthy(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
     code, found = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
     assert (code, wrong(found)) == (0, {})
-    checks = ["HTTP", "service", "ready", "software", "messages", "memory", "clock", "router", "zenoh session", "replicas"]
+    checks = [
+        "HTTP",
+        "service",
+        "ready",
+        "software",
+        "messages",
+        "memory",
+        "clock",
+        "router",
+        "zenoh session",
+        "replicas",
+    ]
     assert [*checks, "asking", "HTTP and Zenoh", "shared memory"] == [name for name in found if "robot" not in name]
     assert found["clock"]["state"] == "ok"
     assert found["HTTP and Zenoh"]["seen"] == "the same service"
