@@ -79,7 +79,7 @@ def test_a_misspelt_field_anywhere_is_named_with_the_fields_of_its_place(kind: t
 
 def test_a_misspelt_field_is_told_before_the_one_that_is_missing_for_it() -> None:
     said = refused(SessionRequest, {"scenairo": "s"})
-    assert said == "scenairo: no such field: expected one of scenario, prior (and 1 more)"
+    assert said == "scenairo: no such field: expected one of scenario, prior, robots (and 1 more)"
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
