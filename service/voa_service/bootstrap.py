@@ -16,6 +16,7 @@ from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.metrics import Metrics
 from voa_service.models import Models
 from voa_service.ports import Clock, IdSource
+from voa_service.reading import Reader
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
 from voa_service.store.sql import SqlStore
@@ -52,11 +53,13 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     metrics = Metrics()
     quick = WorkQueue("quick", _QUICK_WORKERS, settings.scan_queue)
     heavy = WorkQueue("heavy", settings.workers, settings.queue)
+    reading = WorkQueue("large", settings.readers, settings.reader_queue)
     rests = WorkQueue("stable-poses", 1, settings.queue)
     metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
     metrics.gauge("voa_quick_requests", "Scans and reads under way or waiting.", lambda: quick.inside)
     metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
     metrics.gauge("voa_rest_requests", "Stable poses under way or waiting.", lambda: rests.inside)
+    metrics.gauge("voa_large_requests", "Large bodies being read or waiting for it.", lambda: reading.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     store.listen(changes.moved)
@@ -79,6 +82,8 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 changes=changes,
                 metrics=metrics,
                 limits=limits,
+                reader=Reader(limits, reading),
+                names=settings.names,
                 quick=quick,
                 heavy=heavy,
                 rests=rests,
@@ -88,5 +93,6 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         quick.close()
         heavy.close()
         rests.close()
+        reading.close()
         threads.close()
         store.close()

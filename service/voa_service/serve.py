@@ -1,6 +1,7 @@
 """`voa serve`: the service as a process."""
 
 import argparse
+import gc
 import signal
 import socket
 import sys
@@ -19,6 +20,7 @@ from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap, logs
 from voa_service.changes import Changes
 from voa_service.http.app import create_app
+from voa_service.http.parser import ProblemProtocol
 from voa_service.settings import Settings, ZenohSettings
 from voa_service.zenoh.entry import on_zenoh
 
@@ -56,11 +58,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"voa serve: cannot listen on {settings.host}:{settings.port}: {error.strerror}", file=sys.stderr)
         return 1
+    settings = listening_at(settings, listening)
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with bootstrap.services(settings) as services, on_zenoh(services, settings.zenoh, settings.robots):
         config = uvicorn.Config(
             create_app(services),
+            http=ProblemProtocol,
             log_config=None,
             access_log=False,
             server_header=False,
@@ -72,6 +76,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         structlog.get_logger("voa").info(
             "listening", url=url, docs=f"{url}/docs", database=database, zenoh=settings.zenoh.connect
         )
+        gc.collect()
+        gc.freeze()  # what is loaded stays: a full collection of it would stop every thread for a quarter of a second
         _Server(config, services.changes).run([listening])
     return 0
 
@@ -112,6 +118,13 @@ def _socket(settings: Settings, inherited: int | None) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     listening.bind(address)
     return listening
+
+
+def listening_at(settings: Settings, listening: socket.socket) -> Settings:
+    """Take the host from the socket that is listened on, which may have been handed over."""
+    if listening.family not in (socket.AF_INET, socket.AF_INET6):
+        return settings
+    return settings.model_copy(update={"host": listening.getsockname()[0]})
 
 
 def _parser() -> argparse.ArgumentParser:

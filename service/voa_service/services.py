@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
 from voa_service.metrics import Metrics
+from voa_service.reading import Reader
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
@@ -29,6 +30,10 @@ class Services:
     changes: Changes
     metrics: Metrics
     limits: Limits
+    reader: Reader
+    """Reads messages from bytes."""
+    names: frozenset[str] | None
+    """Names under which the service may be called, besides loopback's; None: any."""
     quick: WorkQueue
     """Scans and reads."""
     heavy: WorkQueue

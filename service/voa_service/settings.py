@@ -3,11 +3,12 @@
 import ipaddress
 import os
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     FilePath,
@@ -16,7 +17,7 @@ from pydantic import (
     SecretStr,
     model_validator,
 )
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from voa_msgs.keys import ROOT, check_root
 
@@ -39,6 +40,8 @@ class Limits(BaseModel):
     """Of a scan that is put on Zenoh."""
     numbers: PositiveInt = 5_000_000
     """Values in one JSON body, either way (counted by their separators on the way in)."""
+    parts: PositiveInt = 250_000
+    """Texts, lists, objects and escapes in one JSON body (counted by their marks): they cost many times their bytes."""
 
 
 def _endpoint(endpoint: str) -> str:
@@ -50,6 +53,11 @@ def _endpoint(endpoint: str) -> str:
 
 
 Endpoint = Annotated[str, AfterValidator(_endpoint)]
+
+
+def _names(given: Any) -> Any:
+    """Split names with commas between; leave lists alone."""
+    return [name.strip() for name in given.split(",") if name.strip()] if isinstance(given, str) else given
 
 
 class ZenohSettings(BaseModel):
@@ -85,6 +93,12 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=0, le=65535)
     database_url: str = "sqlite:///voa.db"
+    hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = ()
+    """Names under which the service may be called, with commas between in `VOA_HOSTS` ("voa.lab.example,10.0.0.7").
+
+    A service on loopback answers calls to loopback names and to these alone, so that no page whose name is re-pointed
+    to 127.0.0.1 can use it (421). One that listens elsewhere answers to any name, unless this is set.
+    """
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()
@@ -97,6 +111,10 @@ class Settings(BaseSettings):
     """Threads for rankings, predictions and meshes."""
     queue: PositiveInt = 16
     """Heavy requests that may wait for a worker; one more is answered 503."""
+    readers: PositiveInt = 2
+    """Large bodies (above 64 kB) that are parsed and validated at a time."""
+    reader_queue: PositiveInt = 8
+    """Large bodies that may wait for that; one more is answered 503."""
     scan_queue: PositiveInt = 256
     """Scans and reads that may wait."""
     mesh_seconds: PositiveInt = 30
@@ -104,6 +122,13 @@ class Settings(BaseSettings):
     mesh_mebibytes: PositiveInt = 2_048
     """Address space to read one mesh."""
     log_level: str = "INFO"
+
+    @property
+    def names(self) -> frozenset[str] | None:
+        """Names under which the service may be called, besides loopback's; None: any."""
+        if not self.hosts and not self.is_loopback:
+            return None
+        return frozenset(name.lower().rstrip(".") for name in self.hosts)
 
     @property
     def is_loopback(self) -> bool:

@@ -6,6 +6,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
+from voa_service.http.access import Access
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
 from voa_service.services import Services
@@ -32,5 +33,6 @@ def create_app(services: Services) -> FastAPI:
     openapi.install(app, services.limits)
     app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
+    app.add_middleware(Access, names=services.names)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app

@@ -10,6 +10,7 @@ from fastapi.sse import format_sse_event
 from starlette.responses import StreamingResponse
 
 from voa_service.failures import Failure
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.services import Services
 from voa_service.usecases.pages import position
@@ -25,7 +26,7 @@ LastEventId = Annotated[
 
 def routes(services: Services) -> APIRouter:
     """Follow a session."""
-    router = APIRouter(prefix="/v1", tags=["sessions"])
+    router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
     sessions = services.sessions
 
     @router.get(

@@ -5,15 +5,15 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from voa_msgs.rankings import Definition, RankedGrasps, Ranking, RankingRequest, VoaRequest
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer
-from voa_service.limits import check
 from voa_service.services import Services
 
 
 def routes(services: Services) -> APIRouter:
     """Where to look, what to grasp."""
-    router = APIRouter(prefix="/v1", tags=["rankings"])
+    router = APIRouter(prefix="/v1", tags=["rankings"], route_class=strict_route(services.reader))
     rankings = services.rankings
 
     @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 422, 503))
@@ -30,7 +30,6 @@ def routes(services: Services) -> APIRouter:
     async def rank_given_looks(id: str, request: VoaRequest | None = None) -> Response:
         """The same for any sensor poses, over the grasps that are reachable now."""
         asked = request or VoaRequest()
-        check(asked, services.limits)
         return await answer(services.heavy, lambda: rankings.of_session(id, asked), exclude_unset=True)
 
     @router.get("/sessions/{id}/grasps", response_model=RankedGrasps, responses=problems(404, 422, 503))
@@ -47,7 +46,6 @@ def routes(services: Services) -> APIRouter:
     @router.post("/rankings", response_model=Ranking, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def rank_once(request: RankingRequest) -> Response:
         """Rank looks for the belief in the request (null: the scenario's prior); nothing is stored."""
-        check(request, services.limits)
         return await answer(services.heavy, lambda: rankings.once(request), exclude_unset=True)
 
     return router
