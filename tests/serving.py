@@ -150,8 +150,13 @@ def serving(folder: Path, **settings: Any) -> Iterator[Service]:
     """The service on a database in `folder`; an unexpected error is answered 500, not raised."""
     database = folder / "voa.db"
     given: Json = {"database_url": f"sqlite:///{database}", "workers": 2, "cache_mebibytes": 64} | settings
-    with services(Settings(**given)) as inside, TestClient(create_app(inside), raise_server_exceptions=False) as http:
+    with services(Settings(**given)) as inside, client(inside) as http:
         yield Service(http, inside, database)
+
+
+def client(inside: Services) -> TestClient:
+    """A client of a service in this process, which it calls by a name of loopback."""
+    return TestClient(create_app(inside), "http://127.0.0.1", raise_server_exceptions=False)
 
 
 def json_of(body: Any) -> bytes:

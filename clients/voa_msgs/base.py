@@ -1,12 +1,15 @@
 """What all messages share: strictness, names, vectors, and marks for the limits that a service sets."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from itertools import islice
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import BaseModel, BeforeValidator, ConfigDict, GetJsonSchemaHandler, JsonValue, StringConstraints
-from pydantic_core import CoreSchema, PydanticKnownError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, JsonValue, StringConstraints
+from pydantic_core import PydanticKnownError
+
+from voa_msgs.bounds import LimitedBy, OneMistake
 
 
 class Message(BaseModel):
@@ -17,42 +20,41 @@ class Message(BaseModel):
     )
 
 
-@dataclass(frozen=True)
-class LimitedBy:
-    """Marks a list whose length, or a count that, a setting of the service limits; `limit` is the setting's name.
-
-    The service enforces it and states it as `maxItems` or `maximum` in its OpenAPI document.
-    """
-
-    limit: str
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Name the limit in the schema; the service puts its number beside."""
-        return handler(schema) | {"x-limit": self.limit}
-
-
 MOST_NESTED = 64
+MOST_FREE_VALUES = 100_000
+MOST_FREE_CHARACTERS = 1_000_000
 
 
 def _kept(value: Any) -> Any:
-    """Refuse free values that cannot be kept and given back: nested without end, not Unicode, or not finite."""
+    """Refuse free values that cannot be kept and given back: nested without end, too large, not Unicode, not finite."""
     level = [value]
+    values = characters = 0
     for _ in range(MOST_NESTED + 1):
-        if any(isinstance(item, float) and not math.isfinite(item) for item in level):
-            raise PydanticKnownError("finite_number")
+        values += len(level)
         texts = [item for item in level if isinstance(item, str)]
         texts += [key for item in level if isinstance(item, dict) for key in item if isinstance(key, str)]
-        if any("\ud800" <= character <= "\udfff" for text in texts for character in text):
+        characters += sum(map(len, texts))
+        if values > MOST_FREE_VALUES or characters > MOST_FREE_CHARACTERS:
+            most = f"{MOST_FREE_VALUES} values and {MOST_FREE_CHARACTERS} characters"
+            raise ValueError(f"expected at most {most} in one place: keep the rest elsewhere, and its name here")
+        if any(isinstance(item, float) and not math.isfinite(item) for item in level):
+            raise PydanticKnownError("finite_number")
+        if any("\ud800" <= character <= "\udfff" for text in texts if not text.isascii() for character in text):
             raise ValueError("expected Unicode text, got half of a surrogate pair")
         nested = [item for item in level if isinstance(item, list | dict)]
         if not nested:
             return value
-        level = [child for item in nested for child in (item.values() if isinstance(item, dict) else item)]
+        level = list(islice(_children(nested), MOST_FREE_VALUES + 1))
     raise ValueError(f"expected at most {MOST_NESTED} levels of lists and objects")
 
 
+def _children(nested: Iterable[list[Any] | dict[str, Any]]) -> Iterator[Any]:
+    for item in nested:
+        yield from item.values() if isinstance(item, dict) else item
+
+
 Free = Annotated[JsonValue, BeforeValidator(_kept)]
-"""The user's own JSON, at most `MOST_NESTED` levels deep; kept and returned."""
+"""The user's own JSON, at most `MOST_NESTED` levels deep and `MOST_FREE_VALUES` values large; kept and returned."""
 
 Name = Annotated[str, StringConstraints(min_length=1, max_length=128, pattern=r"^[^\x00]*$")]
 """Any text without a NUL, which PostgreSQL could not keep."""
@@ -65,9 +67,9 @@ LEAST = 1e-9
 Real = Annotated[float, Ge(-MOST), Le(MOST)]
 NotNegative = Annotated[float, Ge(0.0), Le(MOST)]
 Positive = Annotated[float, Ge(LEAST), Le(MOST)]
-Point2 = Annotated[list[Real], Len(2, 2)]
-Point3 = Annotated[list[Real], Len(3, 3)]
-Quaternion = Annotated[list[Real], Len(4, 4)]
+Point2 = Annotated[list[Real], OneMistake(), Len(2, 2)]
+Point3 = Annotated[list[Real], OneMistake(), Len(3, 3)]
+Quaternion = Annotated[list[Real], OneMistake(), Len(4, 4)]
 Range = Annotated[float, Ge(0.0)] | None
 """A range in metres. In scans null means missing; in predictions it means no-return."""
 

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Lt
 
-from voa_msgs.base import LimitedBy, Message, Name, NotNegative, Positive, Real
+from voa_msgs.base import Message, Name, NotNegative, Positive, Real
+from voa_msgs.bounds import LimitedBy
 
 Zero = Literal["missing", "no_return"]
 Beams = Annotated[int, Ge(1), LimitedBy("beams")]

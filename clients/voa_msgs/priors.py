@@ -6,6 +6,7 @@ from annotated_types import Len
 from pydantic import Discriminator, Tag
 
 from voa_msgs.base import Distribution, Message, Name, NotNegative, Point2, Real
+from voa_msgs.bounds import LimitedBy, OneMistake
 
 
 class PoseCategory(Message):
@@ -19,7 +20,7 @@ class PoseCategory(Message):
     """Of the von Mises distribution; 0: any yaw is as probable."""
     mean_xy: Point2 | None = None
     """Mean of the Gaussian over positions, metres; null: any position is as probable."""
-    covariance_xy: Annotated[list[Point2], Len(2, 2)] | None = None
+    covariance_xy: Annotated[list[Point2], OneMistake(), Len(2, 2)] | None = None
     """Its covariance, m^2; given with `mean_xy`."""
 
 
@@ -27,7 +28,7 @@ class PoseModelPrior(Message):
     """P(category) x von Mises(yaw) x Gaussian(x, y), over the poses' own coordinates."""
 
     form: Literal["pose_model"]
-    categories: Annotated[list[PoseCategory], Len(1)]
+    categories: Annotated[list[PoseCategory], Len(1), LimitedBy("poses")]
 
 
 def _form(prior: Any) -> str:

@@ -6,7 +6,8 @@ from annotated_types import Ge, Le, Len
 from pydantic import Field
 
 from voa_msgs import examples
-from voa_msgs.base import Distribution, Id, LimitedBy, Message, Name
+from voa_msgs.base import Distribution, Id, Message, Name
+from voa_msgs.bounds import LimitedBy
 from voa_msgs.examples import exemplified
 from voa_msgs.geometry import Candidate
 

@@ -116,17 +116,17 @@ def fields_at(kind: Any, loc: Loc) -> list[str]:
     """List the fields that a message has at a place, by the names that they have in JSON."""
     kinds = [kind]
     for part in loc:
-        kinds = [inner for each in kinds for inner in _within(each, part)]
-    models = [model for each in kinds for model in _models(each)]
+        kinds = [inner for each in kinds for inner in within(each, part)]
+    models = [model for each in kinds for model in models_of(each)]
     return list(dict.fromkeys(field.alias or name for model in models for name, field in model.model_fields.items()))
 
 
-def _within(kind: Any, part: int | str) -> Iterator[Any]:
-    """The types that stand at `part` of a type: a field, an item, or a member of a union by its tag."""
+def within(kind: Any, part: int | str) -> Iterator[Any]:
+    """List the types that stand at `part` of a type: a field, an item, or a member of a union by its tag."""
     plain, arguments = _plain(kind), get_args(_plain(kind))
     if get_origin(plain) in (Union, UnionType):
         tagged = [member for member in arguments if part in _tags(member)]
-        yield from tagged or (inner for member in arguments for inner in _within(member, part))
+        yield from tagged or (inner for member in arguments for inner in within(member, part))
     elif isinstance(plain, type) and issubclass(plain, BaseModel):
         yield from (field.annotation for name, field in plain.model_fields.items() if part in (name, field.alias))
     elif get_origin(plain) in (list, dict):
@@ -136,7 +136,7 @@ def _within(kind: Any, part: int | str) -> Iterator[Any]:
 def _tags(kind: Any) -> list[Any]:
     """List the names that pydantic gives to a member of a union: its tag, the values that mark it, or its name."""
     tags: list[Any] = [mark.tag for mark in getattr(kind, "__metadata__", ()) if isinstance(mark, Tag)]
-    for model in _models(kind):
+    for model in models_of(kind):
         tags.append(model.__name__)
         for field in model.model_fields.values():
             if get_origin(field.annotation) is Literal and len(get_args(field.annotation)) == 1:
@@ -144,11 +144,11 @@ def _tags(kind: Any) -> list[Any]:
     return tags
 
 
-def _models(kind: Any) -> list[type[BaseModel]]:
-    """The messages that a type may be."""
+def models_of(kind: Any) -> list[type[BaseModel]]:
+    """List the messages that a type may be."""
     plain = _plain(kind)
     if get_origin(plain) in (Union, UnionType):
-        return [model for member in get_args(plain) for model in _models(member)]
+        return [model for member in get_args(plain) for model in models_of(member)]
     return [plain] if isinstance(plain, type) and issubclass(plain, BaseModel) else []
 
 

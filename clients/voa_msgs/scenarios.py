@@ -7,7 +7,8 @@ from annotated_types import Ge, Le, Len
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from voa_msgs import examples
-from voa_msgs.base import Free, Id, LimitedBy, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.base import Free, Id, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
+from voa_msgs.bounds import LimitedBy
 from voa_msgs.examples import exemplified
 from voa_msgs.geometry import Candidate, SensorConfiguration
 from voa_msgs.lidars import Lidar
@@ -39,13 +40,17 @@ class MeasuredScores(Message):
     """Successes of attempts, grasps x poses."""
 
     attempts: Annotated[int, Ge(1), Le(MOST_ATTEMPTS)]
-    successes: Annotated[list[list[Annotated[int, Ge(0), Le(MOST_ATTEMPTS)]]], Len(1)]
+    successes: Annotated[
+        list[Annotated[list[Annotated[int, Ge(0), Le(MOST_ATTEMPTS)]], LimitedBy("poses")]], Len(1), LimitedBy("grasps")
+    ]
 
 
 class GivenScores(Message):
     """Probabilities of success, grasps x poses."""
 
-    probabilities: Annotated[list[list[Annotated[float, Ge(0.0), Le(1.0)]]], Len(1)]
+    probabilities: Annotated[
+        list[Annotated[list[Annotated[float, Ge(0.0), Le(1.0)]], LimitedBy("poses")]], Len(1), LimitedBy("grasps")
+    ]
 
 
 def _form(scores: Any) -> str:
@@ -82,7 +87,9 @@ class ScenarioRequest(Message):
     workspace: Workspace | None = None
     min_gain: Annotated[float, Ge(0.0), Le(1.0)] = 0.005
     """A look is recommended where its net value, in success probability, exceeds this."""
-    predictions: dict[Name, dict[Name, Ranges]] | None = None
+    predictions: (
+        Annotated[dict[Name, Annotated[dict[Name, Ranges], LimitedBy("poses")]], LimitedBy("sensors")] | None
+    ) = None
     """Per sensor and pose the ranges of all beams; null: no-return. They win over the mesh."""
     prior: Prior | None = None
     """Null: uniform."""

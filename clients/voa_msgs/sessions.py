@@ -3,15 +3,18 @@
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from annotated_types import Ge
+from annotated_types import Ge, Len
 from pydantic import Field, JsonValue, model_validator
 
 from voa_msgs import examples
-from voa_msgs.base import Distribution, Free, Id, LimitedBy, Message, Name, NotNegative, Page, Ranges, Real
+from voa_msgs.base import Distribution, Free, Id, Message, Name, NotNegative, Page, Ranges, Real
+from voa_msgs.bounds import LimitedBy, OneMistake
 from voa_msgs.examples import exemplified
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.priors import Prior
 from voa_msgs.warnings import ProbableMistake
+
+MOST_ROBOTS = 1_000
 
 
 class SessionRequest(Message):
@@ -22,7 +25,9 @@ class SessionRequest(Message):
     scenario: Id
     prior: Prior | None = None
     """Null: the scenario's."""
-    robots: list[Name] | None = Field(default=None, exclude_if=lambda robots: robots is None)
+    robots: Annotated[list[Name], OneMistake(), Len(0, MOST_ROBOTS)] | None = Field(
+        default=None, exclude_if=lambda robots: robots is None
+    )
     """Mapped robots whose scans go to this session from now on, by name; absent or null: none is claimed."""
 
 

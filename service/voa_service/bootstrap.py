@@ -21,6 +21,7 @@ from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.metrics import Metrics
 from voa_service.models import Models
 from voa_service.ports import Clock, IdSource
+from voa_service.reading import Reader
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
 from voa_service.store.starting import open_store
@@ -71,7 +72,9 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     heavy = WorkQueue("heavy", memory.workers, settings.queue)
     meshes = WorkQueue("mesh", memory.meshes, settings.queue)
     rests = WorkQueue("stable-poses", 1, settings.queue)
-    queues = (reads, writes, probes, follows, heavy, meshes, rests)
+    reading = WorkQueue("large", settings.readers, settings.reader_queue)
+    queues = (reads, writes, probes, follows, heavy, meshes, rests, reading)
+    metrics.gauge("voa_large_requests", "Large bodies being read or waiting for it.", lambda: reading.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     changes.at_close(lambda: heavy.end_in(_DRAIN_SECONDS))
@@ -116,6 +119,8 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 writes=writes,
                 probes=probes,
                 feeds=feeds,
+                reader=Reader(limits, reading),
+                names=settings.names,
                 heavy=heavy,
                 meshes=meshes,
                 rests=rests,

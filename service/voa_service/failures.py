@@ -9,16 +9,20 @@ from pydantic import BaseModel, ValidationError
 
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh, UnknownName, VoaError
 from voa_msgs import WIRE_VERSION
+from voa_msgs.bounds import MOST_ERRORS
 from voa_msgs.reading import by_weight, dotted, headline, json_problem, problem
 
 MALFORMED = ("malformed-json", 400, "The body is not JSON")
 MALFORMED_FORM = ("malformed-form", 400, "The body is not a multipart form")
+FORBIDDEN = ("forbidden", 403, "This call is not allowed")
 NOT_FOUND = ("not-found", 404, "There is no such thing")
 METHOD_NOT_ALLOWED = ("method-not-allowed", 405, "This path does not have that method")
 CLAIM_CONFLICT = ("claim-conflict", 409, "The robot's mapping does not allow that")
 STALE = ("stale-version", 412, "The session has moved on")
 TOO_LARGE = ("too-large", 413, "More than this service takes at once")
 MESH_TYPE = ("unsupported-mesh-type", 415, "Not a mesh type that this service reads")
+MEDIA_TYPE = ("unsupported-media-type", 415, "Not a type of body that this call takes")
+MISDIRECTED = ("misdirected-request", 421, "This service does not go by that name")
 INVALID = ("invalid-request", 422, "The request is not as expected")
 UNKNOWN = ("unknown-name", 422, "The request names something that does not exist")
 NO_MESH = ("no-mesh", 422, "A prediction is needed and nothing can make it")
@@ -34,8 +38,6 @@ DAMAGED = ("damaged", 500, "What is stored is not as it was written")
 INTERNAL = ("internal", 500, "The service failed")
 
 Kind = tuple[str, int, str]
-
-_MOST_ERRORS = 20
 
 
 class Failure(Exception):
@@ -92,7 +94,7 @@ def of_validation(errors: Sequence[Any], kind: Any) -> Failure:
         kind: the type of the message.
     """
     mistakes = [(dotted(error["loc"]), problem(kind, error | {"loc": error["loc"][1:]})) for error in by_weight(errors)]
-    fields = [{"field": field, "problem": what} for field, what in mistakes[:_MOST_ERRORS]]
+    fields = [{"field": field, "problem": what} for field, what in mistakes[:MOST_ERRORS]]
     return Failure(INVALID, headline(mistakes), errors=fields)
 
 

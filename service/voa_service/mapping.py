@@ -164,8 +164,8 @@ def _table(request: scenarios.ScenarioRequest, poses: int) -> GraspTable:
         found = f"{len(given)} rows of {', '.join(map(str, sorted(lengths)))}"
         raise InvalidInput("scores", f"one row per grasp ({len(names)}), one entry per pose ({poses})", found)
     if isinstance(scores, scenarios.GivenScores):
-        return GraspTable.of_probabilities(names, scores.probabilities, poses)
-    return GraspTable.of_successes(names, scores.successes, scores.attempts, poses)
+        return GraspTable.of_probabilities(names, _array(given), poses)
+    return GraspTable.of_successes(names, _array(given), scores.attempts, poses)
 
 
 def _data(
@@ -185,8 +185,16 @@ def _data(
         lengths = {len(ranges) for ranges in of_pose.values()}
         if len(lengths) > 1:
             raise InvalidInput(f"predictions.{sensor}", "equally many beams for every pose", f"{sorted(lengths)}")
-        data[sensor] = np.array([_floats(of_pose[pose], NO_RETURN) for pose in poses])
+        data[sensor] = _array([_floats(of_pose[pose], NO_RETURN) for pose in poses])
     return data
+
+
+def _array(rows: Sequence[Sequence[float]]) -> NDArray[np.float64]:
+    """Stack rows of equal length, (n, m), one by one: a conversion of them all would stop every other thread."""
+    stacked = np.zeros((len(rows), len(rows[0])))
+    for row, values in zip(stacked, rows, strict=True):
+        row[:] = values
+    return stacked
 
 
 def _check_predictable(

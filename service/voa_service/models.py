@@ -19,6 +19,7 @@ from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
+from voa_service import large
 from voa_service.cache import Cache
 from voa_service.compute import Check
 from voa_service.failures import UNKNOWN, Failure, not_found
@@ -77,12 +78,16 @@ class Models:
             stored = self._store.get_scenario(id_)
             if stored is None:
                 raise KeyError(id_)
-            return self.build(id_, ScenarioRequest.model_validate_json(stored.body))
+            return self.build(id_, ScenarioRequest.model_validate(large.loads(stored.body)))
 
         try:
             return self._cache.get(("model", id_), make)
         except KeyError:
             return None
+
+    def keep(self, id_: str, model: Model) -> None:
+        """Keep the model of a scenario that was just stored, instead of building it again from there."""
+        self._cache.get(("model", id_), lambda: model)
 
     def build(self, id_: str, request: ScenarioRequest) -> Model:
         """The model of a filled-in scenario.

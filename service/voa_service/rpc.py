@@ -5,7 +5,6 @@ bodies. Beyond the contract's methods there is one for each HTTP call that robot
 `lidar.list`, `service.health`, `robot.list`, `robot.look`.
 """
 
-import json
 import secrets
 import time
 from collections.abc import Callable, Mapping
@@ -18,18 +17,21 @@ from pydantic import BaseModel, ValidationError
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.base import Id, Message, Name
+from voa_msgs.bounds import LimitedBy
 from voa_msgs.keys import Attachment
 from voa_msgs.objects import MeshType, ObjectUpload, Sha256, UpAxis
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
+from voa_service import large
 from voa_service.compute import WorkQueue
 from voa_service.failures import INTERNAL, INVALID, NOT_FOUND, Failure, document, of_message, wire_failure
 from voa_service.logs import is_wanted
 from voa_service.ports import Answered, HistoryKind
-from voa_service.reading import json_object, message
+from voa_service.reading import json_value
 from voa_service.services import Services
+from voa_service.settings import Limits
 from voa_service.usecases.rankings import Question
 from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
 
@@ -58,7 +60,7 @@ class _Session(Message):
 
 
 class _Reachable(Message):
-    grasps: list[Name] | None = None
+    grasps: Annotated[list[Name], LimitedBy("grasps")] | None = None
 
 
 class _Nothing(Message):
@@ -82,11 +84,13 @@ class Call:
     fields: dict[str, Any]
     attached: Attachment
     services: Services
+    size: int
+    """Bytes of the payload."""
 
     def take(self, kind: type[Message]) -> Any:
         """The fields of `kind`, taken out of the payload and checked."""
         own = {name: self.fields.pop(name) for name in kind.model_fields if name in self.fields}
-        return message(kind, own, self.services.limits)
+        return self.services.reader.message(kind, own, self.size)
 
     def session(self) -> str:
         """The session that the call is about, `session` or `id`."""
@@ -102,11 +106,11 @@ class Call:
 
     def body(self, kind: type[BaseModel]) -> Any:
         """Everything that is left."""
-        return message(kind, self.fields, self.services.limits)
+        return self.services.reader.message(kind, self.fields, self.size)
 
     def received(self) -> bytes:
         """What is left as JSON, for the history."""
-        return json.dumps(self.fields).encode()
+        return "".join(large.pieces(self.fields)).encode()
 
 
 Work = Callable[[Call], BaseModel | Answered | bytes]
@@ -160,12 +164,12 @@ class Rpc:
         attached = attachment_of(attachment)
         if attached.wire not in (None, WIRE_VERSION):
             raise wire_failure(attached.wire)
-        done = known.work(Call(json_object(payload, self._services.limits), attached, self._services))
+        done = known.work(Call(self._services.reader.fields(payload), attached, self._services, len(payload)))
         if isinstance(done, Answered):
             return RpcAnswer(done.body.encode(), is_problem=False, version=done.version)
         if isinstance(done, bytes):
             return RpcAnswer(done, is_problem=False)
-        return RpcAnswer(done.model_dump_json().encode(), is_problem=False)
+        return RpcAnswer(large.dumped(done, exclude_unset=False), is_problem=False)
 
 
 def attachment_of(attachment: bytes | None) -> Attachment:
@@ -179,11 +183,12 @@ def attachment_of(attachment: bytes | None) -> Attachment:
     if len(attachment) > _MOST_ATTACHED:
         raise Failure(INVALID, f"expected an attachment of at most {_MOST_ATTACHED} bytes, got {len(attachment)}")
     try:
-        return Attachment.model_validate_json(attachment)
+        found = json_value(attachment, Limits())
+    except Failure as failure:
+        raise Failure(INVALID, f"attachment: {failure.detail}") from failure
+    try:
+        return Attachment.model_validate(found)
     except ValidationError as error:
-        for each in error.errors(include_url=False):
-            if each["type"] == "json_invalid":
-                raise Failure(INVALID, f"attachment: expected JSON, {each['msg']}") from error
         raise of_message(Attachment, error, "attachment") from error
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import asyncio
+import gc
 import os
 import resource
 import signal
@@ -61,6 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"voa serve: cannot listen on {settings.host}:{settings.port}: {error.strerror}", file=sys.stderr)
         return 1
+    settings = listening_at(settings, listening)
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     try:
@@ -101,6 +103,8 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
             software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )
+        gc.collect()
+        gc.freeze()  # what is loaded stays: a full collection of it would stop every thread for a quarter of a second
         Server(config, services.changes, guard, deadline, settings.stop_seconds).run([listening])
 
 
@@ -136,6 +140,13 @@ def _socket(settings: Settings, inherited: int | None) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     listening.bind(address)
     return listening
+
+
+def listening_at(settings: Settings, listening: socket.socket) -> Settings:
+    """Take the host from the socket that is listened on, which may have been handed over."""
+    if listening.family not in (socket.AF_INET, socket.AF_INET6):
+        return settings
+    return settings.model_copy(update={"host": listening.getsockname()[0]})
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -6,6 +6,7 @@ from voa_service.changes import Changes
 from voa_service.compute import WorkQueue
 from voa_service.feeds import Feeds
 from voa_service.metrics import Metrics
+from voa_service.reading import Reader
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
@@ -38,6 +39,10 @@ class Services:
     """Whether the service is ready."""
     feeds: Feeds
     """Who follows sessions; their reads have a line of their own."""
+    reader: Reader
+    """Reads messages from bytes."""
+    names: frozenset[str] | None
+    """Names under which the service may be called, besides loopback's; None: any."""
     heavy: WorkQueue
     """Rankings, predictions, scenarios."""
     meshes: WorkQueue

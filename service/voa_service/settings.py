@@ -2,11 +2,12 @@
 
 import ipaddress
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     FilePath,
@@ -16,7 +17,7 @@ from pydantic import (
     SecretStr,
     model_validator,
 )
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from voa_msgs.keys import ROOT, check_root
 
@@ -42,6 +43,8 @@ class Limits(BaseModel):
     """Of a scan that is put on Zenoh."""
     numbers: PositiveInt = 5_000_000
     """Values in one JSON body, either way (counted by their separators on the way in)."""
+    parts: PositiveInt = 250_000
+    """Texts, lists, objects and escapes in one JSON body (counted by their marks): they cost many times their bytes."""
     history_bytes: PositiveInt = 8_000_000
     """Of requests, reports and beliefs behind one page of a history; a page has at least one version."""
 
@@ -77,6 +80,11 @@ def _endpoint(endpoint: str) -> str:
 
 
 Endpoint = Annotated[str, AfterValidator(_endpoint)]
+
+
+def _names(given: Any) -> Any:
+    """Split names with commas between; leave lists alone."""
+    return [name.strip() for name in given.split(",") if name.strip()] if isinstance(given, str) else given
 
 
 class ZenohSettings(BaseModel):
@@ -115,6 +123,12 @@ class Settings(BaseSettings):
     database_patience_s: Annotated[float, Field(ge=1.0, le=600.0)] = 4.0
     """How long PostgreSQL may be silent before a call is answered 503. A row that somebody holds is waited for 0.8 of
     that, unless `options` in the URL say otherwise."""
+    hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_names)] = ()
+    """Names under which the service may be called, with commas between in `VOA_HOSTS` ("voa.lab.example,10.0.0.7").
+
+    A service on loopback answers calls to loopback names and to these alone, so that no page whose name is re-pointed
+    to 127.0.0.1 can use it (421). One that listens elsewhere answers to any name, unless this is set.
+    """
     insecure: bool = False
     """Serve other addresses than loopback although anyone who reaches them may do anything."""
     limits: Limits = Limits()
@@ -132,6 +146,10 @@ class Settings(BaseSettings):
     """Of the weights that rankings use. "auto": float64 up to `MOST_FLOAT64_WEIGHTS`, beyond float32."""
     queue: PositiveInt = 16
     """Heavy requests that may wait for a worker; one more is answered 503."""
+    readers: PositiveInt = 2
+    """Large bodies (above 64 kB) that are parsed and validated at a time."""
+    reader_queue: PositiveInt = 8
+    """Large bodies that may wait for that; one more is answered 503."""
     scan_queue: PositiveInt = 256
     """Writes that may wait for a worker, and as many reads, in a line of their own."""
     followers: PositiveInt = 1_000
@@ -155,6 +173,13 @@ class Settings(BaseSettings):
                 f"expected connections.in_flight_mebibytes of at least {-(-largest // MEBIBYTE)}"
             )
         return self
+
+    @property
+    def names(self) -> frozenset[str] | None:
+        """Names under which the service may be called, besides loopback's; None: any."""
+        if not self.hosts and not self.is_loopback:
+            return None
+        return frozenset(name.lower().rstrip(".") for name in self.hosts)
 
     @property
     def is_loopback(self) -> bool:

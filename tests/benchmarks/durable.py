@@ -49,7 +49,7 @@ def run() -> list[Result]:
 def _of(name: str, url: str, place: Path, bare: AbstractContextManager[Prepare]) -> list[Result]:
     with ExitStack() as stack:
         services = stack.enter_context(bootstrap.services(Settings(database_url=url)))
-        http = TestClient(create_app(services))
+        http = TestClient(create_app(services), "http://127.0.0.1")
         scenario = post(http, "/v1/scenarios", scenario_of(http, place, "exponential", _POSES, 4))["id"]
         sessions = [str(post(http, "/v1/sessions", {"scenario": scenario})["id"]) for _ in range(_WRITERS)]
         scan = ScanRequest.model_validate(scan_of(http, scenario))

@@ -26,10 +26,19 @@ from tests.serving import (
 from voa_service.settings import Limits
 
 LIMITS = Limits(
-    beams=64, poses=20, sensors=10, grasps=10, faces=100, upload_bytes=500_000, body_bytes=3_000_000, numbers=100_000
+    beams=64,
+    poses=20,
+    sensors=10,
+    grasps=10,
+    faces=100,
+    upload_bytes=500_000,
+    body_bytes=3_000_000,
+    numbers=100_000,
+    parts=150_000,
 )
 NAN, INF, HUGE = float("nan"), float("inf"), 10**400
 INVALID, UNKNOWN, NO_MESH, CONFLICT = "invalid-request", "unknown-name", "no-mesh", "claim-conflict"
+TYPE = "unsupported-media-type"
 
 Change = tuple[str, Any]
 
@@ -426,9 +435,26 @@ BODIES = [
     Case("null", SCANS, b"null", says="body", headers=JSON),
     Case("a list", SCANS, b"[]", says="body", headers=JSON),
     Case("a string", SCANS, b'"scan"', says="body", headers=JSON),
-    Case("text/plain", SCANS, RAW_SCAN, says="body", headers={"content-type": "text/plain"}),
-    Case("no content type", SCANS, RAW_SCAN, says="body", headers={"content-type": ""}),
-    Case("a form", SCANS, b"sensor=Q1", says="body", headers={"content-type": "application/x-www-form-urlencoded"}),
+    Case("text/plain", SCANS, RAW_SCAN, 415, TYPE, "application/json", headers={"content-type": "text/plain"}),
+    Case("no content type", SCANS, RAW_SCAN, 415, TYPE, "got none", headers={"content-type": ""}),
+    Case("text/plain in chunks", SCANS, [RAW_SCAN[:9], RAW_SCAN[9:]], 415, TYPE, "application/json",
+         headers={"content-type": "text/plain"}),
+    Case("a form", SCANS, b"sensor=Q1", 415, TYPE, "application/json",
+         headers={"content-type": "application/x-www-form-urlencoded"}),
+    Case("another JSON", SCANS, RAW_SCAN, 415, TYPE, "application/json",
+         headers={"content-type": "application/a+json"}),
+    Case("text/plain where no body is expected", "/v1/robots/free/look", b"{}", 415, TYPE, "application/json",
+         headers={"content-type": "text/plain"}),
+    Case("a key twice", SCANS, RAW_SCAN.replace(b'{"sensor": "Q1",', b'{"sensor": "Q1", "sensor": "Q1",'),
+         says="'sensor' twice", headers=JSON),
+    Case("a key twice, further in", SCANS, RAW_SCAN.replace(b'"ranges"', b'"ranges": [1], "ranges"'),
+         says="'ranges' twice", headers=JSON),
+    Case("a key twice in what is the user's own", SCANS, RAW_SCAN[:-2] + b', "stamp": {"a": [{"b": 1, "b": 1}]}}}',
+         says="'b' twice", headers=JSON),
+    Case("more keys than poses", SCANS, json_of(scan_of(GOOD) | {f"k{i}": 0 for i in range(21)}),
+         says="at most 20 keys", headers=JSON),
+    Case("too many lists", SCANS, b"[" * 150_001, 413, "too-large", "150000 texts", headers=JSON),
+    Case("too many texts", SCANS, b'""' * 150_001, 413, "too-large", "150000 texts", headers=JSON),
     Case("too many bytes, declared", SCANS, BIG, 413, "too-large", "3000000 bytes", headers=JSON),
     Case("too many bytes, in chunks", SCANS, [BIG[:1_500_000], BIG[1_500_000:]], 413, "too-large", "3000000 bytes",
          headers=JSON),
@@ -469,6 +495,38 @@ PATHS = [
     Case("an unknown grasp in a query", SESSION + "/grasps?grasps=G9", None, 422, UNKNOWN, "'G1', 'G2'", "GET"),
     Case("a grasp twice in a query", SESSION + "/grasps?grasps=G1&grasps=G1", None, says="twice", method="GET"),
     Case("an unknown definition in a query", VOA + "?definition=magic", None, says="'executed'", method="GET"),
+    Case(
+        "an unknown parameter in a query",
+        VOA + "?defintion=executed",
+        None,
+        says="one of definition, outcomes",
+        method="GET",
+    ),
+    Case(
+        "an unknown parameter beside others",
+        "/v1/objects?limit=5&colour=red",
+        None,
+        says="one of limit, after, sha256, type, scale, up",
+        method="GET",
+    ),
+    Case(
+        "a parameter twice",
+        VOA + "?outcomes=true&outcomes=true",
+        None,
+        says="query.outcomes: expected once, got 2",
+        method="GET",
+    ),
+    Case(
+        "a parameter twice, with different values",
+        "/v1/sessions?limit=5&limit=6",
+        None,
+        says="query.limit",
+        method="GET",
+    ),
+    Case("a parameter where there are none", SESSION + "?version=1", None, says="takes none", method="GET"),
+    Case("a parameter of a write", SCANS + "?dry=true", scan_of(GOOD), says="query.dry"),
+    Case("a parameter to delete", SESSION + "?force=1", None, says="query.force", method="DELETE"),
+    Case("a parameter of no value", "/v1/lidars?verbose", None, says="query.verbose", method="GET"),
     Case("outcomes that are not yes or no", VOA + "?outcomes=perhaps", None, says="boolean", method="GET"),
     *(
         Case(f"{what}: {name}", f"/v1/{what}?{query}", None, says=says, method="GET")
@@ -489,6 +547,7 @@ PATHS = [
     ),
 ]
 
+CROSS = {"sec-fetch-site": "cross-site"}
 HEADERS = [
     Case("If-Match of an old version", SCANS, scan_of(GOOD), 412, "stale-version", "v0", headers={"if-match": '"v0"'}),
     Case("If-Match of a later version", SCANS, scan_of(GOOD), 412, "stale-version", "v7",
@@ -497,6 +556,15 @@ HEADERS = [
     Case("a weak If-Match", SCANS, scan_of(GOOD), 412, "stale-version", "v1", headers={"if-match": 'W/"v1"'}),
     Case("If-Match of 30 digits", SCANS, scan_of(GOOD), 412, "stale-version", "v1",
          headers={"if-match": '"v' + "9" * 30 + '"'}),
+    Case("a page of another site that deletes", SESSION, None, 403, "forbidden", "another site", "DELETE", CROSS),
+    Case("a page of another site that asks for a look", "/v1/robots/free/look", None, 403, "forbidden", "another site",
+         headers=CROSS),
+    Case("a page of another site that reads", SESSION, None, 403, "forbidden", "another site", "GET", CROSS),
+    Case("a page of another site that scans", SCANS, scan_of(GOOD), 403, "forbidden", "another site", headers=CROSS),
+    Case("a name that leads here", SESSION, None, 421, "misdirected-request", "'evil.example'", "DELETE",
+         {"host": "evil.example"}),
+    Case("a name that leads here, to read", SESSION, None, 421, "misdirected-request", "VOA_HOSTS", "GET",
+         {"host": "evil.example:8000"}),
     Case("an old If-Match to delete", SESSION, None, 412, "stale-version", "v0", "DELETE", {"if-match": '"v0"'}),
     Case("an old If-Match for a belief", SESSION + "/belief", {"belief": None}, 412, "stale-version", "v0", "PUT",
          {"if-match": '"v0"'}),
@@ -549,7 +617,7 @@ CLAIMS = [
     Case("claim: an unknown field", CLAIM, {"session": None, "robot": "free"}, says="robot", method="PUT"),
     Case("claim: no body", CLAIM, b"", says="body", method="PUT", headers=JSON),
     Case("claim: not JSON", CLAIM, b"{", 400, "malformed-json", method="PUT", headers=JSON),
-    Case("claim: text/plain", CLAIM, b'{"session": null}', says="body", method="PUT",
+    Case("claim: text/plain", CLAIM, b'{"session": null}', 415, TYPE, method="PUT",
          headers={"content-type": "text/plain"}),
 ]  # fmt: skip
 

@@ -159,9 +159,10 @@ def test_a_bad_mesh_gets_its_problem_and_is_not_stored(service: Service, case: C
 @pytest.mark.parametrize(
     ("what", "form", "headers", "status", "kind"),
     [
-        ("no file", {"data": {"name": "box"}}, {}, 422, "invalid-request"),
-        ("text for a file", {"data": {"file": BOX}}, {}, 422, "invalid-request"),
-        ("JSON", {"json": {"file": BOX}}, {}, 422, "invalid-request"),
+        ("no file", {"files": {"name": (None, "box")}}, {}, 422, "invalid-request"),
+        ("text for a file", {"files": {"file": (None, BOX)}}, {}, 422, "invalid-request"),
+        ("a form of another kind", {"data": {"file": BOX}}, {}, 415, "unsupported-media-type"),
+        ("JSON", {"json": {"file": BOX}}, {}, 415, "unsupported-media-type"),
         ("a misspelt field", {"files": {"file": ("b.obj", BOX)}, "data": {"Up": "+Y"}}, {}, 422, "invalid-request"),
         (
             "two files",

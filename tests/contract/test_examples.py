@@ -16,7 +16,7 @@ from voa_service.settings import Settings
 @pytest.fixture
 def http(tmp_path: Path) -> Iterator[TestClient]:
     with bootstrap.services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as services:
-        yield TestClient(create_app(services))
+        yield TestClient(create_app(services), "http://127.0.0.1")
 
 
 def test_every_json_body_has_an_example(http: TestClient) -> None:

@@ -6,6 +6,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from voa_service.http import openapi, problems
+from voa_service.http.access import Access
 from voa_service.http.connections.in_flight import ByteBudget, BytesInFlight
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
@@ -42,5 +43,6 @@ def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
     app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
     app.add_middleware(BytesInFlight, budget=budget)
+    app.add_middleware(Access, names=services.names)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app

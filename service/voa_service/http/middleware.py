@@ -4,8 +4,6 @@ import codecs
 import re
 import secrets
 import time
-from collections.abc import Awaitable, Callable, MutableMapping
-from typing import Any
 
 import structlog
 from starlette.datastructures import Headers, MutableHeaders
@@ -13,20 +11,15 @@ from starlette.exceptions import HTTPException
 
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import TOO_LARGE, Failure, wire_failure
+from voa_service.http.access import HEALTH
+from voa_service.http.asgi import Asgi, Message, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 from voa_service.logs import is_wanted
 from voa_service.metrics import Metrics
 from voa_service.settings import Limits
 
-Message = MutableMapping[str, Any]
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-Asgi = Callable[[Scope, Receive, Send], Awaitable[None]]
-
 _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
-_QUIET = ("/livez", "/readyz", "/metrics")
 _FORM_OVERHEAD = 65_536
 _WIRE_HEADER = "Voa-Wire-Version"
 
@@ -68,7 +61,7 @@ class RequestLog:
             route = getattr(scope.get("route"), "path", "none")
             method = scope["method"] if scope["method"] in _METHODS else "other"
             self._metrics.request(method, route, status, seconds)
-            if scope["path"] not in _QUIET and is_wanted("INFO"):
+            if scope["path"] not in HEALTH and is_wanted("INFO"):
                 structlog.get_logger().info(
                     "request",
                     method=scope["method"],

@@ -11,14 +11,20 @@ from voa_service.settings import Limits
 
 _TITLES = {
     400: "The body is not JSON",
+    403: "The call comes from a page of another site",
     404: "There is no such thing",
     409: "It contradicts what is there",
     412: "The session has moved on",
     413: "More than this service takes at once",
-    415: "Not a mesh type that this service reads",
+    415: "Not a type of body, or of mesh, that this call takes",
+    421: "The service does not go by that name",
     422: "The request is not as expected",
     503: "Too much to do at the moment, or not able to work",
 }
+
+_WORDS = {"integer": "maximum", "array": "maxItems", "object": "maxProperties"}
+_ANY_CALL = (403, 415, 421, 422)
+"""From a page of another site; with a body of another type; under another name; with parameters that it has not."""
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -32,8 +38,10 @@ def install(app: FastAPI, limits: Limits) -> None:
     def describe() -> dict[str, Any]:
         if app.openapi_schema is None:
             document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
-            for path in document["paths"].values():
-                for operation in path.values():
+            for path, operations in document["paths"].items():
+                for operation in operations.values():
+                    if path.startswith("/v1/"):
+                        _add_problems(operation["responses"])
                     _mark_problems(operation["responses"])
             schemas = document["components"]["schemas"]
             for unused in ("HTTPValidationError", "ValidationError"):
@@ -43,6 +51,14 @@ def install(app: FastAPI, limits: Limits) -> None:
         return app.openapi_schema
 
     app.openapi = describe  # type: ignore[method-assign] # FastAPI's documented way to extend the document
+
+
+def _add_problems(responses: dict[str, Any]) -> None:
+    """Add what every call may be answered, whatever it does, after the problems of its own."""
+    schema = {"$ref": f"#/components/schemas/{Problem.__name__}"}
+    for status in _ANY_CALL:
+        answer = {"description": _TITLES[status], "content": {"application/json": {"schema": schema}}}
+        responses.setdefault(str(status), answer)
 
 
 def _mark_problems(responses: dict[str, Any]) -> None:
@@ -56,7 +72,7 @@ def _state_limits(node: Any, limits: Limits) -> None:
     if isinstance(node, dict):
         name = node.pop("x-limit", None)
         if name is not None:
-            node["maximum" if node.get("type") == "integer" else "maxItems"] = getattr(limits, name)
+            node[_WORDS[node["type"]]] = getattr(limits, name)
         for child in node.values():
             _state_limits(child, limits)
     elif isinstance(node, list):

@@ -17,12 +17,19 @@ from voa_service.failures import (
     Failure,
     Kind,
     document,
-    malformed,
     of_validation,
 )
 
 MEDIA_TYPE = "application/problem+json"
 _KINDS: dict[int, Kind] = {400: MALFORMED, 404: NOT_FOUND, 405: METHOD_NOT_ALLOWED, 413: TOO_LARGE}
+
+
+class RefusedBody(HTTPException):
+    """A body that is not as expected, as an error that FastAPI lets through while it reads one."""
+
+    def __init__(self, failure: Failure) -> None:
+        super().__init__(failure.status, failure.detail)
+        self.failure = failure
 
 
 def problem_response(failure: Failure) -> Response:
@@ -43,6 +50,8 @@ def install(app: FastAPI) -> None:
 
     async def on_http(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)  # noqa: S101 - as registered
+        if isinstance(error, RefusedBody):
+            return problem_response(error.failure)
         return problem_response(_of_http(app, request, error))
 
     async def on_bug(_: Request, error: Exception) -> Response:
@@ -59,12 +68,8 @@ def install(app: FastAPI) -> None:
 
 
 def _of_invalid(request: Request, error: RequestValidationError) -> Failure:
-    errors = error.errors()
-    for each in errors:
-        if each["type"] == "json_invalid":
-            return malformed(each["ctx"]["error"], str(error.body), each["loc"][-1])
     body = getattr(request.scope.get("route"), "body_field", None)
-    return of_validation(errors, None if body is None else body.field_info.annotation)
+    return of_validation(error.errors(), None if body is None else body.field_info.annotation)
 
 
 def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:

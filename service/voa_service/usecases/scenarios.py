@@ -13,6 +13,7 @@ from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_msgs.warnings import Warnings
+from voa_service import large
 from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
 from voa_service.mapping import candidates, filled_in, warning_messages
 from voa_service.models import Model, Models
@@ -42,13 +43,14 @@ class Scenarios:
         """Store a scenario under the digest of its content, defaults filled in; and whether it is new."""
         try:
             filled = filled_in(request, dict(self.presets))
-            body, id_ = _json(filled.model_dump(mode="json")), _digest(filled)
-            self.models.build(id_, filled)
+            body, id_ = large.text(large.plain(filled)), _digest(filled)
+            model = self.models.build(id_, filled)
         except VoaError as error:
             raise of_core(error) from error
-        stored = StoredScenario(id_, request.name, body, self.now(), _json(_facts(filled)))
+        stored = StoredScenario(id_, request.name, body, self.now(), json.dumps(_facts(filled)))
         there, new = self.store.put_scenario(stored)
-        return self._message(there), new
+        self.models.keep(id_, model)
+        return self._answered(filled, there), new
 
     def get(self, id_: str) -> Scenario:
         """One scenario."""
@@ -66,9 +68,13 @@ class Scenarios:
         return ScenarioPage(**page(self.store.list_scenarios, _summary, limit, after))
 
     def _message(self, stored: StoredScenario) -> Scenario:
-        added = {"id": stored.id, "created_at": stored.created_at}
+        return self._answered(ScenarioRequest.model_validate(large.loads(stored.body)), stored)
+
+    def _answered(self, filled: ScenarioRequest, stored: StoredScenario) -> Scenario:
+        """Answer a stored scenario; its content is valid already."""
+        content = {name: getattr(filled, name) for name in ScenarioRequest.model_fields}
         warnings = warning_messages(self.models.mistakes(stored.id))
-        return Scenario.model_validate(json.loads(stored.body) | added | {"warnings": warnings})
+        return Scenario.model_construct(**content, id=stored.id, created_at=stored.created_at, warnings=warnings)
 
     def predict(self, id_: str, request: PredictionsRequest | None) -> Predictions:
         """Predicted scans: geometry alone, no workspace."""
@@ -98,18 +104,20 @@ class Scenarios:
         return Predictions(sensors=[sensor.name for sensor in sensors], poses=list(scenario.poses.names), ranges=ranges)
 
 
-def _json(content: dict[str, Any]) -> str:
-    return json.dumps(content, sort_keys=True, separators=(",", ":"))
-
-
 def _digest(filled: ScenarioRequest) -> str:
     """Name a scenario by its content, defaults filled in.
 
     A field that came after the first release is left out while it has its default, so that older ids stay.
     """
-    content = filled.model_dump(mode="json", exclude=_still_default(filled, _LATER_FIELDS))
-    update = filled.update.model_dump(mode="json", exclude=_still_default(filled.update, _LATER_UPDATE_FIELDS))
-    return hashlib.sha256(_json(content | {"update": update}).encode()).hexdigest()
+    content = large.plain(filled)
+    for name in _still_default(filled, _LATER_FIELDS):
+        del content[name]
+    for name in _still_default(filled.update, _LATER_UPDATE_FIELDS):
+        del content["update"][name]
+    digest = hashlib.sha256()
+    for piece in large.pieces(content):
+        digest.update(piece.encode())
+    return digest.hexdigest()
 
 
 def _still_default(message: Message, fields: Sequence[str]) -> set[str]:

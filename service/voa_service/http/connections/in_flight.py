@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 from starlette.exceptions import HTTPException
 
+from voa_service.http.asgi import Asgi, Message, Receive, Scope, Send
 from voa_service.http.connections import refusals
 from voa_service.http.connections.refusals import Refusal
-from voa_service.http.middleware import Asgi, Message, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 
 FREE_BYTES = 65_536

@@ -12,6 +12,7 @@ from starlette.types import Message, Send
 
 from voa_service.failures import not_found
 from voa_service.feeds import Feed, Feeds, Version
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.services import Services
 from voa_service.usecases.pages import position
@@ -29,7 +30,7 @@ LastEventId = Annotated[
 
 def routes(services: Services) -> APIRouter:
     """Follow a session."""
-    router = APIRouter(prefix="/v1", tags=["sessions"])
+    router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
 
     @router.get(
         "/sessions/{id}/events",

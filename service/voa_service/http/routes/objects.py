@@ -9,6 +9,7 @@ from fastapi import APIRouter, Form, Query, Request, Response, UploadFile
 from voa_msgs.base import Name
 from voa_msgs.objects import MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
 from voa_service.failures import INVALID, Failure
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
 from voa_service.services import Services
@@ -18,7 +19,7 @@ _FIELDS = ("file", "name", "scale", "up")
 
 def routes(services: Services) -> APIRouter:
     """Upload meshes, look at them."""
-    router = APIRouter(prefix="/v1/objects", tags=["objects"])
+    router = APIRouter(prefix="/v1/objects", tags=["objects"], route_class=strict_route(services.reader))
     objects = services.objects
 
     @router.post(

@@ -11,10 +11,11 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
+from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer, versioned
-from voa_service.limits import check
+from voa_service.ports import Answered
 from voa_service.services import Services
 from voa_service.writes import idempotency_key, scope_of, write_of
 
@@ -23,7 +24,7 @@ _WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
 
 def routes(services: Services) -> APIRouter:
     """Scans in, beliefs out."""
-    router = APIRouter(prefix="/v1", tags=["sessions"])
+    router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
     sessions = services.sessions
 
     @router.post(
@@ -39,10 +40,13 @@ def routes(services: Services) -> APIRouter:
         if_match: IfMatch = None,
     ) -> Response:
         """Update the belief by a raw scan; one that is not accepted changes nothing and says why."""
-        check(request, services.limits)
-        named = idempotency_key(key, scope_of(id), "scan", request)
-        write = write_of("scan", await http.body(), named, versions(if_match))
-        return await versioned(services.writes, lambda: sessions.apply_scan(id, request, write))
+        body = await http.body()
+
+        def done() -> Answered:
+            named = idempotency_key(key, scope_of(id), "scan", request)
+            return sessions.apply_scan(id, request, write_of("scan", body, named, versions(if_match)))
+
+        return await versioned(services.writes, done)
 
     @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
     async def put_belief(
@@ -53,10 +57,13 @@ def routes(services: Services) -> APIRouter:
         if_match: IfMatch = None,
     ) -> Response:
         """Replace the belief; null: back to the session's prior."""
-        check(request, services.limits)
-        named = idempotency_key(key, scope_of(id), "belief", request)
-        write = write_of("belief", await http.body(), named, versions(if_match))
-        return await versioned(services.writes, lambda: sessions.put_belief(id, request, write))
+        body = await http.body()
+
+        def done() -> Answered:
+            named = idempotency_key(key, scope_of(id), "belief", request)
+            return sessions.put_belief(id, request, write_of("belief", body, named, versions(if_match)))
+
+        return await versioned(services.writes, done)
 
     @router.post(
         "/sessions/{id}/grasp-outcomes",
@@ -71,14 +78,17 @@ def routes(services: Services) -> APIRouter:
         if_match: IfMatch = None,
     ) -> Response:
         """Update the belief by what came of a grasp attempt that left the object where it was."""
-        named = idempotency_key(key, scope_of(id), "outcome", request)
-        write = write_of("outcome", await http.body(), named, versions(if_match))
-        return await versioned(services.writes, lambda: sessions.report_outcome(id, request, write))
+        body = await http.body()
+
+        def done() -> Answered:
+            named = idempotency_key(key, scope_of(id), "outcome", request)
+            return sessions.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
+
+        return await versioned(services.writes, done)
 
     @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def update_once(request: UpdateRequest) -> Response:
         """Update the belief in the request (null: the scenario's prior); nothing is stored."""
-        check(request, services.limits)
         return await answer(services.reads, lambda: sessions.update_once(request))
 
     return router

@@ -6,16 +6,16 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from voa_msgs.rankings import Definition, RankedGrasps, Ranking, RankingRequest, VoaRequest
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer, unless_gone
-from voa_service.limits import check
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
 
 
 def routes(services: Services) -> APIRouter:
     """Where to look, what to grasp."""
-    router = APIRouter(prefix="/v1", tags=["rankings"])
+    router = APIRouter(prefix="/v1", tags=["rankings"], route_class=strict_route(services.reader))
     rankings = services.rankings
 
     async def ranked(ask: Callable[[], Question]) -> Response:
@@ -38,7 +38,6 @@ def routes(services: Services) -> APIRouter:
     async def rank_given_looks(id: str, http: Request, request: VoaRequest | None = None) -> Response:
         """The same for any sensor poses, over the grasps that are reachable now."""
         asked = request or VoaRequest()
-        check(asked, services.limits)
         return await unless_gone(http, ranked(lambda: rankings.of_session(id, asked)))
 
     @router.get("/sessions/{id}/grasps", response_model=RankedGrasps, responses=problems(404, 422, 503))
@@ -55,7 +54,6 @@ def routes(services: Services) -> APIRouter:
     @router.post("/rankings", response_model=Ranking, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def rank_once(request: RankingRequest, http: Request) -> Response:
         """Rank looks for the belief in the request (null: the scenario's prior); nothing is stored."""
-        check(request, services.limits)
         return await unless_gone(http, ranked(lambda: rankings.once(request)))
 
     return router

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from voa_service.compute import WorkQueue
 from voa_service.http.headers import etag
+from voa_service.large import dumped
 from voa_service.ports import Answered
 
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Most items of the page.")]
@@ -19,7 +20,7 @@ _CLIENT_GONE = 499  # for the log: it is never sent
 
 async def answer(queue: WorkQueue, work: Callable[[], BaseModel], *, exclude_unset: bool = False) -> Response:
     """The message that `work` gives, as JSON."""
-    body = await queue.run(lambda: work().model_dump_json(exclude_unset=exclude_unset))
+    body = await queue.run(lambda: dumped(work(), exclude_unset=exclude_unset))
     return Response(body, media_type="application/json")
 
 
@@ -45,9 +46,9 @@ async def _gone(request: Request) -> None:
 async def created(queue: WorkQueue, work: Callable[[], tuple[BaseModel, bool]]) -> Response:
     """The same, 201 where it is new and 200 where the same content was there."""
 
-    def both() -> tuple[str, bool]:
+    def both() -> tuple[bytes, bool]:
         message, new = work()
-        return message.model_dump_json(), new
+        return dumped(message), new
 
     body, new = await queue.run(both)
     return Response(body, 201 if new else 200, media_type="application/json")

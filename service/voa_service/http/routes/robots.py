@@ -3,6 +3,7 @@
 from fastapi import APIRouter, Response
 
 from voa_msgs.robots import ClaimRequest, RobotReport, Robots
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer
 from voa_service.services import Services
@@ -10,7 +11,7 @@ from voa_service.services import Services
 
 def routes(services: Services) -> APIRouter:
     """See which robots are heard, ask one for a look, say whose session one is."""
-    router = APIRouter(prefix="/v1/robots", tags=["robots"])
+    router = APIRouter(prefix="/v1/robots", tags=["robots"], route_class=strict_route(services.reader))
 
     @router.get("", response_model=Robots, responses=problems(503))
     async def list_robots() -> Response:

@@ -5,15 +5,15 @@ from fastapi import APIRouter, Response
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
 from voa_msgs.warnings import Warnings
+from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
-from voa_service.limits import check
 from voa_service.services import Services
 
 
 def routes(services: Services) -> APIRouter:
     """Store scenarios, look at them, predict scans."""
-    router = APIRouter(prefix="/v1", tags=["scenarios"])
+    router = APIRouter(prefix="/v1", tags=["scenarios"], route_class=strict_route(services.reader))
     scenarios = services.scenarios
 
     @router.get("/lidars", response_model=LidarPresets, responses=problems(503))
@@ -32,7 +32,6 @@ def routes(services: Services) -> APIRouter:
     )
     async def create_scenario(request: ScenarioRequest) -> Response:
         """Store a scenario; its id is the digest of its content, defaults filled in."""
-        check(request, services.limits)
         return await created(services.heavy, lambda: scenarios.create(request))
 
     @router.get("/scenarios", response_model=ScenarioPage, responses=problems(422, 503))
@@ -56,8 +55,6 @@ def routes(services: Services) -> APIRouter:
     @router.post("/scenarios/{id}/predictions", response_model=Predictions, responses=problems(400, 404, 413, 422, 503))
     async def predict(id: str, request: PredictionsRequest | None = None) -> Response:
         """The scans that every pose would give; null where nothing is in range."""
-        if request is not None:
-            check(request, services.limits)
         return await answer(services.heavy, lambda: scenarios.predict(id, request))
 
     return router

@@ -8,25 +8,30 @@ from voa_msgs.sessions import (
     SessionPage,
     SessionRequest,
 )
+from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, versioned
-from voa_service.limits import check
+from voa_service.ports import Answered
 from voa_service.services import Services
 from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
 
 
 def routes(services: Services) -> APIRouter:
     """Open sessions, read them, remove them."""
-    router = APIRouter(prefix="/v1", tags=["sessions"])
+    router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
     sessions = services.sessions
 
     @router.post("/sessions", status_code=201, response_model=Session, responses=problems(400, 409, 413, 422, 503))
     async def create_session(request: SessionRequest, http: Request, key: Key = None) -> Response:
         """Open a session: version 0, the prior as belief; the scans of `robots` go to it from now on."""
-        check(request, services.limits)
-        write = write_of("prior", await http.body(), idempotency_key(key, ANYONE, "create session", request))
-        return await versioned(services.writes, lambda: sessions.create(request, write), 201)
+        body = await http.body()
+
+        def done() -> Answered:
+            named = idempotency_key(key, ANYONE, "create session", request)
+            return sessions.create(request, write_of("prior", body, named))
+
+        return await versioned(services.writes, done, 201)
 
     @router.get("/sessions", response_model=SessionPage, responses=problems(422, 503))
     async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:

@@ -8,10 +8,10 @@ from typing import Any
 import uvicorn
 from uvicorn.server import ServerState
 
+from voa_service.http.asgi import Receive, Scope, Send
 from voa_service.http.connections.connection import Connection
 from voa_service.http.connections.guard import Guard
 from voa_service.http.connections.in_flight import BytesInFlight
-from voa_service.http.middleware import Receive, Scope, Send
 from voa_service.metrics import Metrics
 from voa_service.settings import ConnectionSettings
 

@@ -1,0 +1,73 @@
+"""Who may call at all, seen from a browser: names of this service, and pages of other origins."""
+
+import ipaddress
+
+from starlette.datastructures import Headers
+
+from voa_service.failures import FORBIDDEN, MISDIRECTED, Failure
+from voa_service.http.asgi import Asgi, Receive, Scope, Send
+from voa_service.http.problems import problem_response
+
+HEALTH = ("/livez", "/readyz", "/metrics")
+"""Paths that are answered under any name: whoever restarts processes calls them by address."""
+_READS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class Access:
+    """Refuses calls under a name that is not the service's, and calls from a page of another site.
+
+    A page whose own name is re-pointed to 127.0.0.1 is of the same origin as the service to its browser, but the name
+    is still in `Host`.
+
+    Args:
+        app: what is protected.
+        names: under which the service may be called, besides loopback's; None: any.
+    """
+
+    def __init__(self, app: Asgi, names: frozenset[str] | None) -> None:
+        self._app = app
+        self._names = names
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        refusal = self._refusal(scope) if scope["type"] == "http" else None
+        await (self._app if refusal is None else problem_response(refusal))(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> Failure | None:
+        headers = Headers(scope=scope)
+        path: str = scope["path"]
+        host = headers.get("host", "")
+        if path not in HEALTH and self._names is not None and not _is_ours(host, self._names):
+            known = ", ".join(sorted(self._names | {"localhost", "127.0.0.1"}))
+            return Failure(
+                MISDIRECTED,
+                f"expected Host to be one of {known}, got {host[:80]!r}: call the service by one of these, "
+                "or start it with this name in VOA_HOSTS",
+            )
+        is_call = scope["method"] not in _READS or path.startswith("/v1/")
+        if is_call and headers.get("sec-fetch-site", "").strip().lower() == "cross-site":
+            return Failure(
+                FORBIDDEN, "the call comes from a page of another site: serve the page from the service's own origin"
+            )
+        return None
+
+
+def name_of(host: str) -> str:
+    """Take the port, the brackets of IPv6 and a trailing dot off the value of a `Host` header."""
+    if host.startswith("["):
+        return host[1:].partition("]")[0].lower()
+    return host.partition(":")[0].lower().rstrip(".")
+
+
+def _is_ours(host: str, names: frozenset[str]) -> bool:
+    name = name_of(host)
+    return name in names or _is_loopback(name)
+
+
+def _is_loopback(name: str) -> bool:
+    if name == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,116 @@
+"""Calls taken in strictly: the query that a route has, the type of body that it takes, the message in that."""
+
+from collections.abc import Callable, Coroutine
+from typing import Any, get_args, get_origin
+
+from fastapi import Request, Response, params
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+from starlette.datastructures import Headers, QueryParams
+
+from voa_msgs.reading import models_of
+from voa_service.failures import INVALID, MEDIA_TYPE, Failure
+from voa_service.http.problems import RefusedBody
+from voa_service.reading import Reader
+
+_JSON, _FORM = "application/json", "multipart/form-data"
+_MOST_NAMED = 20
+
+
+class _MessageRequest(Request):
+    """Request whose `json()` is the message itself, read off the event loop where it is large."""
+
+    def __init__(self, request: Request, reader: Reader, kind: type[BaseModel], keeps_body: bool, optional: bool):
+        super().__init__(request.scope, request.receive)
+        self._reader = reader
+        self._kind = kind
+        self._keeps_body = keeps_body
+        self._optional = optional
+
+    async def json(self) -> BaseModel | None:
+        """Read the message; raises RefusedBody."""
+        body = await self.body()
+        if not self._keeps_body:
+            self._body = b"{}"  # nobody asks for it again, and it may be large
+        if self._optional and body.strip() == b"null":
+            return None
+        try:
+            return await self._reader.received(self._kind, body)
+        except Failure as failure:
+            raise RefusedBody(failure) from failure
+
+
+def strict_route(reader: Reader) -> type[APIRoute]:
+    """Make the class of routes that take nothing in their query or body that they do not know."""
+
+    class StrictRoute(APIRoute):
+        """A route with a query and a body of its own, and nothing else."""
+
+        def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+            """Check the query and the type of the body, then read the message in that."""
+            handle = super().get_route_handler()
+            parameters = {field.alias: _is_list(field.field_info.annotation) for field in self.dependant.query_params}
+            field = self.body_field
+            is_form = field is not None and isinstance(field.field_info, params.Form)
+            annotation = None if field is None or is_form else field.field_info.annotation
+            kinds = models_of(annotation)
+            keeps_body = self.dependant.request_param_name is not None
+            optional = type(None) in get_args(annotation)
+
+            async def strict(request: Request) -> Response:
+                check_query(request.query_params, parameters)
+                check_type(request.headers, _FORM if is_form else _JSON)
+                if kinds:
+                    request = _MessageRequest(request, reader, kinds[0], keeps_body, optional)
+                return await handle(request)
+
+            return strict
+
+    return StrictRoute
+
+
+def check_query(given: QueryParams, known: dict[str, bool]) -> None:
+    """Refuse parameters that there are not, and such as come twice.
+
+    Args:
+        given: the query.
+        known: the names that there are; whether one may be repeated.
+
+    Raises:
+        Failure: names the first such parameter, and the names that there are.
+    """
+    names = [name for name, _ in given.multi_items()]
+    wrong: dict[str, str] = {}
+    for name in names:
+        if name not in known:
+            there = f"expected one of {', '.join(known)}" if known else "this call takes none"
+            wrong[f"query.{name[:80]}"] = f"no such parameter: {there}"
+        elif not known[name] and (times := names.count(name)) > 1:
+            wrong[f"query.{name}"] = f"expected once, got {times} times"
+        if len(wrong) == _MOST_NAMED:
+            break
+    if wrong:
+        errors = [{"field": name, "problem": problem} for name, problem in wrong.items()]
+        raise Failure(INVALID, "{field}: {problem}".format(**errors[0]), errors=errors)
+
+
+def check_type(headers: Headers, expected: str) -> None:
+    """Refuse a body that does not say that it is what the call takes: what a page of another site could send.
+
+    Args:
+        headers: of the request.
+        expected: the type of body that the call takes.
+
+    Raises:
+        Failure: there is a body, and it is of no type or of another one.
+    """
+    if headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers:
+        return
+    given = headers.get("content-type", "")
+    if given.partition(";")[0].strip().lower() != expected:
+        got = repr(given[:80]) if given else "none"
+        raise Failure(MEDIA_TYPE, f"expected a body with Content-Type: {expected}, got {got}")
+
+
+def _is_list(annotation: Any) -> bool:
+    return get_origin(annotation) is list or any(map(_is_list, get_args(annotation)))
