@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from voa_msgs.scenarios import Scenario, ScenarioRequest
 
-_AT_ONCE = 10_000
+_AT_ONCE = 1_000
 
 
 def plain(value: Any) -> Any:
