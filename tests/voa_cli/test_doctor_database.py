@@ -53,6 +53,7 @@ def test_doctor_finds_a_changed_version_beside_a_service_that_runs(
                 connection = sqlite_driver().connect(str(service.database), isolation_level=None)
                 connection.execute(spoil)
                 connection.close()
+            capsys.readouterr()  # the log of the service in this process
             main(arguments)
             found = json.loads(capsys.readouterr().out)["findings"]
             seen.append([each["seen"] for each in found if each["check"] == "database"])

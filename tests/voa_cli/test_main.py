@@ -91,7 +91,7 @@ def test_a_service_that_is_not_there_is_said_so(
 
 def test_a_service_that_cannot_start_says_why(tmp_path: Path) -> None:
     (tmp_path / "voa.db").write_text("this is no database, and long enough to be taken for one " * 20)
-    with pytest.raises(ServiceDidNotStart, match="file is not a database"), local_service.local_service(tmp_path):
+    with pytest.raises(ServiceDidNotStart, match="is not an SQLite database"), local_service.local_service(tmp_path):
         raise AssertionError("it started")
 
 

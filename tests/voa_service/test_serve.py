@@ -143,7 +143,8 @@ def test_a_database_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
-    assert "--wait-for-database SECONDS" in line
+    assert line.startswith("voa serve: there is no folder ")
+    assert "create it" in line
 
 
 def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) -> None:
