@@ -6,6 +6,7 @@ import random
 import resource
 import socket
 import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -223,6 +224,13 @@ def assert_not_ready(answer: httpx2.Response) -> None:
     assert int(answer.headers["Retry-After"]) > 0
 
 
+def assert_checksums_are_right(database_url: str) -> None:
+    """Every version of every session is as it was written, for a program that reads the database alone."""
+    command = [sys.executable, "-m", "voa_service.store.verify", "-"]
+    done = subprocess.run(command, input=database_url, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout or done.stderr
+
+
 def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothing(
     database_url: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -252,6 +260,7 @@ def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothin
         for writer in writers:
             writer.result()
         versions = assert_everything_happened_once(store, tally.done)
+    assert_checksums_are_right(database_url)
     scans = sum(each.sent.path.endswith("/scans") for each in tally.done)
     with capsys.disabled():
         print(
@@ -363,6 +372,7 @@ def test_a_full_disk_is_a_503_that_loses_nothing_and_passes(
             replica.start()
             with stored(url) as store:
                 assert assert_everything_happened_once(store, done) == len(done)
+            assert_checksums_are_right(url)
     with capsys.disabled():
         print(f"\n  disk full ({disk.what}): {len(done)} scans answered, then none, then again")
 
@@ -397,13 +407,14 @@ def test_a_database_that_goes_and_comes_back_needs_no_restart(postgres: Server, 
             assert [next(ids), next(ids)] == ["id: 2", "id: 3"]
         with stored(url) as store:
             assert assert_everything_happened_once(store, done) == 3
+        assert_checksums_are_right(url)
         assert "Traceback" not in replica.log.read_text()
 
 
 def raw_request(sent: Sent) -> bytes:
     lines = [
         f"{sent.method} {sent.path} HTTP/1.1",
-        "Host: voa",
+        "Host: 127.0.0.1",
         f"Idempotency-Key: {sent.key}",
         "Content-Type: application/json",
         f"Content-Length: {len(sent.body.encode())}",

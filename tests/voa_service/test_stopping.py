@@ -58,7 +58,8 @@ def test_a_service_with_connections_that_hang_ends_in_time_and_says_so_to_them(
         session = httpx2.post(f"{service.url}/v1/sessions", json={"scenario": scenario}).json()["id"]
         requests = (
             f"GET /v1/sessions/{session}/events HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
-            "POST /v1/scenarios HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: 10\r\n\r\n{",
+            "POST /v1/scenarios HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\n"
+            "Content-Length: 10\r\n\r\n{",
             "GET /livez HTTP",
         )
         opened = [stack.enter_context(socket.create_connection(address, timeout=30)) for _ in (*requests, "")]
