@@ -200,7 +200,7 @@ def stop_during_long_work(folder: Path) -> Outcome:
 
 def stop_while_waiting(folder: Path) -> Outcome:
     """Stop a service that waits for its database."""
-    waiting = ["--wait-for-database", "60", "--database-url", "sqlite:////nowhere/at/all/voa.db", "--port", "0"]
+    waiting = ["--wait-for-database", "60", "--database-url", "postgresql://voa@127.0.0.1:1/voa", "--port", "0"]
     log = folder / "service.log"
     with log.open("wb") as stderr:
         process = subprocess.Popen([sys.executable, "-m", "voa_service", *waiting], stderr=stderr)
