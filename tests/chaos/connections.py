@@ -88,13 +88,17 @@ def followers_everywhere(folder: Path) -> Outcome:
     """Take every connection there may be with streams that are wanted, and probe the service's health."""
     with server(folder, files=200) as service, httpx2.Client(base_url=service.url) as client:
         session = _session(client)
+        followers = []
         with suppress(OSError):
             for _ in range(250):
-                service.connect().sendall(head("GET", f"/v1/sessions/{session}/events"))
+                followers.append(service.connect())
+                followers[-1].sendall(head("GET", f"/v1/sessions/{session}/events"))
         late = service.answers()
         other = service.connect()
         other.sendall(head("GET", "/v1/lidars"))
         said = status(other, 5.0)
+        for each in followers:  # while they stay, nobody else is served
+            each.close()
         return _outcome(service, f"{_late(late)}, another request {said}", late is not None and said == "503")
 
 

@@ -194,7 +194,7 @@ def lists_of_much(folder: Path) -> Outcome:
     """List 60 scenarios of 1 MB each."""
     with service(f"sqlite:///{folder / 'voa.db'}", folder) as replica, client(replica) as http:
         for number in range(60):
-            data = {"note": f"{number:04d}" + "x" * 1_000_000}
+            data = {"note": f"{number:04d}" + "x" * 950_000}
             http.post(
                 "/v1/scenarios", json=data_scenario(grasps=[{"name": "G1", "data": data}, {"name": "G2"}])
             ).raise_for_status()
