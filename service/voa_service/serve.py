@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     settings = listening_at(settings, listening)
     # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    signal.signal(signal.SIGTERM, _leave)
     try:
         _serve(settings, listening)
     except CannotOpen as error:
@@ -108,6 +108,12 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
         )
         _collect_seldom()
         Server(config, services.changes, guard, deadline, settings.stop_seconds).run([listening])
+
+
+def _leave(*_: object) -> None:
+    """End the process in order at the first SIGTERM; a second one must not break into that."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit(0)
 
 
 def _report_unknown(environment: Iterable[str]) -> None:
