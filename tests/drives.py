@@ -156,7 +156,7 @@ def record(path: Path, puts: Iterable[Put]) -> Path:
 
 
 def restamped(puts: Iterable[Put], stamp: Callable[[Stamp], Stamp], *, odometry: bool = True) -> list[Put]:
-    """The same messages from a robot whose clock is wrong.
+    """Stamp messages anew, as a robot whose clock is wrong would.
 
     Args:
         puts: as they were published by a clock that is right.

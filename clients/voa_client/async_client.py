@@ -262,7 +262,7 @@ class AsyncClient:
         following.end()
 
     async def _result(self, step: Step, box: AsyncMailbox) -> Result:
-        """What comes of a step of a follower."""
+        """Result of a step of a follower."""
         match step:
             case Wait():
                 return await box.take(step.seconds, step.seen)

@@ -260,7 +260,7 @@ class Client:
         following.end()
 
     def _result(self, step: Step, box: Mailbox) -> Result:
-        """What comes of a step of a follower."""
+        """Result of a step of a follower."""
         match step:
             case Wait():
                 return box.take(step.seconds, step.seen)

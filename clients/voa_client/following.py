@@ -53,9 +53,9 @@ class Ask:
 
 
 Step = Wait | Pause | Ask | Session
-"""What to do next; a `Session` is for the caller."""
+"""Next step of a follower; a `Session` is for the caller."""
 Result = Batch | Reply | VoaClientError | None
-"""What came of a step: of a `Wait` a batch, of an `Ask` a reply or why there is none."""
+"""Result of a step: of a `Wait` a batch, of an `Ask` a reply or why there is none."""
 Steps = Generator[Step, Result, Lost | None]
 
 
@@ -69,7 +69,7 @@ def taken(steps: Steps, result: Result) -> Step | Lost | None:
 
 
 class Following:
-    """What a follower knows, and what it does next; without I/O.
+    """Knowledge of a follower, and the step that it takes next; without I/O.
 
     Args:
         session_id: which session.
@@ -194,7 +194,7 @@ class Following:
     def _await_hints(
         self, between: range, bodies: Mapping[int, Sequence[bytes]]
     ) -> Generator[Step, Result, Mapping[int, Sequence[bytes]]]:
-        """What claims to be one of some versions: those at hand, and those that come within the grace."""
+        """Samples that claim to be one of some versions: those at hand, and those that come within the grace."""
         found = {version: bodies[version] for version in between if version in bodies}
         until, left = self._patience.clock() + GRACE_S, GRACE_S
         while left > 0.0 and len(found) < len(between) <= MOST_VERSIONS and not self.is_over:

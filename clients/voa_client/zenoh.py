@@ -196,7 +196,7 @@ def _subscribe(session: "zenoh.Session", keys: Keys, session_id: str, tell: Tell
 
 
 def _hint(sample: "zenoh.Sample") -> Hint:
-    """What a sample says, be it from the service or from anybody else who may put there.
+    """Content of a sample, be it from the service or from anybody else who may put there.
 
     A delete, and a put without a version beside it, say that there is something to ask for.
     """

@@ -96,7 +96,7 @@ class Link:
             return self._opened
 
     def failure(self, seconds: float) -> TimedOutError:
-        """What to say where the wait was in vain."""
+        """Words for a wait that was in vain."""
         return TimedOutError(f"no Zenoh router at {self._address.endpoint} within {seconds:.3g} s{self._why}")
 
     def close(self) -> None:

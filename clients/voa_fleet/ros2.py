@@ -155,7 +155,7 @@ class ByRos2:
         self.publish(f"{self.robot.name}/scan", encode_laser_scan(scan))
 
     def _report(self, session: Session) -> RobotReport:
-        """What the service received of the robot; raises DeviceError where its scans are not for the session."""
+        """Report of the service on the robot; raises DeviceError where its scans are not for the session."""
         for report in self.client.robots().items:
             if report.robot == self.robot.name and report.source == "ros2":
                 if report.session == session.id:

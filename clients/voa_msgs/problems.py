@@ -40,7 +40,7 @@ class Memory(Message):
     """Upper bounds of what each part of the service may hold, in MiB, and what there is for their sum."""
 
     total_mebibytes: int
-    """What the service may use."""
+    """Memory that the service may use."""
     source: Literal["setting", "cgroup", "machine"]
     """Who says so: `VOA_MEMORY_MEBIBYTES`, the limit of its container or unit, or the machine."""
     sum_mebibytes: int

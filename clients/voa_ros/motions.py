@@ -31,7 +31,7 @@ class Motion:
 
 
 def wrapped(angle_rad: float) -> float:
-    """The same direction in [-pi, pi]."""
+    """Direction of an angle, in [-pi, pi]."""
     return math.remainder(angle_rad, math.tau)
 
 

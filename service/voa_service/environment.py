@@ -10,9 +10,9 @@ from voa_service.settings import Settings
 
 _PREFIX = "VOA_"
 _READ_BY_OTHERS = ("VOA_CASES", "VOA_LAB_HOLDER", "VOA_SCHEMATHESIS_SEED", "VOA_TEST_SCALE")
-"""What the tests read; the clients read `VOA_LIMITS__BEAMS`, which is the service's too."""
+"""Variables that the tests read; the clients read `VOA_LIMITS__BEAMS`, which is the service's too."""
 _LINKS = re.compile(r"VOA_(SERVICE_HOST|SERVICE_PORT(_\w+)?|PORT_\d+_(TCP|UDP|SCTP)(_\w+)?|NAME|ENV_\w+)")
-"""What Kubernetes and Docker set in every container beside a service that is named voa."""
+"""Variables that Kubernetes and Docker set in every container beside a service that is named voa."""
 
 
 def known_variables(settings: type[BaseModel] = Settings) -> list[str]:

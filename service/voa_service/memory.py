@@ -43,7 +43,7 @@ class Found:
 
 @dataclass(frozen=True)
 class MemoryBudget:
-    """What each part of the service may hold, in MiB.
+    """Memory that each part of the service may hold, in MiB.
 
     Attributes:
         found: what there is.

@@ -54,7 +54,7 @@ class StoredScenario:
     body: str
     created_at: datetime
     summary: str = "{}"
-    """What lists show of it beside its name, as JSON; kept when it is stored, and read by lists alone."""
+    """Facts that lists show of it beside its name, as JSON; kept when it is stored, and read by lists alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class SessionState:
     created_at: datetime
     updated_at: datetime
     summary: str | None = None
-    """What lists show of its belief, as JSON; None: nobody has said."""
+    """Facts that lists show of its belief, as JSON; None: nobody has said."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from voa_service.settings import Limits
 M = TypeVar("M", bound=BaseModel)
 
 LARGE_BYTES = 65_536
-"""What is larger is read off the event loop, and few at a time."""
+"""Bodies that are larger are read off the event loop, and few at a time."""
 _WIDE = 64
 _MANY = 200
 _CHUNK = 1_000_000

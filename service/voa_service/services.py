@@ -32,9 +32,9 @@ class Services:
     metrics: Metrics
     limits: Limits
     reads: WorkQueue
-    """What reads, or computes quickly, and writes nothing."""
+    """Calls that read, or compute quickly, and write nothing."""
     writes: WorkQueue
-    """What may wait for a lock of the database, scans above all: apart, so that no read waits for one."""
+    """Calls that may wait for a lock of the database, scans above all: apart, so that no read waits for one."""
     probes: WorkQueue
     """Whether the service is ready."""
     feeds: Feeds

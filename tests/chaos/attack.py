@@ -7,7 +7,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an attack came to.
+    """Result of an attack.
 
     Attributes:
         figure: what was measured, with its unit ("/livez late by 0.04 s, 180 MB").

@@ -40,7 +40,7 @@ _NO_GRASP = 0.99
 
 @dataclass
 class _Followed:
-    """What somebody who follows a session has seen, by the clock."""
+    """Versions that somebody who follows a session has seen, by the clock."""
 
     at: dict[int, float] = field(default_factory=dict)
     end: str = ""
@@ -141,7 +141,7 @@ def _attacked(folder: Path, attack: Callable[[_Scene], None]) -> Outcome:
 
 
 def _judged(scene: _Scene, figures: list[str], *, figures_held: bool) -> Outcome:
-    """What became of the follower and of the arm, once the session has moved."""
+    """Fate of the follower and of the arm, once the session has moved."""
     late = scene.late_s()
     moved = len(scene.moved)
     seen = [version for version in scene.moved if version in scene.followed.at]

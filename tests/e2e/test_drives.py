@@ -169,7 +169,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory, own_router: Router) -> Itera
 
 
 def seen(looks: list[Any]) -> list[Any]:
-    """What each look saw, and from where."""
+    """Ranges of each look, and the place it was taken from."""
     requests = [ScanRequest.model_validate(entry["request"]) for entry in looks]
     return [(each.scan.ranges, each.scan.no_return, each.sensor_pose) for each in requests]
 

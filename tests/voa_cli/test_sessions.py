@@ -100,7 +100,7 @@ def test_a_list_shows_whose_robots_scans_are(
 
 
 class Terminal(StringIO):
-    """What a person types."""
+    """Words that a person types."""
 
     def isatty(self) -> bool:
         return True

@@ -30,12 +30,12 @@ def at(version: int) -> str:
 
 
 def hints(*versions: int, **changed: Any) -> Batch:
-    """What a bus says of versions."""
+    """Samples of a bus about versions."""
     return Batch(hinted=True, bodies={version: [body(version, **changed)] for version in versions})
 
 
 def news(*each: State | Deleted | Lost) -> Batch:
-    """What a service says by itself."""
+    """Events that a service publishes by itself."""
     return Batch(each)
 
 

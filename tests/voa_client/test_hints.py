@@ -1,4 +1,4 @@
-"""What comes over a bus or through a proxy is checked with the service before it is handed out, or ends anything."""
+"""Hints that come over a bus or a proxy are checked with the service before one is handed out, or ends anything."""
 
 from collections.abc import Sequence
 

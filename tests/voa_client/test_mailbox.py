@@ -1,4 +1,4 @@
-"""What a mailbox keeps for who reads slowly, and of a flood."""
+"""Samples that a mailbox keeps for who reads slowly, and of a flood."""
 
 import asyncio
 import threading

@@ -113,7 +113,7 @@ class ParkingRobot:
             yield Received(ODOMETRY, encode_odometry(told), now_s + LATENCY_S)
 
     def amcl(self) -> Iterator[Received]:
-        """What AMCL says, whose map is the world: a pose each quarter metre, a little late."""
+        """Poses of an AMCL whose map is the world: one each quarter metre, a little late."""
         last: Motion | None = None
         for step in range(round((self.end_s - START_S) * 20.0)):
             now_s = START_S + step / 20.0 + 0.013
@@ -189,12 +189,12 @@ def mapped(
 
 @dataclass
 class Outcome:
-    """What came of the messages of a robot."""
+    """Results of the messages of a robot."""
 
     looks: list[Taken] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     waiting: list[str] = field(default_factory=list)
-    """What was waited for, each change of it."""
+    """Conditions that were waited for, each change of them."""
 
 
 def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) -> Outcome:

@@ -1,4 +1,4 @@
-"""What is named by its content and never changes: meshes, the files that became them, scenarios."""
+"""Content that is named by its digest and never changes: meshes, the files that became them, scenarios."""
 
 from contextlib import suppress
 from dataclasses import asdict

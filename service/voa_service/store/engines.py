@@ -24,7 +24,7 @@ _TRY_AGAIN = {"Retry-After": "1"}
 _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 """What a statement of ours did; every other error of a database is that of the database."""
 _MALFORMED = ("malformed", "not a database")
-"""What SQLite says of a file whose pages are not as they should be."""
+"""Words of SQLite for a file whose pages are not as they should be."""
 
 
 @dataclass(eq=False)

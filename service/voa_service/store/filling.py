@@ -1,4 +1,4 @@
-"""What migration 0006 fills in for the rows that are there: checksums of sessions, summaries for lists.
+"""Values that migration 0006 fills in for the rows that are there: checksums of sessions, summaries for lists.
 
 The statements are written out with the columns of that migration: tables of later versions have others.
 """

@@ -1,4 +1,4 @@
-"""What lists show of objects, scenarios and sessions, read without their meshes, bodies and beliefs."""
+"""Lists of objects, scenarios and sessions, read without their meshes, bodies and beliefs."""
 
 import json
 from datetime import datetime

@@ -125,7 +125,7 @@ summaries = Table(
     Column("id", String(64), primary_key=True),
     Column("summary", Text, nullable=False),
 )
-"""What lists show of an object or a scenario, by its digest, as JSON: its own row holds megabytes."""
+"""Facts that lists show of an object or a scenario, by its digest, as JSON: its own row holds megabytes."""
 
 probes = Table(
     "probes",

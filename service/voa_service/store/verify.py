@@ -43,7 +43,7 @@ class Damage:
 
 @dataclass
 class Verified:
-    """What was found in a database.
+    """Result of verifying a database.
 
     Attributes:
         database: its software and version.

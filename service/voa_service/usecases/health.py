@@ -96,7 +96,7 @@ class HealthCheck:
     replica: str
     """The name of this process."""
     memory: Memory | None = None
-    """What its parts may hold."""
+    """Memory that its parts may hold."""
     link: Link = field(default_factory=Link)
     checked: StoreCheck = field(init=False)
 

@@ -37,7 +37,7 @@ _NUMBERS_OF_OUTCOME = 4
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be ranked.
+    """Question that a ranking answers.
 
     Attributes:
         scenario: its id.

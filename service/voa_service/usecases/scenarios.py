@@ -125,7 +125,7 @@ def _still_default(message: Message, fields: Sequence[str]) -> set[str]:
 
 
 def _facts(filled: ScenarioRequest) -> dict[str, Any]:
-    """What a list shows of a scenario beside its name."""
+    """Facts that a list shows of a scenario beside its name."""
     return {
         "object": filled.object,
         "poses": len(filled.poses),

@@ -203,7 +203,7 @@ class Sessions:
         return self.store.robot_looks(id_, robot, limit)
 
     def entries_after(self, id_: str, version: int, most: int) -> Sequence[HistoryEntry]:
-        """What happened to a session after a version, oldest first, at most so many entries; none where it is gone."""
+        """History of a session after a version, oldest first, at most so many entries; none where it is gone."""
         return self.store.history(id_, version, most)
 
     def states_since(self, id_: str, seen: int | None, most: int) -> Sequence[SessionState] | None:

@@ -1,4 +1,4 @@
-"""What is wrong with a database at the start is one line that says what to do."""
+"""Faults of a database at the start are one line that says what to do."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from voa_service.store.starting import CannotOpen, open_store
 
 
 def refusal(url: str) -> CannotOpen:
-    """What opening a database says, which must be one line."""
+    """Words of the failure to open a database, which must be one line."""
     with pytest.raises(CannotOpen) as refused:
         open_store(url, patience_s=2.0)
     assert "\n" not in str(refused.value)

@@ -17,7 +17,7 @@ from voa_service.settings import ConnectionSettings
 
 
 class Wire(asyncio.Transport):
-    """What a protocol writes to, and how much of it the peer has not read."""
+    """Transport that a protocol writes to, and how much of it the peer has not read."""
 
     def __init__(self) -> None:
         super().__init__()
