@@ -1,5 +1,6 @@
 """Connections: how each kind of database is opened."""
 
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ from voa_service.store.drivers import alone, database_file, loses_commits, sqlit
 _READERS = 8
 _CONNECTIONS = 16
 _BUSY_MS = 10_000
+_SWITCH_AGAIN_SECONDS = 0.01
 _WAIT_SECONDS = 10
 _TRY_AGAIN = {"Retry-After": "1"}
 _OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
@@ -197,13 +199,28 @@ def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
         connection.text_factory = _text
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", f"busy_timeout={_BUSY_MS}", "foreign_keys=ON"):
+        for pragma in (f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
+        _write_ahead(connection)
 
     event.listen(engine, "connect", prepare)
     if begin is not None:
         event.listen(engine, "begin", lambda connection: connection.exec_driver_sql(begin))
     return engine
+
+
+def _write_ahead(connection: Any) -> None:
+    """Switch a file to its write-ahead log; of several connections that do so at once, SQLite lets only one wait."""
+    end = time.monotonic() + _BUSY_MS / 1000.0
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode=WAL")
+        except Exception as error:  # of whichever driver it is
+            if "locked" not in str(error) or time.monotonic() >= end:
+                raise
+            time.sleep(_SWITCH_AGAIN_SECONDS)
+        else:
+            return
 
 
 def _text(stored: bytes) -> str:
