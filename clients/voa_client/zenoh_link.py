@@ -90,9 +90,8 @@ class Link:
     def wait(self, seconds: float) -> "zenoh.Session":
         """The session; raises TimedOutError if it is not connected in time, UsageError if it is closed."""
         with self._changed:
-            if not self._changed.wait_for(lambda: self.session is not None, seconds):
+            if not self._changed.wait_for(lambda: self.session is not None, seconds) or self._opened is None:
                 raise self.failure(seconds)
-            assert self._opened is not None  # noqa: S101 - as waited for
             return self._opened
 
     def failure(self, seconds: float) -> TimedOutError:

@@ -37,13 +37,11 @@ took it.
 Nothing here knows a clock: what counts is revolutions.
 """
 
-import math
-
 from voa_msgs.geometry import UncertainSensorPose
-from voa_msgs.sessions import Scan, ScanRequest
+from voa_msgs.sessions import ScanRequest
 from voa_ros.grids import BeamGrid, aligned
 from voa_ros.messages import LaserScan
-from voa_ros.motions import wrapped
+from voa_ros.motions import within
 from voa_ros.robots import LookRule
 from voa_ros.scans import laser_scan
 from voa_ros.scenes import CLEARLY, scene_difference
@@ -128,7 +126,7 @@ class LookTaker:
         where = request.sensor if request.sensor is not None else request.sensor_pose
         if where is not None:
             self._resumed = request
-            self._taken = Revolution(_as_received(request.scan, self._grid), where)
+            self._taken = Revolution(laser_scan(request.scan, self._grid), where)
             self._away = 0
 
     def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
@@ -200,7 +198,7 @@ class LookTaker:
         """Whether a revolution is not where the look was taken, and how many such in a row are a move."""
         match revolution.where, taken.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
-                return not _within(here, there, self._rule.moved_xy_m, self._rule.moved_yaw_rad), AWAY_BY_POSE
+                return not within(here, there, self._rule.moved_xy_m, self._rule.moved_yaw_rad), AWAY_BY_POSE
             case str(here), str(there) if here == there:
                 return self._difference(revolution, taken) > CLEARLY, max(AWAY_BY_SCENE, self._rule.scans)
             case _:
@@ -229,23 +227,9 @@ class LookTaker:
     def _stands(self, revolution: Revolution, other: Revolution) -> bool:
         match revolution.where, other.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
-                return _within(here, there, self._rule.still_xy_m, self._rule.still_yaw_rad)
+                return within(here, there, self._rule.still_xy_m, self._rule.still_yaw_rad)
             case here, there:
                 return here == there and self._difference(revolution, other) <= 1.0
 
     def _difference(self, one: Revolution, other: Revolution) -> float:
         return scene_difference(*aligned(one.scan, other.scan, self._grid))
-
-
-def _within(one: UncertainSensorPose, other: UncertainSensorPose, xy_m: float, yaw_rad: float) -> bool:
-    near = math.hypot(one.x - other.x, one.y - other.y) <= xy_m
-    return near and abs(wrapped(one.yaw_rad - other.yaw_rad)) <= yaw_rad
-
-
-def _as_received(scan: Scan, grid: BeamGrid) -> LaserScan:
-    """The LaserScan that a look's scan was made of, as far as a scene needs it."""
-    return laser_scan(
-        scan,
-        grid.angle_min if scan.angle_min is None else scan.angle_min,
-        grid.angle_increment if scan.angle_increment is None else scan.angle_increment,
-    )

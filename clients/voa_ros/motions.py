@@ -49,3 +49,9 @@ def inverse(pose: Planar) -> Motion:
     """The pose of the outer frame in the inner one."""
     cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
     return Motion(x=-cos * pose.x - sin * pose.y, y=sin * pose.x - cos * pose.y, yaw_rad=wrapped(-pose.yaw_rad))
+
+
+def within(one: Planar, other: Planar, xy_m: float, yaw_rad: float) -> bool:
+    """Whether two poses are no farther apart than so many metres, and turned by no more than so many radians."""
+    near = math.hypot(one.x - other.x, one.y - other.y) <= xy_m
+    return near and abs(wrapped(one.yaw_rad - other.yaw_rad)) <= yaw_rad

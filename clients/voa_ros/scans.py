@@ -123,17 +123,18 @@ def _median_beam(values: Sequence[float]) -> float:
     return math.inf if 4 * len(returns) < answers else math.nan
 
 
-def laser_scan(scan: Scan, angle_min: float, angle_increment: float) -> LaserScan:
+def laser_scan(scan: Scan, grid: BeamGrid) -> LaserScan:
     """A LaserScan with the beams of a contract's scan, without times and limits.
 
     Args:
         scan: its beams, by the table above read backwards.
-        angle_min, angle_increment: radians.
+        grid: of the scenario's lidar, for angles that the scan does not say.
     """
     nothing = set(scan.no_return)
     ranges = tuple(
         math.inf if index in nothing else math.nan if value is None else value
         for index, value in enumerate(scan.ranges)
     )
-    last = angle_min + (len(ranges) - 1) * angle_increment
-    return LaserScan(Stamp(), "", angle_min, last, angle_increment, 0.0, 0.0, 0.0, 0.0, ranges)
+    first = grid.angle_min if scan.angle_min is None else scan.angle_min
+    apart = grid.angle_increment if scan.angle_increment is None else scan.angle_increment
+    return LaserScan(Stamp(), "", first, first + (len(ranges) - 1) * apart, apart, 0.0, 0.0, 0.0, 0.0, ranges)

@@ -115,11 +115,14 @@ def _information(path: Path) -> dict[str, Any]:
         raise UnreadableRecording(f"has an empty {METADATA}")
     information = told.get("rosbag2_bagfile_information") if isinstance(told, dict) else None
     names = information.get("relative_file_paths") if isinstance(information, dict) else None
-    if not isinstance(names, list) or not all(isinstance(name, str) and name for name in names):
+    if (
+        not isinstance(information, dict)
+        or not isinstance(names, list)
+        or not all(isinstance(name, str) and name for name in names)
+    ):
         raise UnreadableRecording(
             f"has a {METADATA} that is none: expected rosbag2_bagfile_information with relative_file_paths"
         )
-    assert isinstance(information, dict)  # noqa: S101 - names came out of it
     return information
 
 
