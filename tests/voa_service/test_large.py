@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.serving import data_scenario, json_of
 from voa_msgs.scenarios import Scenario, ScenarioRequest
-from voa_service.large import dumped, loads, plain, text
+from voa_service.large import blocks, dumped, loads, plain, text
 
 LEAVES = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
 VALUES = st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=30)
@@ -22,6 +22,14 @@ def test_what_is_written_in_pieces_is_what_is_written_at_once(value: object) -> 
 def test_long_lists_are_written_in_pieces_without_a_seam() -> None:
     value = {"a": [0.5] * 25_000, "b": [[1] * 10_000, [], [2] * 10_001, {}]}
     assert text(value) == json.dumps(value, separators=(",", ":"))
+
+
+def test_blocks_to_hash_are_large_enough_for_other_threads_to_wake_up_in_between() -> None:
+    value = {"a": [[0.123456789] * 4_000] * 100, "b": "end"}
+    made = list(blocks(value))
+    assert b"".join(made).decode() == text(value)
+    assert len(made) > 3
+    assert all(len(block) >= 1_000_000 for block in made[:-1])
 
 
 def test_a_scenario_is_the_same_in_steps() -> None:

@@ -115,8 +115,8 @@ def _digest(filled: ScenarioRequest) -> str:
     for name in _still_default(filled.update, _LATER_UPDATE_FIELDS):
         del content["update"][name]
     digest = hashlib.sha256()
-    for piece in large.pieces(content):
-        digest.update(piece.encode())
+    for block in large.blocks(content):
+        digest.update(block)
     return digest.hexdigest()
 
 
