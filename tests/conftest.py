@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from tests.postgres import Server, server
-from tests.scale import SCALE
-from tests.serving import Service, box_obj, data_scenario, mesh_scenario, serving
-from voa_cli.local_service import local_service
+from tests.support.postgres import Server, server
+from tests.support.scale import SCALE
+from tests.support.serving import Service, box_obj, data_scenario, mesh_scenario, serving
+from voa_client.local import local_service
 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("untimed")

@@ -13,10 +13,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from voa_cli.local_service import service_at
-from voa_cli.scenario_file import load_with_warnings
 from voa_cli.warnings import print_warnings
 from voa_client import VoaClientError
+from voa_client.local import service_at
+from voa_client.scenario_files import load_with_warnings
 from voa_msgs.warnings import Warnings
 
 

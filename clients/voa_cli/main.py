@@ -18,13 +18,13 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
-    "demo": Command("voa_fleet.commands.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
+    "demo": Command("voa_cli.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
     "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
     "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
-    "evaluate": Command("voa_fleet.commands.evaluate", "the paper's evaluations, simulated or recorded", "fleet"),
-    "fleet": Command("voa_fleet.commands.fleet", "simulated robots as customers of the service", "fleet"),
+    "evaluate": Command("voa_cli.evaluate.command", "the paper's evaluations, simulated or recorded", "fleet"),
+    "fleet": Command("voa_cli.fleet", "simulated robots as customers of the service", "fleet"),
     "check": Command("voa_cli.check", "say what is probably wrong with a scenario file", "cli"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
@@ -59,7 +59,7 @@ def _run(name: str, rest: list[str]) -> int:
     try:
         code: int = importlib.import_module(command.module).main(rest)
     except ModuleNotFoundError as error:
-        from voa_client.installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
+        from voa_client._installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
 
         print(f"voa {name}: no {error.name}; install it with: {install_hint(command.extra)}", file=sys.stderr)
         return 1

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from voa_assets import path as asset_path
 from voa_cli.pictures import before_and_after
-from voa_cli.scenario_file import load_scenario
 from voa_client import Client
+from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import PredictionsRequest
 from voa_msgs.sessions import Scan, ScanRequest, Session, SessionRequest, UpdatedSession
 

@@ -27,18 +27,18 @@ from rich.console import Console
 from rich.status import Status
 from rich.text import Text
 
-from voa_cli.limits import most_beams
-from voa_cli.recording import status
-from voa_cli.recording.bridges import announced
-from voa_cli.recording.filing import Filing
-from voa_cli.recording.histories import Histories
-from voa_cli.recording.inbox import Inbox
-from voa_cli.recording.listening import Wanted, listening
-from voa_cli.recordings.ros_types import RosTypes
-from voa_cli.recordings.writer import RecordingWriter
-from voa_cli.zenoh_session import address_of, joined
+from voa_cli import recording_status as status
 from voa_client import Client, VoaClientError
+from voa_client.zenoh_session import address_of, joined
 from voa_msgs.keys import Keys
+from voa_recordings.files.ros_types import RosTypes
+from voa_recordings.files.writer import RecordingWriter
+from voa_recordings.limits import most_beams
+from voa_recordings.recorder.bridges import announced
+from voa_recordings.recorder.filing import Filing
+from voa_recordings.recorder.histories import Histories
+from voa_recordings.recorder.inbox import Inbox
+from voa_recordings.recorder.listening import Wanted, listening
 
 DEFAULT_URL = "zenoh://127.0.0.1:7447"
 _FLUSH_S = 0.5

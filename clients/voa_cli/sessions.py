@@ -19,10 +19,10 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
-from voa_cli.local_service import BRIEFLY
 from voa_client import Client, VoaClientError
+from voa_client.local import BRIEFLY
 from voa_client.readable import bar, scale, share
-from voa_client.session_file import export_session
+from voa_recordings.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
 _BAR = 30

@@ -3,11 +3,11 @@
 Needs pydantic and an HTTP library, for Zenoh its library too; never numpy.
 """
 
-from voa_client.arm import ArmClient, AsyncArmClient
-from voa_client.async_client import AsyncClient
-from voa_client.attempts import Retries
-from voa_client.client import Client
-from voa_client.errors import (
+from voa_client._arm import ArmClient, AsyncArmClient
+from voa_client._async_client import AsyncClient
+from voa_client._attempts import Retries
+from voa_client._client import Client
+from voa_client._errors import (
     ConflictError,
     DeniedError,
     InvalidRequestError,
@@ -23,7 +23,7 @@ from voa_client.errors import (
     VoaClientError,
     WireVersionError,
 )
-from voa_client.sensor import AsyncSensorClient, SensorClient
+from voa_client._sensor import AsyncSensorClient, SensorClient
 
 __all__ = [
     "ArmClient",

@@ -12,19 +12,18 @@ from threadpoolctl import threadpool_limits
 
 from voa_assets import lidar_presets
 from voa_msgs.lidars import LidarPreset
-from voa_service.cache import Cache
-from voa_service.changes import Changes
-from voa_service.compute import Threads, WorkQueue
-from voa_service.feeds import Feeds
-from voa_service.memory import MemoryBudget, budget, find, processors
+from voa_service.mapping.models import Models
 from voa_service.meshes.reader import SubprocessMeshReader
-from voa_service.metrics import Metrics
-from voa_service.models import Models
 from voa_service.ports import Clock, IdSource
-from voa_service.reading import Reader
+from voa_service.requests.reading import Reader
+from voa_service.runtime.cache import Cache
+from voa_service.runtime.changes import Changes
+from voa_service.runtime.feeds import Feeds
+from voa_service.runtime.memory import MemoryBudget, budget, find, processors
+from voa_service.runtime.metrics import Metrics
+from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.services import Services
 from voa_service.settings import MEBIBYTE, Settings
-from voa_service.store.starting import open_store
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.following import versions_since
 from voa_service.usecases.health import HealthCheck
@@ -33,6 +32,7 @@ from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
+from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
 _PROBES_WAITING = 32

@@ -20,14 +20,15 @@ from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
-from voa_service import bootstrap, logs
+from voa_service import bootstrap
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
 from voa_service.http.connections.guard import Guard
+from voa_service.runtime import logs
+from voa_service.runtime.stopping import Deadline, Server
 from voa_service.settings import Settings, ZenohSettings
-from voa_service.stopping import Deadline, Server
-from voa_service.store.starting import CannotOpen
 from voa_service.zenoh.entry import on_zenoh
+from voa_store.starting import CannotOpen
 
 _COLLECT_AFTER = 50_000
 """Lists, objects and the like that are new since the last collection."""

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from voa_service.changes import Changes
-from voa_service.compute import WorkQueue
-from voa_service.feeds import Feeds
-from voa_service.metrics import Metrics
-from voa_service.reading import Reader
+from voa_service.requests.reading import Reader
+from voa_service.runtime.changes import Changes
+from voa_service.runtime.feeds import Feeds
+from voa_service.runtime.metrics import Metrics
+from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck

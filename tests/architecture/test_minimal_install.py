@@ -70,7 +70,7 @@ def test_client_and_messages_import_and_bring_nothing_heavy(python: Path) -> Non
 def test_the_base_install_talks_to_a_service(python: Path, process: str, capsys: pytest.CaptureFixture[str]) -> None:
     program = (
         "from voa_client import Client\n"
-        "from voa_client.footprint import main\n"
+        "from tests.benchmarks.footprint import main\n"
         f"with Client({process!r}) as client:\n"
         "    assert client.lidars().items\n"
         "    print(client.health().status)\n"

@@ -21,11 +21,11 @@ from zenoh import Encoding
 
 from tests.benchmarks.bare_queryable import KEY
 from tests.benchmarks.measure import Result, require
-from tests.routers import REPOSITORY, router
-from tests.serving import data_scenario
-from tests.waiting import wait_for
-from voa_cli.local_service import running
+from tests.support.routers import REPOSITORY, router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from voa_client import Client
+from voa_client.local import running
 from voa_msgs.keys import Keys
 from voa_msgs.links import session_config
 from voa_msgs.scenarios import ScenarioRequest

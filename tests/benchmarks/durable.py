@@ -18,15 +18,16 @@ import numpy as np
 import psycopg
 from starlette.testclient import TestClient
 
-from tests import postgres
 from tests.benchmarks.measure import Result
 from tests.benchmarks.service import post, scan_of, scenario_of
+from tests.support import postgres
 from voa_msgs.sessions import ScanRequest
-from voa_service import bootstrap, logs
+from voa_service import bootstrap
 from voa_service.http.app import create_app
 from voa_service.ports import Write
+from voa_service.runtime import logs
 from voa_service.settings import Settings
-from voa_service.store.drivers import sqlite_driver
+from voa_store.drivers import sqlite_driver
 
 _POSES, _UPDATES, _ROUNDS, _WRITERS = 500, 40, 5, 16
 _REPORT = '{"accepted":true}' + 150 * " "

@@ -20,7 +20,7 @@ import numpy as np
 
 from tests.benchmarks import scene
 from tests.benchmarks.measure import Result
-from voa_cli.local_service import Running, running
+from voa_client.local import Running, running
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _ROUNDS, _REQUESTS = 5, 40

@@ -14,9 +14,9 @@ from urllib.parse import urlsplit
 import zenoh
 
 from tests.chaos.attack import Attack, Outcome
-from tests.routers import router
-from tests.serving import data_scenario
-from voa_cli.local_service import Running, running
+from tests.support.routers import router
+from tests.support.serving import data_scenario
+from voa_client.local import Running, running
 from voa_msgs.keys import Keys
 
 _POLL_SECONDS = 0.01

@@ -17,12 +17,12 @@ from pathlib import Path
 import httpx2
 from zenoh import Encoding
 
-from tests.bus import Stranger, stranger
 from tests.chaos.attack import Attack, Outcome
-from tests.replicas import Replica, replicas
-from tests.routers import router
-from tests.serving import data_scenario
-from tests.waiting import wait_for
+from tests.support.bus import Stranger, stranger
+from tests.support.replicas import Replica, replicas
+from tests.support.routers import router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from voa_client import ArmClient, Client
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, Session, SessionRequest

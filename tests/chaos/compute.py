@@ -15,9 +15,9 @@ import httpx2
 
 from tests.benchmarks.service import post, scenario_of
 from tests.chaos.attack import Attack, Outcome
-from tests.replicas import Replica, replicas
-from tests.serving import data_scenario, scan_of
-from tests.waiting import wait_for
+from tests.support.replicas import Replica, replicas
+from tests.support.serving import data_scenario, scan_of
+from tests.support.waiting import wait_for
 
 _RANKINGS = 18
 _POSES = 1_500

@@ -16,8 +16,8 @@ import httpx2
 
 from tests.chaos.attack import Attack, Outcome
 from tests.chaos.connection_tools import Server, head, posting, server, status, together
-from tests.serving import box_obj, data_scenario, mesh_scenario, scan_of
-from tests.waiting import wait_for
+from tests.support.serving import box_obj, data_scenario, mesh_scenario, scan_of
+from tests.support.waiting import wait_for
 
 _HEADER_MEGABYTES = 100
 _BODIES = 45

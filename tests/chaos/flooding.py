@@ -11,7 +11,7 @@ import time
 
 from zenoh import Encoding
 
-from tests.bus import stranger
+from tests.support.bus import stranger
 
 
 def main(endpoint: str, key: str, seconds: float) -> int:

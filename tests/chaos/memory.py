@@ -13,9 +13,9 @@ import httpx2
 
 from tests.benchmarks.service import post, scenario_of
 from tests.chaos.attack import Attack, Outcome
-from tests.replicas import Replica
-from tests.serving import box_obj, data_scenario, scan_of
-from tests.waiting import wait_for
+from tests.support.replicas import Replica
+from tests.support.serving import box_obj, data_scenario, scan_of
+from tests.support.waiting import wait_for
 
 _LIMIT = 2**30
 _UPLOADS, _SCANS = 8, 60

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import httpx2
 
-from tests.replicas import Replica
-from tests.serving import data_scenario, scan_of
+from tests.support.replicas import Replica
+from tests.support.serving import data_scenario, scan_of
 
 _TIMEOUT = 120.0
 

@@ -13,9 +13,9 @@ import httpx2
 
 from tests.chaos.attack import Attack, Outcome
 from tests.chaos.small_service import client, opened, scan, service
-from tests.serving import data_scenario
-from tests.waiting import wait_for
-from voa_service.store.drivers import sqlite_driver
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
+from voa_store.drivers import sqlite_driver
 
 _VERSIONS = 100_000
 _SPAN_S = 3.0

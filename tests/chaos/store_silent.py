@@ -13,11 +13,11 @@ import httpx2
 
 from tests.chaos.attack import Attack, Outcome
 from tests.chaos.small_service import client, opened, scan, service
-from tests.postgres import server
-from tests.proxy import wire
-from tests.replicas import Replica
-from tests.serving import data_scenario
-from tests.waiting import wait_for
+from tests.support.postgres import server
+from tests.support.proxy import wire
+from tests.support.replicas import Replica
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 
 _BOUND_S = 10.0
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.quiet_robot import QuietRobot
-from tests.serving import (
+from tests.support.quiet_robot import QuietRobot
+from tests.support.serving import (
     LIDAR,
     PREDICTIONS,
     Json,

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.contract.test_bad_input import check_problem
-from tests.serving import Service, box_obj, serving
-from tests.voa_service.meshes.files import POINTS, ascii_ply, binary_stl, obj
+from tests.support.serving import Service, box_obj, serving
+from tests.voa_meshes.files import POINTS, ascii_ply, binary_stl, obj
 from voa_service.settings import Limits
 
 BOX = box_obj()

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from tests.contract.test_bad_input import CASES, LIMITS, Case, World, filled, some_world
-from tests.serving import json_of, scan_of
-from voa_service.rpc import Rpc
+from tests.support.serving import json_of, scan_of
+from voa_service.rpc.methods import Rpc
 
 METHODS = (
     (r"/v1/scenarios", "POST", "scenario.create"),

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.quiet_robot import QuietRobot
-from tests.serving import Json, Service, data_scenario, serving
+from tests.support.quiet_robot import QuietRobot
+from tests.support.serving import Json, Service, data_scenario, serving
 from voa_client import Client, ConflictError, InvalidRequestError
-from voa_client.http import HttpTransport
+from voa_client._http import HttpTransport
 from voa_msgs.robots import RobotReport
 from voa_msgs.sessions import SessionRequest
-from voa_service.writes import ANYONE, idempotency_key
+from voa_service.requests.idempotency import ANYONE, idempotency_key
 
 ROBOT = "tb3_1"
 

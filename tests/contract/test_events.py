@@ -11,9 +11,9 @@ from typing import NamedTuple
 import httpx2
 import pytest
 
-from tests.postgres import Server
-from tests.replicas import Replica, replicas
-from tests.serving import Json, data_scenario, scan_of
+from tests.support.postgres import Server
+from tests.support.replicas import Replica, replicas
+from tests.support.serving import Json, data_scenario, scan_of
 
 TIMEOUT = 120.0
 END_SECONDS = 2.0

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
-from tests import twin
-from tests.serving import (
+from tests.support import twin
+from tests.support.serving import (
     LIDAR,
     POSES,
     PREDICTIONS,

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from tests.serving import Json, Service, as_scan, box_obj, mesh_scenario
+from tests.support.serving import Json, Service, as_scan, box_obj, mesh_scenario
 
 RULES: list[Json] = [
     {"rule": "margin"},

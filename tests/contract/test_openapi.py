@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.serving import Json, Service, serving
+from tests.support.serving import Json, Service, serving
 from voa_service.settings import Limits
 
 LIMITS = Limits(beams=11, poses=12, sensors=13, grasps=14)

@@ -9,11 +9,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.scale import scaled
+from tests.support.scale import scaled
 from voa_assets import path as asset_path
-from voa_cli.local_service import running
-from voa_cli.scenario_file import load_scenario
 from voa_client import Client
+from voa_client.local import running
+from voa_client.scenario_files import load_scenario
 from voa_msgs.sessions import SessionRequest
 
 CONFIGURATION = Path(__file__).with_name("schemathesis.toml")

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import Json, Service, data_scenario, json_of, scan_of
+from tests.support.serving import Json, Service, data_scenario, json_of, scan_of
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Session, SessionRequest
 from voa_service.bootstrap import services
+from voa_service.requests.idempotency import ANYONE, idempotency_key, write_of
 from voa_service.services import Services
 from voa_service.settings import Settings
-from voa_service.writes import ANYONE, idempotency_key, write_of
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 GOOD = scan_of([0.52, 0.5, None, 1.0])

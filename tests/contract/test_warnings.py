@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from tests.serving import Json, Service, as_scan, box_obj, data_scenario, mesh_scenario
+from tests.support.serving import Json, Service, as_scan, box_obj, data_scenario, mesh_scenario
 from voa_msgs.warnings import Warnings
-from voa_service import models
+from voa_service.mapping import models
 
 TABLE = {"min": [-0.1, -0.1], "max": [0.1, 0.1]}
 FLOATING = [

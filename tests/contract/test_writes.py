@@ -19,8 +19,8 @@ from typing import NamedTuple
 import httpx2
 import pytest
 
-from tests.replicas import Replica, replicas
-from tests.serving import Json, data_scenario, scan_of
+from tests.support.replicas import Replica, replicas
+from tests.support.serving import Json, data_scenario, scan_of
 
 AT_ONCE = 4
 TIMEOUT = 120.0

@@ -44,7 +44,7 @@ def test_the_service_is_built_from_the_dockerfile_and_keeps_its_health_check(fil
 
 
 def test_the_build_stops_on_an_sqlite_that_can_lose_commits() -> None:
-    assert "python -m voa_service.store.drivers" in DOCKERFILE
+    assert "python -m voa_store.drivers" in DOCKERFILE
 
 
 @pytest.mark.parametrize("file", FILES)

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from tests.deploy.readme import README, REPOSITORY, Command, agrees, blocks, commands
-from tests.scale import scaled
-from tests.serving import as_scan
+from tests.support.scale import scaled
+from tests.support.serving import as_scan
 from voa_cli.main import main
-from voa_cli.scenario_file import load_scenario
 from voa_client import Client
+from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import PredictionsRequest
 from voa_msgs.sessions import OutcomeRequest, Scan, SessionRequest
 

@@ -15,14 +15,14 @@ from typing import Any
 import httpx2
 from zenoh import ConsolidationMode, Encoding, QueryTarget
 
-from tests.bus import Stranger, stranger
-from tests.postgres import Server
-from tests.proxy import wire
-from tests.replicas import Replica, replicas
-from tests.routers import REPOSITORY, router
-from tests.scale import scaled
-from tests.serving import Json, data_scenario, scan_of
-from tests.waiting import wait_for
+from tests.support.bus import Stranger, stranger
+from tests.support.postgres import Server
+from tests.support.proxy import wire
+from tests.support.replicas import Replica, replicas
+from tests.support.routers import REPOSITORY, router
+from tests.support.scale import scaled
+from tests.support.serving import Json, data_scenario, scan_of
+from tests.support.waiting import wait_for
 from voa_client import Client
 from voa_msgs.sessions import ScanRequest
 
@@ -60,7 +60,7 @@ class Robots:
 
     def __init__(self, file: Path, robots: list[tuple[str, str]]) -> None:
         self._file = file
-        command = [sys.executable, "-m", "tests.scripted_robots", str(file)]
+        command = [sys.executable, "-m", "tests.support.scripted_robots", str(file)]
         self.process = subprocess.Popen([*command, *(f"{url}={session}" for url, session in robots)], cwd=REPOSITORY)
 
     def answered(self) -> Counter[str]:

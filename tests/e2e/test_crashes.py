@@ -18,20 +18,20 @@ from typing import NamedTuple
 import httpx2
 import pytest
 
-from tests.postgres import Server
-from tests.replicas import replicas
-from tests.scale import SCALE, scaled
-from tests.serving import Json, data_scenario, scan_of
+from tests.support.postgres import Server
+from tests.support.replicas import replicas
+from tests.support.scale import SCALE, scaled
+from tests.support.serving import Json, data_scenario, scan_of
 from voa_core.filtering import Belief
 from voa_core.grasps import log_outcome_weights
 from voa_core.scenario import Scenario
 from voa_core.updating import update, update_by_outcome
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest
-from voa_service.cache import Cache
-from voa_service.models import Models
+from voa_service.mapping.models import Models
 from voa_service.ports import HistoryEntry, Store
-from voa_service.store.sql import SqlStore
+from voa_service.runtime.cache import Cache
 from voa_service.usecases.sessions import evidence_of
+from voa_store.sql import SqlStore
 
 SESSIONS = scaled(10, 100)
 WRITERS = scaled(4, 16)
@@ -226,7 +226,7 @@ def assert_not_ready(answer: httpx2.Response) -> None:
 
 def assert_checksums_are_right(database_url: str) -> None:
     """Every version of every session is as it was written, for a program that reads the database alone."""
-    command = [sys.executable, "-m", "voa_service.store.verify", "-"]
+    command = [sys.executable, "-m", "voa_store.verify", "-"]
     done = subprocess.run(command, input=database_url, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout or done.stderr
 

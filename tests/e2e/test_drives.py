@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 from zenoh import CongestionControl
 
-from tests.bus import Stranger, stranger
-from tests.drives import (
+from tests.support.bus import Stranger, stranger
+from tests.support.drives import (
     ODOM,
     SCAN,
     START_S,
@@ -32,14 +32,14 @@ from tests.drives import (
     restamped,
     scenario,
 )
-from tests.lidar_drivers import DRIVERS, flicker, lost_packets
-from tests.routers import Router, router
+from tests.support.lidar_drivers import DRIVERS, flicker, lost_packets
+from tests.support.routers import Router, router
+from tests.support.waiting import wait_for
 from tests.voa_cli.labs import Lab, service_on
-from tests.waiting import wait_for
 from voa_cli.main import main
-from voa_cli.recordings.reading import Recording
-from voa_cli.recordings.ros_types import RosTypes
 from voa_msgs.sessions import ScanRequest
+from voa_recordings.files.reading import Recording
+from voa_recordings.files.ros_types import RosTypes
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.topics import LASER_SCAN, ODOMETRY, rmw_key
 

@@ -19,14 +19,14 @@ from typing import Any
 import httpx2
 from zenoh import CongestionControl
 
-from tests.bus import Stranger, stranger
-from tests.drives import ODOM, SCAN, START_S, Drive, Put, around, box, published, restamped, scenario
-from tests.lidar_drivers import DRIVERS
-from tests.postgres import Server
-from tests.replicas import Replica, replicas
-from tests.routers import Router, router
-from tests.scale import scaled
-from tests.waiting import wait_for
+from tests.support.bus import Stranger, stranger
+from tests.support.drives import ODOM, SCAN, START_S, Drive, Put, around, box, published, restamped, scenario
+from tests.support.lidar_drivers import DRIVERS
+from tests.support.postgres import Server
+from tests.support.replicas import Replica, replicas
+from tests.support.routers import Router, router
+from tests.support.scale import scaled
+from tests.support.waiting import wait_for
 from voa_ros.cdr import encode_laser_scan
 from voa_ros.messages import LaserScan, Stamp
 

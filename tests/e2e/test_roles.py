@@ -10,11 +10,11 @@ from typing import Any, Self
 
 import pytest
 
-from tests.replicas import replicas
-from tests.routers import router
+from tests.support.replicas import replicas
+from tests.support.routers import router
 from voa_assets import path as asset_path
-from voa_cli.scenario_file import load_scenario
 from voa_client import Client
+from voa_client.scenario_files import load_scenario
 from voa_msgs.sessions import SessionRequest
 
 SCRIPT = Path(__file__).with_name("roles.py")

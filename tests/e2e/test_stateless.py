@@ -6,7 +6,7 @@ from typing import Any
 
 import httpx2
 
-from tests.replicas import replicas
+from tests.support.replicas import replicas
 from voa_msgs import examples
 
 SECONDS = 60.0

@@ -26,8 +26,8 @@ from tests.fuzz import plain
 from tests.fuzz.mutations import BYTES, TEXT, Mutation, change_the_document
 from tests.fuzz.plain import Polygons
 from tests.fuzz.seeds import SEEDS
-from voa_service.meshes.parsing import parse
-from voa_service.meshes.triangles import Floats, Unreadable
+from voa_meshes.parsing import parse
+from voa_meshes.triangles import Floats, Unreadable
 
 _MUTATIONS: dict[str, list[Mutation]] = dict.fromkeys(("obj", "stl", "ply"), BYTES + TEXT)
 _MUTATIONS["glb"] = [*BYTES, *[change_the_document] * 6]

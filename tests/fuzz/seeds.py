@@ -1,6 +1,6 @@
 """Whole mesh files of each type, to be damaged."""
 
-from tests.voa_service.meshes.files import (
+from tests.voa_meshes.files import (
     CORNERS,
     POINTS,
     POLYGONS,

@@ -6,7 +6,7 @@ import pytest
 
 from tests.fuzz.meshes import damaged, outcome, run
 from tests.fuzz.seeds import SEEDS
-from tests.scale import scaled
+from tests.support.scale import scaled
 from voa_service.failures import Failure
 from voa_service.meshes.reader import SubprocessMeshReader
 

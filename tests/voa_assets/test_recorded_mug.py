@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests import make_recorded_mug as maker
+from tests.support import make_recorded_mug as maker
 from tests.voa_assets.mugs import lidar_of, object_of
 from voa_assets import lidar_presets, path
 from voa_core.assistance import executed_value, value_of_assistance
@@ -19,7 +19,7 @@ from voa_core.grasps import GraspTable, best_grasp
 from voa_core.lidars import SensorConfiguration
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
-from voa_core.rules import rule_of
+from voa_core.rules.rules import rule_of
 from voa_core.scans import Scan
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy, update

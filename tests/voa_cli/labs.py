@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import httpx2
 
-from tests.routers import Router
-from tests.waiting import wait_for
-from voa_cli.local_service import running
+from tests.support.routers import Router
+from tests.support.waiting import wait_for
+from voa_client.local import running
 
 
 class Lab(NamedTuple):

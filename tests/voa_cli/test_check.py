@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import box_obj, mesh_scenario
+from tests.support.serving import box_obj, mesh_scenario
 from voa_assets import path as asset
 from voa_cli.main import main
 from voa_client import Client

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.recorded import write
-from voa_cli import local_service, main
-from voa_cli.local_service import ServiceDidNotStart
+from tests.support.recorded import write
+from voa_cli import main
+from voa_client import local as local_service
+from voa_client.local import ServiceDidNotStart
 
 
 def test_an_unknown_command_is_2_and_lists_those_that_exist(capsys: pytest.CaptureFixture[str]) -> None:

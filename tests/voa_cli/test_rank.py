@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 
-from tests.serving import box_obj, changed, data_scenario, mesh_scenario
+from tests.support.serving import box_obj, changed, data_scenario, mesh_scenario
 from voa_assets import path as asset
 from voa_cli.main import main
-from voa_cli.scenario_file import load_scenario, load_with_warnings
-from voa_client import Client, InvalidRequestError, calls
+from voa_client import Client, InvalidRequestError
+from voa_client import _calls as calls
+from voa_client.scenario_files import load_scenario, load_with_warnings
 from voa_msgs.objects import Object, ObjectPage, UpAxis
 from voa_msgs.problems import Problem
 from voa_msgs.scenarios import Scenario, ScenarioRequest

@@ -9,22 +9,22 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 
-from tests.routers import router
-from tests.serving import data_scenario
+from tests.support.routers import router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from tests.voa_cli.labs import Lab, service_on
-from tests.voa_cli.recorders import messages, recording
-from tests.voa_cli.recordings.bags import START_NS, laser_scan
-from tests.waiting import wait_for
+from tests.voa_recordings.files.bags import START_NS, laser_scan
+from tests.voa_recordings.recorders import messages, recording
 from voa_cli.main import main
-from voa_cli.recordings.reading import Recording
-from voa_cli.recordings.ros_types import LASER_SCAN, RosTypes
-from voa_cli.recordings.sessions import recorded_sessions
-from voa_cli.zenoh_session import joined
 from voa_client import Client
-from voa_client.zenoh_address import ZenohAddress
+from voa_client._zenoh_address import ZenohAddress
+from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
+from voa_recordings.files.reading import Recording
+from voa_recordings.files.ros_types import LASER_SCAN, RosTypes
+from voa_recordings.files.sessions import recorded_sessions
 from voa_ros.cdr import encode_laser_scan
 from voa_ros.topics import LASER_SCAN as ROS_LASER_SCAN
 from voa_ros.topics import MessageType, RmwAttachment, rmw_key

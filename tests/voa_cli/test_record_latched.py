@@ -10,14 +10,14 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from tests.routers import Router, router
-from tests.voa_cli.recorders import messages, recording
-from tests.waiting import wait_for
-from voa_cli.recordings.reading import Recording
-from voa_cli.recordings.ros_types import RosTypes
-from voa_cli.zenoh_session import joined
-from voa_client.zenoh_address import ZenohAddress
+from tests.support.routers import Router, router
+from tests.support.waiting import wait_for
+from tests.voa_recordings.recorders import messages, recording
+from voa_client._zenoh_address import ZenohAddress
+from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
+from voa_recordings.files.reading import Recording
+from voa_recordings.files.ros_types import RosTypes
 from voa_ros.cdr import encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, rmw_key

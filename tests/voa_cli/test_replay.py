@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from tests.recorded import Row, expected, experiment, rows, write
+from tests.support.recorded import Row, expected, experiment, rows, write
 from voa_assets import path as asset
 from voa_cli.main import main
-from voa_cli.replay.figures import percentile
+from voa_recordings.replay.figures import percentile
 
 MUG = asset("experiments/mug")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))

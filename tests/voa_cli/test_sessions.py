@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.quiet_robot import QuietRobot
-from tests.serving import Service, data_scenario
+from tests.support.quiet_robot import QuietRobot
+from tests.support.serving import Service, data_scenario
 from voa_assets import path as asset_path
 from voa_cli import sessions
 from voa_cli.main import main
-from voa_cli.scenario_file import load_scenario
 from voa_client import Client
-from voa_client.in_process import InProcessTransport
-from voa_client.session_file import export_session, read_session_file, replay_session
+from voa_client._in_process import InProcessTransport
+from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
-from voa_service.rpc import Rpc
+from voa_recordings.session_file import export_session, read_session_file, replay_session
+from voa_service.rpc.methods import Rpc
 
 MUG = asset_path("mug")
 

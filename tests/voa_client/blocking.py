@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Any, Self, cast
 
 from voa_client import ArmClient, AsyncArmClient, AsyncClient, AsyncSensorClient, Client, SensorClient
-from voa_client.transport import AsyncTransport
+from voa_client._transport import AsyncTransport
 
 
 class Blocking:

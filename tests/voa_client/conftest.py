@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.routers import Router, router
-from tests.serving import Service, box_obj, data_scenario, serving
+from tests.support.routers import Router, router
+from tests.support.serving import Service, box_obj, data_scenario, serving
 from tests.voa_client.blocking import blocking
-from voa_cli.local_service import running
 from voa_client import Client
-from voa_client.in_process import AsyncInProcessTransport, InProcessTransport
+from voa_client._in_process import AsyncInProcessTransport, InProcessTransport
+from voa_client.local import running
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import SessionRequest
-from voa_service.rpc import Rpc
+from voa_service.rpc.methods import Rpc
 
 
 @dataclass(frozen=True)

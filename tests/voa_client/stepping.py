@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tests.voa_client.test_attempts import SESSION, problem
-from voa_client.answers import Reply
-from voa_client.attempts import Patience
-from voa_client.errors import VoaClientError
-from voa_client.following import Ask, Following, Pause, Result, Wait, taken
-from voa_client.mailbox import Batch
-from voa_client.transport import Deleted, Lost, State
+from voa_client._answers import Reply
+from voa_client._attempts import Patience
+from voa_client._errors import VoaClientError
+from voa_client._following import Ask, Following, Pause, Result, Wait, taken
+from voa_client._mailbox import Batch
+from voa_client._transport import Deleted, Lost, State
 from voa_msgs.sessions import Session
 
 ID = "s"

@@ -25,10 +25,10 @@ from voa_client import (
     VoaClientError,
     WireVersionError,
 )
-from voa_client.answers import Reply
-from voa_client.attempts import Patience
-from voa_client.calls import Call
-from voa_client.transport import Tell
+from voa_client._answers import Reply
+from voa_client._attempts import Patience
+from voa_client._calls import Call
+from voa_client._transport import Tell
 from voa_msgs import WIRE_VERSION
 from voa_msgs.sessions import BeliefRequest
 

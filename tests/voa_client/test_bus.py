@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 from zenoh import Encoding
 
-from tests.bus import Stranger, stranger
-from tests.routers import Router, router
-from tests.serving import data_scenario
+from tests.support.bus import Stranger, stranger
+from tests.support.routers import Router, router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from tests.voa_client.blocking import blocking, role_of
 from tests.voa_client.test_following import MOVE, SECONDS, Follower, opened
-from tests.waiting import wait_for
-from voa_cli.local_service import running
 from voa_client import Client
+from voa_client.local import running
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, SessionRequest
 

@@ -7,8 +7,9 @@ from typing import Any, get_type_hints
 
 import pytest
 
-from voa_client import UsageError, calls
-from voa_client.calls import Call
+from voa_client import UsageError
+from voa_client import _calls as calls
+from voa_client._calls import Call
 from voa_msgs.objects import Object, ObjectPage, ObjectUpload
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import ClaimRequest

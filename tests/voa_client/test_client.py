@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from tests.serving import data_scenario
+from tests.support.serving import data_scenario
 from voa_client import Client, ProblemError, Retries, UnavailableError, UnreachableError
 from voa_msgs.rankings import RankingRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import data_scenario, mesh_scenario
+from tests.support.serving import data_scenario, mesh_scenario
 from tests.voa_client.blocking import is_blocking, role_of
 from voa_client import (
     Client,

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.replicas import Replica, replicas
-from tests.routers import Router, router
-from tests.serving import data_scenario
+from tests.support.replicas import Replica, replicas
+from tests.support.routers import Router, router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from tests.voa_client.blocking import blocking
 from tests.voa_client.stepping import Service
 from tests.voa_client.test_attempts import problem
-from tests.waiting import wait_for
-from voa_cli.local_service import running
 from voa_client import AsyncClient, Client, NotFoundError, Retries, UnavailableError, UnreachableError, UsageError
-from voa_client.attempts import TIMEOUT_S
-from voa_client.errors import refusal
-from voa_client.transport import Lost
+from voa_client._attempts import TIMEOUT_S
+from voa_client._errors import refusal
+from voa_client._transport import Lost
+from voa_client.local import running
 from voa_msgs.problems import Problem
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, Session, SessionRequest

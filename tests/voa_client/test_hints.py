@@ -7,10 +7,10 @@ import pytest
 from tests.voa_client.stepping import POLL_S, Service, body, hints, news
 from tests.voa_client.test_attempts import problem
 from voa_client import NotFoundError, Retries, UnexpectedAnswerError, UnreachableError, WireVersionError
-from voa_client.answers import Reply, check, made_up
-from voa_client.following import GRACE_S, PAUSE_S
-from voa_client.mailbox import Batch
-from voa_client.transport import Deleted, Lost, State
+from voa_client._answers import Reply, check, made_up
+from voa_client._following import GRACE_S, PAUSE_S
+from voa_client._mailbox import Batch
+from voa_client._transport import Deleted, Lost, State
 from voa_msgs.sessions import Session
 
 FORGED = 10**12

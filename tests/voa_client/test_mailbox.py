@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from tests.voa_client.stepping import body
-from voa_client.mailbox import MOST_BODIES, MOST_BYTES, MOST_NEWS, MOST_VERSIONS, AsyncMailbox, Batch, Mailbox
-from voa_client.transport import Deleted, Hint, News, State
+from voa_client._mailbox import MOST_BODIES, MOST_BYTES, MOST_NEWS, MOST_VERSIONS, AsyncMailbox, Batch, Mailbox
+from voa_client._transport import Deleted, Hint, News, State
 
 SECONDS = 30.0
 

@@ -12,10 +12,10 @@ import pytest
 
 import voa_client
 from voa_client import ArmClient, AsyncArmClient, AsyncClient, AsyncSensorClient, Client, SensorClient, UsageError
-from voa_client.http import AsyncHttpTransport, HttpTransport
-from voa_client.in_process import AsyncInProcessTransport, InProcessTransport
-from voa_client.transport import AsyncTransport, Transport
-from voa_client.zenoh import AsyncZenohTransport, ZenohTransport
+from voa_client._http import AsyncHttpTransport, HttpTransport
+from voa_client._in_process import AsyncInProcessTransport, InProcessTransport
+from voa_client._transport import AsyncTransport, Transport
+from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
 
 TWINS: list[tuple[type[Any], type[Any]]] = [
     (Client, AsyncClient),
@@ -58,7 +58,7 @@ def test_every_method_of_a_twin_is_awaited_or_iterated(sync: type[Any], twin: ty
 
 def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
     names = [f"voa_client.{module.name}" for module in pkgutil.iter_modules(voa_client.__path__)]
-    assert "voa_client.zenoh" in names
+    assert "voa_client._zenoh" in names
     program = (
         "import sys, importlib\n"
         "sys.modules['zenoh'] = None\n"

@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 import zenoh
 
-from tests.routers import Router, router
+from tests.support.routers import Router, router
 from tests.voa_client.blocking import blocking
 from tests.voa_client.test_attempts import SESSION, problem
 from voa_client import Client, OverloadedError, Retries, TimedOutError, UnreachableError, UsageError, WireVersionError
-from voa_client.zenoh_address import ZenohAddress
-from voa_client.zenoh_link import config
+from voa_client._zenoh_address import ZenohAddress
+from voa_client._zenoh_link import config
 from voa_msgs.keys import Attachment
 from voa_msgs.links import session_config
 from voa_msgs.sessions import BeliefRequest

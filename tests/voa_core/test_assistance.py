@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests import twin
+from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, random_belief
 from voa_core import assistance
 from voa_core.assistance import Assistance, executed_value, value_of_assistance
@@ -12,7 +12,7 @@ from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.prediction import Prediction
-from voa_core.rules import rule_of
+from voa_core.rules.rules import rule_of
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from tests import twin
+from tests.support import twin
 from tests.voa_core.worlds import (
     BOX_FACES,
     HERE,

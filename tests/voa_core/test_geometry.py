@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.twin import rotation_of
+from tests.support.twin import rotation_of
 from voa_core.errors import InvalidInput
 from voa_core.geometry import matrices_of_quaternions, quaternion_of_matrix, turn, upright_rotation
 

@@ -10,7 +10,7 @@ from voa_core.grasps import Choice, GraspTable
 from voa_core.lidars import SensorConfiguration
 from voa_core.prediction import Prediction
 from voa_core.ranking import Ranking, rank
-from voa_core.rules import rule_of
+from voa_core.rules.rules import rule_of
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from tests import twin
 from tests.fuzz import beams
+from tests.support import twin
 from tests.voa_core.worlds import BOX_FACES, UPRIGHT, box, lidar_of, scanned, standing
 from voa_core.checks import Floats
 from voa_core.cutting import Contours

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests import twin
+from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, lidar_of, parameters_of
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput, UnknownName
-from voa_core.rules import RULES, Beam, coded, defaults, rule_of, squared_distance
+from voa_core.rules.rules import RULES, Beam, coded, defaults, rule_of, squared_distance
 
 INF = math.inf
 LIDAR = lidar_of(8, range_max=2.0)

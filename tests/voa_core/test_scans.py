@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests import twin
+from tests.support import twin
 from tests.voa_core.worlds import lidar_of
 from voa_core.errors import InvalidInput
 from voa_core.lidars import BeamGrid, SensorConfiguration

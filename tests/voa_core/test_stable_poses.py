@@ -7,7 +7,7 @@ import trimesh
 from numpy.typing import NDArray
 from shapely.geometry import Point
 
-from tests.twin import rotation_of
+from tests.support.twin import rotation_of
 from tests.voa_core.worlds import BOX_FACES, box
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput

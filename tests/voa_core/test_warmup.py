@@ -17,7 +17,7 @@ def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.Mo
             met.add((name, str(getattr(arguments[0], "dtype", None))))
             plain(*arguments)  # type: ignore[operator]
 
-        monkeypatch.setattr(f"voa_core.rules.{name}", spying)
+        monkeypatch.setattr(f"voa_core.rules.rules.{name}", spying)
     warmup.warm_up()
     assert met == {(name, dtype) for name in KERNELS for dtype in ("float32", "float64")}
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests import twin
+from tests.support import twin
 from voa_core.errors import InvalidInput
 from voa_core.lidars import SensorConfiguration
 from voa_core.workspace import Workspace

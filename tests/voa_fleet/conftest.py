@@ -2,9 +2,9 @@
 
 import pytest
 
-from voa_fleet.arm import GraspPlan, plan_grasp
-from voa_fleet.objects import OBJECTS, FleetObject, named_object
-from voa_fleet.world import World, build_world
+from voa_fleet.world.kinematics import GraspPlan, plan_grasp
+from voa_fleet.world.objects import OBJECTS, FleetObject, named_object
+from voa_fleet.world.scene import World, build_world
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
-from tests.serving import box_obj, data_scenario, mesh_scenario, scan_of
+from tests.support.serving import box_obj, data_scenario, mesh_scenario, scan_of
 from voa_msgs import examples
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.reading import InvalidMessage, read_json, read_message

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.lidar_drivers import DRIVERS, Scene, flicker, lost_packets
-from tests.lidar_drivers.driver import Turn
-from tests.lidar_drivers.scene import Floats
+from tests.support.lidar_drivers import DRIVERS, Scene, flicker, lost_packets
+from tests.support.lidar_drivers.driver import Turn
+from tests.support.lidar_drivers.scene import Floats
 from voa_assets import lidar_presets
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan
 from voa_ros.messages import LaserScan

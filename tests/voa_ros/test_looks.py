@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scale import scaled
+from tests.support.scale import scaled
 from tests.voa_ros.ros_messages import scan, scans
 from voa_msgs.base import Message
 from voa_msgs.geometry import UncertainSensorPose

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scale import scaled
+from tests.support.scale import scaled
 from tests.voa_ros.parking import (
     DRIVING_AT_S,
     PARKED_AT_S,

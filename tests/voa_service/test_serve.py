@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from voa_cli.local_service import local_service
+from voa_client.local import local_service
 from voa_service.serve import main
 from voa_service.settings import Limits, Settings
 

@@ -9,7 +9,7 @@ from typing import Any
 from voa_cli.doctor.findings import Finding
 
 Verify = Callable[[str], str]
-"""Reads a database and returns what was found, as the JSON of `voa_service.store.verify`."""
+"""Reads a database and returns what was found, as the JSON of `voa_store.verify`."""
 
 _CHECK = "database"
 _MOST_LISTED = 5
@@ -17,8 +17,8 @@ _RESTORE = "check the disk, and restore a backup; a damaged session can be delet
 
 
 def verify_in_process(url: str) -> str:
-    """Verify a database by `python -m voa_service.store.verify`; the URL, which may hold a password, goes by stdin."""
-    command = [sys.executable, "-m", "voa_service.store.verify", "-"]
+    """Verify a database by `python -m voa_store.verify`; the URL, which may hold a password, goes by stdin."""
+    command = [sys.executable, "-m", "voa_store.verify", "-"]
     done = subprocess.run(command, input=url, capture_output=True, text=True, check=False)  # noqa: S603 - ours
     return done.stdout or json.dumps({"error": done.stderr.strip().rpartition("\n")[2] or "the check did not run"})
 

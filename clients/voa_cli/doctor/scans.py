@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from voa_cli.doctor.findings import Finding
-from voa_cli.limits import BEAMS
+from voa_recordings.limits import BEAMS
 from voa_ros.grids import BeamGrid, same_grid
 from voa_ros.messages import LaserScan, header_contradiction
 from voa_ros.robots import RobotMapping

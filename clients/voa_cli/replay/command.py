@@ -22,15 +22,16 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from voa_cli.local_service import service_at
-from voa_cli.recordings.message import UnreadableRecording
-from voa_cli.recordings.reading import Recording, is_recording
-from voa_cli.recordings.ros_types import RosTypes
-from voa_cli.recordings.sessions import recorded_sessions
-from voa_cli.replay import experiments, looks, looks_report, recordings, session_files
-from voa_cli.replay.figures import distance_from_expected
+from voa_cli.replay import looks_report
 from voa_client import VoaClientError
-from voa_client.recorded import read_experiment
+from voa_client.local import service_at
+from voa_recordings.experiment import read_experiment
+from voa_recordings.files.message import UnreadableRecording
+from voa_recordings.files.reading import Recording, is_recording
+from voa_recordings.files.ros_types import RosTypes
+from voa_recordings.files.sessions import recorded_sessions
+from voa_recordings.replay import experiments, looks, recordings, session_files
+from voa_recordings.replay.figures import distance_from_expected
 
 _AGREES = 1e-6
 

@@ -8,10 +8,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from voa_cli.recordings.reading import Recording
-from voa_cli.replay.looks import Found, Look, Replayed
-from voa_cli.replay.recordings import show_damage
 from voa_client.readable import share
+from voa_recordings.files.reading import Recording
+from voa_recordings.replay.looks import Found, Look, Replayed
+from voa_recordings.replay.recordings import show_damage
 
 
 def report(found: Found, recording: Recording) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import ipaddress
 
 from starlette.datastructures import Headers
 
-from voa_service.failures import FORBIDDEN, MISDIRECTED, Failure
+from voa_service.failures import Failure, Forbidden, MisdirectedRequest
 from voa_service.http.asgi import Asgi, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 
@@ -39,16 +39,13 @@ class Access:
         host = headers.get("host", "")
         if path not in HEALTH and self._names is not None and not _is_ours(host, self._names):
             known = ", ".join(sorted(self._names | {"localhost", "127.0.0.1"}))
-            return Failure(
-                MISDIRECTED,
+            return MisdirectedRequest(
                 f"expected Host to be one of {known}, got {host[:80]!r}: call the service by one of these, "
                 "or start it with this name in VOA_HOSTS",
             )
         is_call = scope["method"] not in _READS or path.startswith("/v1/")
         if is_call and headers.get("sec-fetch-site", "").strip().lower() == "cross-site":
-            return Failure(
-                FORBIDDEN, "the call comes from a page of another site: serve the page from the service's own origin"
-            )
+            return Forbidden("the call comes from a page of another site: serve the page from the service's own origin")
         return None
 
 

@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from starlette.datastructures import Headers, QueryParams
 
 from voa_msgs.reading import models_of
-from voa_service.failures import INVALID, MEDIA_TYPE, Failure
+from voa_service.failures import Failure, InvalidRequest, UnsupportedMediaType
 from voa_service.http.problems import RefusedBody
-from voa_service.reading import Reader
+from voa_service.requests.reading import Reader
 
 _JSON, _FORM = "application/json", "multipart/form-data"
 _MOST_NAMED = 20
@@ -91,7 +91,7 @@ def check_query(given: QueryParams, known: dict[str, bool]) -> None:
             break
     if wrong:
         errors = [{"field": name, "problem": problem} for name, problem in wrong.items()]
-        raise Failure(INVALID, "{field}: {problem}".format(**errors[0]), errors=errors)
+        raise InvalidRequest("{field}: {problem}".format(**errors[0]), errors=errors)
 
 
 def check_type(headers: Headers, expected: str) -> None:
@@ -109,7 +109,7 @@ def check_type(headers: Headers, expected: str) -> None:
     given = headers.get("content-type", "")
     if given.partition(";")[0].strip().lower() != expected:
         got = repr(given[:80]) if given else "none"
-        raise Failure(MEDIA_TYPE, f"expected a body with Content-Type: {expected}, got {got}")
+        raise UnsupportedMediaType(f"expected a body with Content-Type: {expected}, got {got}")
 
 
 def _is_list(annotation: Any) -> bool:

@@ -10,12 +10,12 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
 from voa_msgs import WIRE_VERSION
-from voa_service.failures import TOO_LARGE, Failure, wire_failure
+from voa_service.failures import TooLarge, wire_failure
 from voa_service.http.access import HEALTH
 from voa_service.http.asgi import Asgi, Message, Receive, Scope, Send
 from voa_service.http.problems import problem_response
-from voa_service.logs import is_wanted
-from voa_service.metrics import Metrics
+from voa_service.runtime.logs import is_wanted
+from voa_service.runtime.metrics import Metrics
 from voa_service.settings import Limits
 
 _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
@@ -112,7 +112,7 @@ class BodyLimit:
         most = self._limits.upload_bytes + _FORM_OVERHEAD if form else self._limits.body_bytes
         declared = headers.get("content-length", "")
         if declared.isdigit() and int(declared) > most:
-            failure = Failure(TOO_LARGE, f"expected a body of at most {most} bytes, got {declared}")
+            failure = TooLarge(f"expected a body of at most {most} bytes, got {declared}")
             await problem_response(failure)(scope, receive, send)
             return
         size = values = 0

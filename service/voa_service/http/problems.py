@@ -8,20 +8,20 @@ from starlette.responses import Response
 from starlette.routing import Route, compile_path
 
 from voa_service.failures import (
-    INTERNAL,
-    MALFORMED,
-    MALFORMED_FORM,
-    METHOD_NOT_ALLOWED,
-    NOT_FOUND,
-    TOO_LARGE,
     Failure,
-    Kind,
+    HttpError,
+    InternalError,
+    MalformedForm,
+    MalformedJson,
+    MethodNotAllowed,
+    NotFound,
+    TooLarge,
     document,
     of_validation,
 )
 
 MEDIA_TYPE = "application/problem+json"
-_KINDS: dict[int, Kind] = {400: MALFORMED, 404: NOT_FOUND, 405: METHOD_NOT_ALLOWED, 413: TOO_LARGE}
+_KINDS: dict[int, type[Failure]] = {400: MalformedJson, 404: NotFound, 405: MethodNotAllowed, 413: TooLarge}
 
 
 class RefusedBody(HTTPException):
@@ -59,7 +59,7 @@ def install(app: FastAPI) -> None:
         # This answer leaves outside of `RequestLog`, which else adds the id.
         headers = {"X-Request-Id": str(structlog.contextvars.get_contextvars().get("request_id"))}
         detail = "this is a defect of the service; its log has the request id"
-        return problem_response(Failure(INTERNAL, detail, headers))
+        return problem_response(InternalError(detail, headers))
 
     app.add_exception_handler(Failure, on_failure)
     app.add_exception_handler(RequestValidationError, on_invalid)
@@ -73,7 +73,7 @@ def _of_invalid(request: Request, error: RequestValidationError) -> Failure:
 
 
 def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
-    kind = _KINDS.get(error.status_code, ("http-error", error.status_code, "The request cannot be answered"))
+    kind = _KINDS.get(error.status_code)
     headers = dict(error.headers or {})
     detail = str(error.detail)
     if error.status_code == 405:
@@ -81,12 +81,12 @@ def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
         headers["Allow"] = ", ".join(allowed)
         detail = f"{request.url.path} has {', '.join(allowed)}, not {request.method}"
     elif error.status_code == 400 and request.headers.get("content-type", "").startswith("multipart/"):
-        kind, detail = MALFORMED_FORM, f"expected a multipart form: {detail}"
+        kind, detail = MalformedForm, f"expected a multipart form: {detail}"
     elif error.status_code == 400:
         detail = "expected JSON in UTF-8, nested a few hundred deep at most"
     elif error.status_code == 404:
         detail = f"there is nothing at {request.url.path}; the resources are described at /docs"
-    return Failure(kind, detail, headers)
+    return HttpError(error.status_code, detail, headers) if kind is None else kind(detail, headers)
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from voa_core.objects import Object
+from voa_meshes.units import LARGE_M, SMALL_M, unit_hint
 from voa_msgs.objects import UpAxis
 from voa_msgs.warnings import ProbableMistake
-from voa_service.meshes.units import LARGE_M, SMALL_M, unit_hint
 
 _ON_THE_TABLE = 1e-6  # of the object's size
 

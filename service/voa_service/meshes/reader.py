@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from voa_core.errors import InvalidInput
 from voa_core.objects import Object
+from voa_meshes.parsing import MESH_TYPES
+from voa_meshes.units import unit_hint
 from voa_msgs.objects import UpAxis
-from voa_service.failures import INVALID_MESH, MESH_TYPE, NOT_READY, OVERLOADED, TOO_LARGE, Failure
-from voa_service.memory import MESH_NEEDS_MEBIBYTES
+from voa_service.failures import Failure, InvalidMesh, NotReady, Overloaded, TooLarge, UnsupportedMeshType
 from voa_service.meshes.children import Children
-from voa_service.meshes.parsing import MESH_TYPES
-from voa_service.meshes.units import unit_hint
 from voa_service.meshes.worker import OUT_OF_MEMORY, TOO_MANY_FACES
+from voa_service.runtime.memory import MESH_NEEDS_MEBIBYTES
 
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
@@ -58,15 +58,15 @@ class SubprocessMeshReader:
                 caller's fault, too little memory here.
         """
         if mesh_type not in MESH_TYPES:
-            raise Failure(MESH_TYPE, f"expected a file named *.{', *.'.join(MESH_TYPES)}, got *.{mesh_type}")
+            raise UnsupportedMeshType(f"expected a file named *.{', *.'.join(MESH_TYPES)}, got *.{mesh_type}")
         if not content:
-            raise Failure(INVALID_MESH, "expected a mesh, got an empty file")
+            raise InvalidMesh("expected a mesh, got an empty file")
         vertices, faces = self._parse(content, mesh_type)
         _check_count(len(faces))
         try:
             object_ = Object.from_arrays(turned_up(vertices, up), faces, scale)
         except InvalidInput as error:
-            raise Failure(INVALID_MESH, str(error)) from error
+            raise InvalidMesh(str(error)) from error
         _check_count(len(object_.faces))
         _check_place(object_, scale)
         return object_
@@ -81,7 +81,7 @@ class SubprocessMeshReader:
         except (MemoryError, OSError) as error:
             raise _out_of_memory(f"no process for it: {error}") from error
         if self._running.closed:
-            raise Failure(NOT_READY, "the service is ending: ask again", {"Retry-After": "2"})
+            raise NotReady("the service is ending: ask again", {"Retry-After": "2"})
         if done.returncode != 0:
             raise self._failure(done, mesh_type)
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
@@ -91,7 +91,7 @@ class SubprocessMeshReader:
         """Why the process ended without a mesh: the file's fault, or want of memory here."""
         if done.returncode == TOO_MANY_FACES:
             found = int(done.stdout)
-            return Failure(TOO_LARGE, f"expected at most {self.faces} faces, got {found}: simplify the mesh")
+            return TooLarge(f"expected at most {self.faces} faces, got {found}: simplify the mesh")
         if done.returncode == -signal.SIGXCPU:
             return self._took_too_long()
         if done.returncode == -signal.SIGKILL:
@@ -100,19 +100,19 @@ class SubprocessMeshReader:
         if done.returncode == OUT_OF_MEMORY or done.returncode < 0 or any("MemoryError" in line for line in said):
             if self.mebibytes < self.needs_mebibytes:
                 return _out_of_memory(f"{self.mebibytes} MiB were too little for it")
-            return Failure(INVALID_MESH, f"reading it takes more than {self.mebibytes} MiB: simplify it")
+            return InvalidMesh(f"reading it takes more than {self.mebibytes} MiB: simplify it")
         why = said[-1][:300] if said else f"its reader ended with {done.returncode}"
-        return Failure(INVALID_MESH, f"cannot read the {mesh_type.upper()} file: {why}")
+        return InvalidMesh(f"cannot read the {mesh_type.upper()} file: {why}")
 
     def _took_too_long(self) -> Failure:
-        return Failure(INVALID_MESH, f"reading the mesh took more than {self.seconds} s: simplify it")
+        return InvalidMesh(f"reading the mesh took more than {self.seconds} s: simplify it")
 
 
 def _out_of_memory(what: str) -> Failure:
     """A mesh that could not be read for want of memory here, which is not its fault."""
     structlog.get_logger().error("a mesh was not read for want of memory", reason=what)
     detail = f"the service has too little memory for this mesh at the moment ({what}): try again"
-    return Failure(OVERLOADED, detail, {"Retry-After": "5"})
+    return Overloaded(detail, {"Retry-After": "5"})
 
 
 def environment() -> dict[str, str]:
@@ -128,7 +128,7 @@ def turned_up(vertices: NDArray[np.float64], up: UpAxis) -> NDArray[np.float64]:
 def _check_count(faces: int) -> None:
     """Refuse what has too few faces to be a body."""
     if faces < _FEWEST_FACES:
-        raise Failure(INVALID_MESH, f"expected at least {_FEWEST_FACES} faces, got {faces}: is it cut off?")
+        raise InvalidMesh(f"expected at least {_FEWEST_FACES} faces, got {faces}: is it cut off?")
 
 
 def _check_place(object_: Object, scale: float) -> None:
@@ -136,11 +136,10 @@ def _check_place(object_: Object, scale: float) -> None:
     size = float(object_.extents.max())
     if not SMALLEST_M <= size <= LARGEST_M:
         expected = f"expected an object of {SMALLEST_M:g} to {LARGEST_M:g} m, got one of {size:g} m"
-        raise Failure(INVALID_MESH, f"{expected}: {unit_hint(size, scale)}")
+        raise InvalidMesh(f"{expected}: {unit_hint(size, scale)}")
     farthest = float(np.abs(object_.vertices).max())
     if farthest > FARTHEST_M:
-        raise Failure(
-            INVALID_MESH,
+        raise InvalidMesh(
             f"expected a mesh within {FARTHEST_M:g} m of its file's origin, got one at {farthest:g} m: "
             "move it to the origin (map coordinates do this)",
         )

@@ -32,8 +32,8 @@ def main(mesh_type: str, mebibytes: int, seconds: int, faces: int) -> None:
     try:
         import numpy as np  # noqa: PLC0415 - after the limits
 
-        from voa_service.meshes.parsing import parse  # noqa: PLC0415
-        from voa_service.meshes.triangles import Unreadable  # noqa: PLC0415
+        from voa_meshes.parsing import parse  # noqa: PLC0415
+        from voa_meshes.triangles import Unreadable  # noqa: PLC0415
     except (MemoryError, ImportError, OSError):  # a library that cannot be mapped is an ImportError
         sys.exit(OUT_OF_MEMORY)
     try:

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from voa_service.failures import CLAIM_CONFLICT, INVALID, NOT_FOUND, UNKNOWN, Failure
+from voa_service.failures import ClaimConflict, InvalidRequest, NotFound, UnknownReference
 from voa_service.ports import Store
 from voa_service.usecases.robots import MappedTo, Robots
 
@@ -44,7 +44,7 @@ class Claims:
         mapped = self.robots.mapped_to(robot)
         if mapped is None:
             known = self.robots.names()
-            raise Failure(NOT_FOUND, _no_robot(robot, known), known=known)
+            raise NotFound(_no_robot(robot, known), known=known)
         _check_free(robot, mapped)
         if session is None:
             self.store.claim_robot(robot, None)
@@ -53,7 +53,7 @@ class Claims:
         if state is not None:
             _check_scenario(robot, mapped, state.scenario)
         if state is None or not self.store.claim_robot(robot, session):
-            raise Failure(UNKNOWN, f"there is no session {session!r}: open it with POST /v1/sessions")
+            raise UnknownReference(f"there is no session {session!r}: open it with POST /v1/sessions")
 
     def check(self, robots: Sequence[str], scenario: str) -> None:
         """Refuse robots that a new session on a scenario cannot claim.
@@ -63,11 +63,11 @@ class Claims:
         """
         for robot, count in Counter(robots).items():
             if count > 1:
-                raise Failure(INVALID, f"body.robots: expected names that differ, got {robot!r} {count} times")
+                raise InvalidRequest(f"body.robots: expected names that differ, got {robot!r} {count} times")
             mapped = self.robots.mapped_to(robot)
             if mapped is None:
                 known = self.robots.names()
-                raise Failure(UNKNOWN, f"body.robots: {_no_robot(robot, known)}", known=known)
+                raise UnknownReference(f"body.robots: {_no_robot(robot, known)}", known=known)
             _check_free(robot, mapped)
             _check_scenario(robot, mapped, scenario)
 
@@ -82,8 +82,7 @@ def _no_robot(robot: str, known: Sequence[str]) -> str:
 def _check_free(robot: str, mapped: MappedTo) -> None:
     """Refuse a claim on a robot whose mapping names a session: it cannot be moved."""
     if mapped.scenario is None:
-        raise Failure(
-            CLAIM_CONFLICT,
+        raise ClaimConflict(
             f"the mapping of robot {robot!r} names its session ({mapped.session!r}): write `scenario` there instead of "
             "`session`, so that it can be claimed",
         )
@@ -92,8 +91,7 @@ def _check_free(robot: str, mapped: MappedTo) -> None:
 def _check_scenario(robot: str, mapped: MappedTo, scenario: str) -> None:
     """Refuse a session on another scenario than the mapping's."""
     if mapped.scenario != scenario:
-        raise Failure(
-            CLAIM_CONFLICT,
+        raise ClaimConflict(
             f"robot {robot!r} is mapped to scenario {mapped.scenario!r}, the session is on {scenario!r}: claim it for "
             "a session on its own scenario, or change the mapping",
         )

@@ -1,6 +1,6 @@
 """The versions of a session for whoever follows it, a bounded piece at a time."""
 
-from voa_service.feeds import Version
+from voa_service.runtime.feeds import Version
 from voa_service.usecases.sessions import Sessions
 
 _MOST_VERSIONS = 32

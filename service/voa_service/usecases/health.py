@@ -10,7 +10,7 @@ from typing import Literal
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Health, Memory
-from voa_service.failures import NOT_READY, Failure
+from voa_service.failures import Failure, NotReady
 from voa_service.ports import Clock, Store
 
 Joined = Literal["off", "connecting", "connected"]
@@ -66,11 +66,11 @@ class StoreCheck:
             late = self._clock() - self._began if self._running is not None else 0.0
             error = self._error
         if late > _PATIENCE_SECONDS:
-            raise Failure(NOT_READY, f"a write to the store has not ended for {late:.0f} s", _TRY_AGAIN)
+            raise NotReady(f"a write to the store has not ended for {late:.0f} s", _TRY_AGAIN)
         if isinstance(error, Failure):
-            raise Failure((error.kind, error.status, error.title), error.detail, error.headers) from error
+            raise type(error)(error.detail, error.headers) from error
         if error is not None:
-            raise Failure(NOT_READY, f"the store does not answer: {type(error).__name__}") from error
+            raise NotReady(f"the store does not answer: {type(error).__name__}") from error
 
     def _is_fresh(self) -> bool:
         well = self._error is None and self._store.troubles == self._troubles

@@ -8,11 +8,11 @@ from voa_core.errors import VoaError
 from voa_core.objects import Object as Mesh
 from voa_core.stable_poses import propose_stable_poses
 from voa_msgs.objects import MeshType, Object, ObjectPage, StablePose, StablePoses, UpAxis
-from voa_service.cache import Cache
-from voa_service.failures import INVALID, INVALID_MESH, TOO_LARGE, Failure, not_found
-from voa_service.mapping import listed_object_message, object_message
+from voa_service.failures import InvalidMesh, InvalidRequest, TooLarge, not_found
+from voa_service.mapping.scenarios import listed_object_message, object_message
 from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store, StoredObject, Upload
+from voa_service.runtime.cache import Cache
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
@@ -47,7 +47,7 @@ class Objects:
     ) -> tuple[Object, bool]:
         """Store a mesh, called by its file's name if it has no other; and whether it is new."""
         if len(content) > self.limits.upload_bytes:
-            raise Failure(TOO_LARGE, f"expected a file of at most {self.limits.upload_bytes} bytes")
+            raise TooLarge(f"expected a file of at most {self.limits.upload_bytes} bytes")
         path = PurePath(filename)
         called = name or path.stem[:_LONGEST_NAME] or "object"
         mesh_type = path.suffix.lower().removeprefix(".")
@@ -96,10 +96,10 @@ class Objects:
         """
         if sha256 is None:
             if (mesh_type, scale, up) != (None, None, None):
-                raise Failure(INVALID, "type, scale and up describe a mesh file: expected its sha256 beside them")
+                raise InvalidRequest("type, scale and up describe a mesh file: expected its sha256 beside them")
             return ObjectPage(**page(self.store.list_objects, listed_object_message, limit, after))
         if mesh_type is None or after is not None:
-            raise Failure(INVALID, "sha256 asks for the mesh of one file: expected its type beside it, and no `after`")
+            raise InvalidRequest("sha256 asks for the mesh of one file: expected its type beside it, and no `after`")
         return self.find(sha256, mesh_type, 1.0 if scale is None else scale, up)
 
     def stable_poses(self, id_: str) -> StablePoses:
@@ -131,7 +131,7 @@ def _proposed(mesh: Mesh) -> StablePoses:
     try:
         proposed = propose_stable_poses(mesh)
     except VoaError as error:
-        raise Failure(INVALID_MESH, str(error)) from error
+        raise InvalidMesh(str(error)) from error
     return StablePoses(
         items=[
             StablePose(

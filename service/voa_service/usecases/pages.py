@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from voa_service.failures import INVALID, Failure
+from voa_service.failures import InvalidRequest
 from voa_service.ports import Listed
 
 T = TypeVar("T")
@@ -33,5 +33,5 @@ def position(cursor: str) -> int:
         Failure: it is none of ours.
     """
     if not (cursor.isascii() and cursor.isdigit() and len(cursor) <= _LONGEST_CURSOR):
-        raise Failure(INVALID, f"after: expected the `next` of a page, got {cursor[:40]!r}")
+        raise InvalidRequest(f"after: expected the `next` of a page, got {cursor[:40]!r}")
     return int(cursor)

@@ -24,11 +24,11 @@ from voa_msgs.rankings import (
     RankingRequest,
     VoaRequest,
 )
-from voa_service.cache import Cache
-from voa_service.compute import Check
-from voa_service.failures import TOO_LARGE, UNKNOWN, Failure, of_core
-from voa_service.mapping import candidates
-from voa_service.models import Model, Models, Precision
+from voa_service.failures import TooLarge, UnknownReference, of_core
+from voa_service.mapping.models import Model, Models, Precision
+from voa_service.mapping.scenarios import candidates
+from voa_service.runtime.cache import Cache
+from voa_service.runtime.queues import Check
 from voa_service.settings import Limits
 from voa_service.usecases.sessions import Sessions, belief_in_body
 
@@ -133,15 +133,14 @@ class Rankings:
     def _model(self, id_: str) -> Model:
         model = self.models.get(id_)
         if model is None:
-            raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
+            raise UnknownReference(f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
         return model
 
     def _check_outcomes(self, sensors: int, poses: int) -> None:
         """Refuse to list more outcomes than an answer may hold."""
         most = self.limits.numbers // (_NUMBERS_OF_OUTCOME * max(1, poses))
         if sensors > most:
-            raise Failure(
-                TOO_LARGE,
+            raise TooLarge(
                 f"the answer would list {poses} outcomes of each of {sensors} sensors, at most {self.limits.numbers} "
                 f"values fit: ask for at most {most} sensors at a time, or without outcomes",
             )

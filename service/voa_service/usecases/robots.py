@@ -11,7 +11,7 @@ from voa_msgs.robots import LookReport, RobotReport
 from voa_msgs.robots import Robots as RobotsMessage
 from voa_msgs.sessions import ScanRequest, UpdateReport
 from voa_msgs.warnings import ProbableMistake
-from voa_service.failures import INVALID, Failure, not_found
+from voa_service.failures import InvalidRequest, not_found
 from voa_service.ports import Clock
 
 _MOST = 1_000  # anyone may put anything as a robot's name
@@ -173,7 +173,7 @@ class Robots:
         try:
             mapped.source.request()
         except ValueError as error:
-            raise Failure(INVALID, str(error)) from error
+            raise InvalidRequest(str(error)) from error
         return self._shown(report, mapped)
 
     def _one(self, robot: str) -> tuple[RobotReport, _Mapped]:

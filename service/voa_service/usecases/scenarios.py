@@ -13,11 +13,11 @@ from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_msgs.warnings import Warnings
-from voa_service import large
-from voa_service.failures import TOO_LARGE, Failure, not_found, of_core
-from voa_service.mapping import candidates, filled_in, warning_messages
-from voa_service.models import Model, Models
+from voa_service.failures import TooLarge, not_found, of_core
+from voa_service.mapping.models import Model, Models
+from voa_service.mapping.scenarios import candidates, filled_in, warning_messages
 from voa_service.ports import Clock, ListedScenario, Store, StoredScenario
+from voa_service.requests import large
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
@@ -92,8 +92,7 @@ class Scenarios:
         numbers = len(sensors) * len(scenario.poses) * scenario.lidar.grid.beams
         if numbers > self.limits.numbers:
             most = self.limits.numbers // (len(scenario.poses) * scenario.lidar.grid.beams)
-            raise Failure(
-                TOO_LARGE,
+            raise TooLarge(
                 f"the answer would hold {numbers} ranges, at most {self.limits.numbers} fit: "
                 f"ask for at most {most} sensors at a time",
             )

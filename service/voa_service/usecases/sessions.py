@@ -28,10 +28,9 @@ from voa_msgs.sessions import (
 )
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
 from voa_msgs.warnings import ProbableMistake
-from voa_service.cache import Cache
-from voa_service.failures import UNKNOWN, Failure, not_found, of_core
-from voa_service.mapping import place_of, prior_of, scan_of, warning_messages
-from voa_service.models import Models
+from voa_service.failures import UnknownReference, not_found, of_core
+from voa_service.mapping.models import Models
+from voa_service.mapping.scenarios import place_of, prior_of, scan_of, warning_messages
 from voa_service.ports import (
     Answered,
     Clock,
@@ -45,6 +44,7 @@ from voa_service.ports import (
     Store,
     Write,
 )
+from voa_service.runtime.cache import Cache
 from voa_service.usecases.estimates import estimate_fields, report_of, session_fields
 from voa_service.usecases.pages import page, position
 
@@ -347,7 +347,7 @@ def scenario_in_body(models: Models, id_: str) -> Scenario:
     """The mathematics of a scenario that a body names."""
     model = models.get(id_)
     if model is None:
-        raise Failure(UNKNOWN, f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
+        raise UnknownReference(f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
     return model.scenario
 
 

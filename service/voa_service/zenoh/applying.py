@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from voa_ros.taken import Taken, look_name
-from voa_service.failures import KEY_REUSED, LOOK_COUNTED, NOT_ACCEPTED, Failure
+from voa_service.failures import Failure, IdempotencyKeyReused, LookCounted, NotAccepted
 from voa_service.ports import RobotLook
+from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.robots import LookOutcome
 from voa_service.usecases.sessions import Sessions
-from voa_service.writes import idempotency_key, scope_of, write_of
 from voa_service.zenoh.ledger import LookLedger
 
 _TRIES = 5
@@ -50,7 +50,7 @@ def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
             if answer.update.accepted:
                 due.ledger.accepted(number, answer.version)
             return answer
-    raise Failure(NOT_ACCEPTED, "the belief is unchanged: a look of this name was applied before, and not accepted")
+    raise NotAccepted("the belief is unchanged: a look of this name was applied before, and not accepted")
 
 
 def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | None:
@@ -63,7 +63,7 @@ def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | Non
     try:
         answered = sessions.apply_scan(session, request, write_of("scan", body, key, look=counted))
     except Failure as failure:
-        if failure.kind in (LOOK_COUNTED[0], KEY_REUSED[0]):
+        if failure.kind in (LookCounted.kind, IdempotencyKeyReused.kind):
             return None
         due.ledger.doubt(due.taken)
         raise

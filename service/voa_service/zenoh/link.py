@@ -11,7 +11,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_msgs.links import session_config
-from voa_service.metrics import Metrics
+from voa_service.runtime.metrics import Metrics
 from voa_service.settings import ZenohSettings
 from voa_service.usecases.health import Link
 

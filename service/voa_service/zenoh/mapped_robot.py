@@ -14,8 +14,8 @@ from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableM
 from voa_ros.robots import AttachmentPlace, RobotMapping
 from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
-from voa_service.failures import GRID_MISMATCH, INVALID, NOT_FOUND, UNKNOWN, Failure, not_found
-from voa_service.rpc import attachment_of
+from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
+from voa_service.rpc.methods import attachment_of
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
@@ -26,7 +26,7 @@ FOLLOW_SECONDS = 1.0
 """How late a change of the mapping, or of a robot's session, is noticed."""
 _SHOWS_STOP = 2
 """Revolutions of a stop, at most, after which the session is asked for looks that other replicas took."""
-_ABSENT = (NOT_FOUND[0], UNKNOWN[0])
+_ABSENT = (NotFound.kind, UnknownReference.kind)
 """Kinds of failures that say that something is not there, and not that it cannot be read."""
 
 
@@ -103,9 +103,9 @@ class MappedRobot:
             try:
                 found = looks.receive(Received(sample.type, sample.payload, sample.received_s, attached))
             except ContradictoryHeader as error:
-                raise Failure(GRID_MISMATCH, str(error)) from error
+                raise BeamGridMismatch(str(error)) from error
             except UnusableMessage as error:
-                raise Failure(INVALID, str(error)) from error
+                raise InvalidRequest(str(error)) from error
             if isinstance(found, Taken):
                 return self._due(found)
             self._learn_of_the_stop(looks)

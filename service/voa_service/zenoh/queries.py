@@ -12,9 +12,9 @@ from zenoh.handlers import Callback
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Keys
-from voa_service.failures import NOT_READY, OVERLOADED, TOO_LARGE, Failure, document
-from voa_service.metrics import Metrics
-from voa_service.rpc import Rpc
+from voa_service.failures import Failure, NotReady, Overloaded, TooLarge, document
+from voa_service.rpc.methods import Rpc
+from voa_service.runtime.metrics import Metrics
 
 _END_SECONDS = 0.4
 _SHARE = 4
@@ -45,7 +45,7 @@ class Queries:
             self._closed.wait_for(lambda: not self._open, _END_SECONDS)
             left = list(self._open.values())
         for query in left:
-            self._refuse(query, Failure(NOT_READY, "the service is ending: ask again, writes under the same id"))
+            self._refuse(query, NotReady("the service is ending: ask again, writes under the same id"))
 
     def _heard(self, query: zenoh.Query) -> None:
         """In a Zenoh thread: hand over, or refuse."""
@@ -69,9 +69,9 @@ class Queries:
             Failure: too large, or too much with what others have sent.
         """
         if size > self._most_bytes:
-            raise Failure(TOO_LARGE, f"expected a payload of at most {self._most_bytes} bytes, got {size}")
+            raise TooLarge(f"expected a payload of at most {self._most_bytes} bytes, got {size}")
         if self._bytes > _SHARE * self._most_bytes:
-            raise Failure(OVERLOADED, "too much is being sent at the moment: try again", {"Retry-After": "1"})
+            raise Overloaded("too much is being sent at the moment: try again", {"Retry-After": "1"})
 
     def _refuse(self, query: zenoh.Query, failure: Failure) -> None:
         try:

@@ -1,6 +1,6 @@
 """Failures of looks that came to nothing, in words for the robot."""
 
-from voa_service.failures import NOT_ACCEPTED, Failure
+from voa_service.failures import Failure, NotAccepted
 
 _REASONS = {
     "no_beams": "no beam of the scan can be compared: all are missing (for this lidar, so may zeros be)",
@@ -18,4 +18,4 @@ def not_accepted(reason: str | None) -> Failure:
         reason: as in the answer's `update.reason`.
     """
     explained = f"{reason}: {_REASONS.get(reason or '', 'see the answer to the update')}"
-    return Failure(NOT_ACCEPTED, f"the belief is unchanged, {explained}", reason=reason)
+    return NotAccepted(f"the belief is unchanged, {explained}", reason=reason)

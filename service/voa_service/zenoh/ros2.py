@@ -20,7 +20,7 @@ from zenoh.handlers import Callback
 
 from voa_ros.robots import RobotMapping, Subscription, load
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
-from voa_service.failures import INTERNAL, INVALID, NOT_ACCEPTED, OVERLOADED, TOO_LARGE, Failure
+from voa_service.failures import Failure, InternalError, InvalidRequest, NotAccepted, Overloaded, TooLarge
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.latched import declare_latched_subscriber
@@ -138,22 +138,22 @@ class Ros2:
             return
         if named.type_name not in (None, type_.name):
             found = f"expected a {type_.name}, found a {named.type_name}: is it the right topic?"
-            self._refuse(robot, key, Failure(INVALID, found))
+            self._refuse(robot, key, InvalidRequest(found))
             return
         size, most = len(sample.payload), self._services.limits.scan_bytes
         self._services.metrics.zenoh(f"{type_.name.rpartition('/')[2]} heard")
         if size > most:
-            self._refuse(robot, key, Failure(TOO_LARGE, f"expected a message of at most {most} bytes, got {size}"))
+            self._refuse(robot, key, TooLarge(f"expected a message of at most {most} bytes, got {size}"))
             return
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
         received = Sample(type_, key, sample.payload.to_bytes(), attachment, time.monotonic())
         if not self._boxes.put(robot.name, (robot, received), size):
-            self._refuse(robot, key, Failure(OVERLOADED, "more messages are waiting than this service can work on"))
+            self._refuse(robot, key, Overloaded("more messages are waiting than this service can work on"))
 
     def _hand_on(self, look: _Look) -> None:
         if not self._boxes.put(look.robot.name, (look.robot, look), 0):
-            look.robot.rejected(look.due, OVERLOADED[0])
-            self._refuse(look.robot, look.key, Failure(OVERLOADED, "more messages are waiting than can be worked on"))
+            look.robot.rejected(look.due, Overloaded.kind)
+            self._refuse(look.robot, look.key, Overloaded("more messages are waiting than can be worked on"))
 
     def _work(self, item: tuple[MappedRobot, Sample | _Look]) -> None:
         """In a worker thread."""
@@ -177,7 +177,7 @@ class Ros2:
             self._refuse(robot, what.key, failure)
         except Exception as error:
             structlog.get_logger().exception("unexpected error", exc_info=error)
-            defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")
+            defect = InternalError("this is a defect of the service; its log has the request id")
             self._refuse(robot, what.key, defect)
 
     def _apply(self, look: _Look) -> None:
@@ -186,7 +186,7 @@ class Ros2:
         try:
             answer = apply_look(self._services.sessions, due)
         except BaseException as error:
-            robot.rejected(due, error.kind if isinstance(error, Failure) else INTERNAL[0])
+            robot.rejected(due, error.kind if isinstance(error, Failure) else InternalError.kind)
             raise
         if answer is None:
             self._services.metrics.zenoh("look applied already")
@@ -194,7 +194,7 @@ class Ros2:
         session, request = due.ledger.session, due.taken.request
         self._services.robots.looked(robot.name, "ros2", look.key, session, request, answer)
         if not answer.update.accepted:
-            robot.rejected(due, answer.update.reason or NOT_ACCEPTED[0])
+            robot.rejected(due, answer.update.reason or NotAccepted.kind)
             self._refuse(robot, look.key, not_accepted(answer.update.reason))
 
     def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:

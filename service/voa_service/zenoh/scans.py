@@ -22,12 +22,12 @@ from voa_ros.cdr import InvalidCdr, decode_laser_scan
 from voa_ros.messages import header_contradiction
 from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
-from voa_service.failures import GRID_MISMATCH, INTERNAL, INVALID, OVERLOADED, TOO_LARGE, Failure
-from voa_service.reading import json_object, message
-from voa_service.rpc import attachment_of, place_in
+from voa_service.failures import BeamGridMismatch, Failure, InternalError, InvalidRequest, Overloaded, TooLarge
+from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
+from voa_service.requests.reading import json_object, message
+from voa_service.rpc.methods import attachment_of, place_in
 from voa_service.services import Services
 from voa_service.usecases.robots import LookOutcome
-from voa_service.writes import idempotency_key, scope_of, write_of
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
@@ -94,7 +94,7 @@ class Scans:
         self._services.robots.heard(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
-            failure = Failure(TOO_LARGE, f"expected a scan of at most {most} bytes, got {size}")
+            failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
             self._refuse(session, robot, key, failure)
             return
         payload = sample.payload.to_bytes()
@@ -111,7 +111,7 @@ class Scans:
     def _hand_on(self, heard: Heard) -> None:
         if not self._boxes.put(f"{heard.session}/{heard.robot}", heard, len(heard.payload)):
             detail = "more scans of this robot are waiting than can be worked on: send fewer, or by scan.apply"
-            self._refuse(heard.session, heard.robot, heard.key, Failure(OVERLOADED, detail))
+            self._refuse(heard.session, heard.robot, heard.key, Overloaded(detail))
 
     def _work(self, heard: Heard) -> None:
         """In a worker thread."""
@@ -123,7 +123,7 @@ class Scans:
             self._refuse(heard.session, heard.robot, heard.key, failure)
         except Exception as error:
             structlog.get_logger().exception("unexpected error", exc_info=error)
-            defect = Failure(INTERNAL, "this is a defect of the service; its log has the request id")
+            defect = InternalError("this is a defect of the service; its log has the request id")
             self._refuse(heard.session, heard.robot, heard.key, defect)
 
     def _apply(self, heard: Heard) -> None:
@@ -173,13 +173,13 @@ def _fields(heard: Heard, services: Services) -> dict[str, Any]:
     if kind == "application/cdr" or (bare and heard.payload[:1] == b"\0"):
         found = type_name(schema)
         if found not in (None, LASER_SCAN.name):
-            raise Failure(INVALID, f"expected a {LASER_SCAN.name}, found a {found}")
+            raise InvalidRequest(f"expected a {LASER_SCAN.name}, found a {found}")
         try:
             scan = decode_laser_scan(heard.payload, services.limits.beams)
         except InvalidCdr as error:
-            raise Failure(INVALID, str(error)) from error
+            raise InvalidRequest(str(error)) from error
         wrong = header_contradiction(scan)
         if wrong is not None:
-            raise Failure(GRID_MISMATCH, wrong)
+            raise BeamGridMismatch(wrong)
         return {"scan": scan_message(scan).model_dump(exclude_unset=True)}
-    raise Failure(INVALID, f"expected application/json or application/cdr, got {heard.encoding!r}")
+    raise InvalidRequest(f"expected application/json or application/cdr, got {heard.encoding!r}")

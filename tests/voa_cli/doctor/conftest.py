@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.routers import Router, router
+from tests.support.routers import Router, router
 from tests.voa_cli.labs import Lab, service_on
 
 

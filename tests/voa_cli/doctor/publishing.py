@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from tests.routers import Router
-from tests.voa_cli.recordings.bags import laser_scan
-from voa_cli.zenoh_session import joined
-from voa_client.zenoh_address import ZenohAddress
+from tests.support.routers import Router
+from tests.voa_recordings.files.bags import laser_scan
+from voa_client._zenoh_address import ZenohAddress
+from voa_client.zenoh_session import joined
 from voa_ros.cdr import encode_laser_scan
 from voa_ros.messages import LaserScan, Stamp
 

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.routers import Router, router
-from tests.serving import data_scenario
+from tests.support.routers import Router, router
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
 from tests.voa_cli.doctor.examinations import Findings, examined, wrong
 from tests.voa_cli.doctor.publishing import publishing, scan, sent
 from tests.voa_cli.labs import Lab, service_on
-from tests.waiting import wait_for
-from voa_cli.zenoh_session import joined
 from voa_client import Client
-from voa_client.zenoh_address import ZenohAddress
+from voa_client._zenoh_address import ZenohAddress
+from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_msgs.robots import RobotReport
 from voa_msgs.scenarios import ScenarioRequest

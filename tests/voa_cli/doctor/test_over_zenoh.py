@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.routers import Router, router
+from tests.support.routers import Router, router
 from tests.voa_cli.doctor.examinations import examined, free_port, wrong
 from tests.voa_cli.labs import Lab, service_on
 

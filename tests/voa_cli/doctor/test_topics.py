@@ -12,13 +12,13 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from tests.lidar_drivers import DRIVERS, Scene
-from tests.routers import Router
+from tests.support.lidar_drivers import DRIVERS, Scene
+from tests.support.routers import Router
 from tests.voa_cli.doctor.publishing import Messages, publishing, scan, sent
 from voa_cli.doctor.findings import Budget, Finding
 from voa_cli.doctor.topics import Listening, check_topics
-from voa_cli.zenoh_session import joined
-from voa_client.zenoh_address import ZenohAddress
+from voa_client._zenoh_address import ZenohAddress
+from voa_client.zenoh_session import joined
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.robots import load

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.serving import Service, serving
+from tests.support.serving import Service, serving
 from voa_service.http.access import name_of
 from voa_service.settings import Settings
 

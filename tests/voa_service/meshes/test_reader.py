@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.serving import box_obj
-from tests.voa_service.meshes.files import POINTS, Gltf
-from tests.waiting import wait_for
+from tests.support.serving import box_obj
+from tests.support.waiting import wait_for
+from tests.voa_meshes.files import POINTS, Gltf
 from voa_service.failures import Failure
 from voa_service.meshes.reader import SubprocessMeshReader, environment
 

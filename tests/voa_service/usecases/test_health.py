@@ -5,8 +5,8 @@ from typing import Any, cast
 
 import pytest
 
-from tests.waiting import wait_for
-from voa_service.failures import NOT_READY, Failure
+from tests.support.waiting import wait_for
+from voa_service.failures import Failure, NotReady
 from voa_service.ports import Store
 from voa_service.usecases.health import StoreCheck
 
@@ -46,7 +46,7 @@ def test_a_store_that_works_is_tried_once_a_second_at_most() -> None:
 @pytest.mark.parametrize(
     ("error", "says"),
     [
-        (Failure(NOT_READY, "database or disk is full"), "disk is full"),
+        (NotReady("database or disk is full"), "disk is full"),
         (OSError("the secret of the house"), "the store does not answer: OSError"),
     ],
 )
@@ -67,7 +67,7 @@ def test_a_failure_of_another_call_has_it_tried_at_once() -> None:
     store = Scripted()
     check = store.check()
     check.check()
-    store.troubles, store.error = 1, Failure(NOT_READY, "gone")
+    store.troubles, store.error = 1, NotReady("gone")
     with pytest.raises(Failure, match="gone"):
         check.check()
 

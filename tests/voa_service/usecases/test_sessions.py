@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from tests.serving import data_scenario, scan_of, serving
-from voa_service.store.drivers import sqlite_driver
+from tests.support.serving import data_scenario, scan_of, serving
+from voa_store.drivers import sqlite_driver
 
 SCANS = 6
 

@@ -8,11 +8,11 @@ from contextlib import suppress
 
 import pytest
 
-from tests.bus import Problem, Sample, Silence, Stranger, bridged, stranger
-from tests.routers import Router, router
-from tests.serving import Json, Service, data_scenario, scan_of, serving
+from tests.support.bus import Problem, Sample, Silence, Stranger, bridged, stranger
+from tests.support.routers import Router, router
+from tests.support.serving import Json, Service, data_scenario, scan_of, serving
+from tests.support.waiting import wait_for
 from tests.voa_ros.ros_messages import odometry
-from tests.waiting import wait_for
 from voa_ros.cdr import encode_odometry
 from voa_service.failures import Failure
 from voa_service.settings import Limits

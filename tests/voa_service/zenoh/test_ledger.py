@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from tests.serving import Service, data_scenario, serving
+from tests.support.serving import Service, data_scenario, serving
 from tests.voa_service.zenoh.test_ros2 import laser_scan
 from voa_ros.robots import RobotMapping, load
 from voa_ros.topics import LASER_SCAN
-from voa_service.failures import OVERLOADED, Failure
+from voa_service.failures import Failure, Overloaded
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.samples import Sample
@@ -357,7 +357,7 @@ def once(call: Callable[..., Any]) -> Callable[..., Any]:
 
     def called(*given: Any) -> Any:
         if next(calls, False):
-            raise Failure(OVERLOADED, "the database does not answer")
+            raise Overloaded("the database does not answer")
         return call(*given)
 
     return called

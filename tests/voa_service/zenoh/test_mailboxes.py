@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.waiting import wait_for
+from tests.support.waiting import wait_for
 from voa_service.zenoh.mailboxes import Later, Mailboxes
 
 

@@ -12,16 +12,16 @@ import pytest
 import zenoh
 from zenoh.ext import CacheConfig, declare_advanced_publisher
 
-from tests.bus import Sample
-from tests.routers import Router, router
-from tests.serving import Json, box_obj, data_scenario, mesh_scenario, scan_of
+from tests.support.bus import Sample
+from tests.support.routers import Router, router
+from tests.support.serving import Json, box_obj, data_scenario, mesh_scenario, scan_of
+from tests.support.waiting import wait_for
 from tests.voa_service.zenoh.test_ros2 import GOOD, Lab, lab, laser_scan, odometry, robot
-from tests.waiting import wait_for
 from voa_msgs.links import session_config
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, rmw_key
-from voa_service.failures import OVERLOADED, Failure
+from voa_service.failures import Overloaded
 from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.replicas import Replicas
 
@@ -258,7 +258,7 @@ def failing_once(call: Callable[..., Any]) -> Callable[..., Any]:
 
     def called(*given: Any) -> Any:
         if next(calls, False):
-            raise Failure(OVERLOADED, "the database does not answer")
+            raise Overloaded("the database does not answer")
         return call(*given)
 
     return called

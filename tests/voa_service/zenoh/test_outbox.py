@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 import zenoh
 
-from tests.waiting import wait_for
+from tests.support.waiting import wait_for
 from voa_core.filtering import Belief
 from voa_msgs.keys import Keys
 from voa_msgs.sessions import Session
-from voa_service.failures import INVALID, Failure
-from voa_service.metrics import Metrics
+from voa_service.failures import InvalidRequest
 from voa_service.ports import SessionState
+from voa_service.runtime.metrics import Metrics
 from voa_service.usecases.health import Link
 from voa_service.zenoh import outbox as module
 from voa_service.zenoh.outbox import Outbox
 
 KEYS = Keys()
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
-REFUSAL = Failure(INVALID, "expected a scan")
+REFUSAL = InvalidRequest("expected a scan")
 
 
 def state(version: int, session: str = "S") -> SessionState:

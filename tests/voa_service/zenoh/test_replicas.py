@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 import zenoh
 
-from tests.bus import Stranger, bridged, stranger
-from tests.routers import Router, router
-from tests.serving import Json, Service, data_scenario, scan_of, serving
+from tests.support.bus import Stranger, bridged, stranger
+from tests.support.routers import Router, router
+from tests.support.serving import Json, Service, data_scenario, scan_of, serving
+from tests.support.waiting import wait_for
 from tests.voa_service.zenoh.test_ros2 import laser_scan
-from tests.waiting import wait_for
-from voa_service.failures import OVERLOADED, Failure
+from voa_service.failures import Overloaded
 from voa_service.settings import Limits
 from voa_service.zenoh.replicas import Replicas
 
@@ -253,7 +253,7 @@ def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:
 
 
 def refusing(*_: Any) -> Any:
-    raise Failure(OVERLOADED, "the database does not answer")
+    raise Overloaded("the database does not answer")
 
 
 @pytest.mark.parametrize("source", ["ros2", "scan"])

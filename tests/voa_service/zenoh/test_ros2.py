@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from tests.bus import Problem, Stranger, bridged, stranger
-from tests.routers import Router, router
-from tests.serving import Json, Service, box_obj, data_scenario, mesh_scenario, serving
-from tests.waiting import wait_for
+from tests.support.bus import Problem, Stranger, bridged, stranger
+from tests.support.routers import Router, router
+from tests.support.serving import Json, Service, box_obj, data_scenario, mesh_scenario, serving
+from tests.support.waiting import wait_for
 from voa_ros.topics import LASER_SCAN, ODOMETRY, rmw_key
 from voa_service.settings import Limits
 

@@ -10,7 +10,7 @@ from voa_service.http.connections import refusals
 from voa_service.http.connections.connection import Connection, Stage
 from voa_service.http.connections.in_flight import ByteBudget
 from voa_service.http.connections.refusals import Refusal
-from voa_service.metrics import Metrics
+from voa_service.runtime.metrics import Metrics
 from voa_service.settings import MEBIBYTE, ConnectionSettings
 
 RESERVED_FILES = 256

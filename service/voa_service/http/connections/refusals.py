@@ -7,13 +7,18 @@ from http import HTTPStatus
 import structlog
 
 from voa_msgs import WIRE_VERSION
-from voa_service.failures import NOT_READY, OVERLOADED, Failure, Kind, document
+from voa_service.failures import (
+    Failure,
+    HeadersTooLarge,
+    MalformedRequest,
+    NotReady,
+    Overloaded,
+    RequestTimeout,
+    document,
+)
 
 MEDIA_TYPE = "application/problem+json"
 
-_HEADERS_TOO_LARGE: Kind = ("headers-too-large", 431, "The headers of the request are too large")
-_TIMED_OUT: Kind = ("request-timeout", 408, "The request did not come in time")
-_NO_REQUEST: Kind = ("malformed-request", 400, "The bytes are not an HTTP request")
 _RETRY = {"Retry-After": "5"}
 
 
@@ -24,13 +29,13 @@ class Refusal:
     Attributes:
         reason: the label of its metric.
         detail: of the problem document, and what the log says when it begins.
-        kind: of the problem document; None: nothing is answered, as nothing was asked or an answer has begun.
+        kind: of failure; None: nothing is answered, as nothing was asked or an answer has begun.
         headers: of the answer.
     """
 
     reason: str
     detail: str
-    kind: Kind | None = None
+    kind: type[Failure] | None = None
     headers: tuple[tuple[str, str], ...] = ()
 
     def failure(self) -> Failure:
@@ -41,45 +46,45 @@ class Refusal:
         """
         if self.kind is None:
             raise ValueError(f"{self.reason}: expected a refusal with an answer")
-        return Failure(self.kind, self.detail, dict(self.headers))
+        return self.kind(self.detail, dict(self.headers))
 
 
 def headers_too_large(most_bytes: int, most: int) -> Refusal:
     """Refuse more bytes before a body, or more headers, than a request may have."""
     detail = f"expected a request line and headers of at most {most_bytes} bytes, and at most {most} headers"
-    return Refusal("headers-too-large", detail, _HEADERS_TOO_LARGE)
+    return Refusal("headers-too-large", detail, HeadersTooLarge)
 
 
 def header_timeout(seconds: float) -> Refusal:
     """Refuse headers that do not end."""
-    return Refusal("header-timeout", f"expected all headers within {seconds:g} s of the first byte", _TIMED_OUT)
+    return Refusal("header-timeout", f"expected all headers within {seconds:g} s of the first byte", RequestTimeout)
 
 
 def body_timeout(least: int, seconds: float) -> Refusal:
     """Refuse a body that does not come on."""
     detail = f"expected the rest of the body, or {least} bytes more of it, within {seconds:g} s"
-    return Refusal("body-timeout", detail, _TIMED_OUT)
+    return Refusal("body-timeout", detail, RequestTimeout)
 
 
 def too_many_connections(most: int) -> Refusal:
     """Refuse another connection than for a health probe."""
     detail = f"all {most} connections are at work: try again in some seconds, over one connection that is kept open"
-    return Refusal("too-many-connections", detail, OVERLOADED, tuple(_RETRY.items()))
+    return Refusal("too-many-connections", detail, Overloaded, tuple(_RETRY.items()))
 
 
 def bytes_in_flight(most: int) -> Refusal:
     """Refuse more of a large body while other bodies take the memory that there is for them."""
     detail = f"large bodies under way have {most} bytes together, all that are taken at once: try again in some seconds"
-    return Refusal("bytes-in-flight", detail, OVERLOADED, tuple(_RETRY.items()))
+    return Refusal("bytes-in-flight", detail, Overloaded, tuple(_RETRY.items()))
 
 
-MALFORMED = Refusal("malformed-request", "expected an HTTP request, as in RFC 9112", _NO_REQUEST)
+MALFORMED = Refusal("malformed-request", "expected an HTTP request, as in RFC 9112", MalformedRequest)
 PIPELINED = Refusal("pipelined", "a connection sent many requests without waiting for answers: it was closed")
 EVICTED = Refusal("idle-closed", "there are as many connections as there may be: the one idle the longest was closed")
 SILENT = Refusal("silent", "a connection was opened and nothing sent: it was closed")
 STALLED = Refusal("reader-stalled", "an answer was not read on: its connection was ended")
 UNREAD = Refusal("answers-unread", "answers that wait for slow readers take too much memory: the oldest was ended")
-STOPPING = Refusal("stopping", "the service is stopping: try again", NOT_READY, tuple(_RETRY.items()))
+STOPPING = Refusal("stopping", "the service is stopping: try again", NotReady, tuple(_RETRY.items()))
 
 
 def response(refusal: Refusal) -> bytes:

@@ -11,9 +11,9 @@ from starlette.responses import StreamingResponse
 from starlette.types import Message, Send
 
 from voa_service.failures import not_found
-from voa_service.feeds import Feed, Feeds, Version
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
+from voa_service.runtime.feeds import Feed, Feeds, Version
 from voa_service.services import Services
 from voa_service.usecases.pages import position
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Form, Query, Request, Response, UploadFile
 
 from voa_msgs.base import Name
 from voa_msgs.objects import MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
-from voa_service.failures import INVALID, Failure
+from voa_service.failures import InvalidRequest
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, created
@@ -82,6 +82,6 @@ def _check_fields(given: Sequence[str]) -> None:
     """Refuse form fields that there are not, and such as come twice."""
     for name in given:
         if name not in _FIELDS:
-            raise Failure(INVALID, f"body.{name}: no such field: expected one of {', '.join(_FIELDS)}")
+            raise InvalidRequest(f"body.{name}: no such field: expected one of {', '.join(_FIELDS)}")
         if given.count(name) > 1:
-            raise Failure(INVALID, f"body.{name}: expected once, got {given.count(name)} times")
+            raise InvalidRequest(f"body.{name}: expected once, got {given.count(name)} times")

@@ -16,8 +16,8 @@ from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer, versioned
 from voa_service.ports import Answered
+from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
-from voa_service.writes import idempotency_key, scope_of, write_of
 
 _WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
 

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 from fastapi import Query, Request, Response
 from pydantic import BaseModel
 
-from voa_service.compute import WorkQueue
 from voa_service.http.headers import etag
-from voa_service.large import dumped
 from voa_service.ports import Answered
+from voa_service.requests.large import dumped
+from voa_service.runtime.queues import WorkQueue
 
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Most items of the page.")]
 After = Annotated[str | None, Query(description="`next` of the page before; without it, from the start.")]

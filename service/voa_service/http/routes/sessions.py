@@ -13,8 +13,8 @@ from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, versioned
 from voa_service.ports import Answered
+from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.services import Services
-from voa_service.writes import ANYONE, idempotency_key, scope_of, write_of
 
 
 def routes(services: Services) -> APIRouter:

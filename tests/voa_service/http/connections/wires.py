@@ -12,7 +12,7 @@ from voa_service.http.asgi import Receive, Scope, Send
 from voa_service.http.connections.connection import Connection
 from voa_service.http.connections.guard import Guard
 from voa_service.http.connections.in_flight import BytesInFlight
-from voa_service.metrics import Metrics
+from voa_service.runtime.metrics import Metrics
 from voa_service.settings import ConnectionSettings
 
 

@@ -1,0 +1,142 @@
+"""`voa evaluate grasp-score`: how often each grasp succeeds at each pose, in simulation.
+
+Writes into the output folder the table as picture and as CSV, and a scenario file that the service takes, with the
+mesh beside it.
+"""
+
+import argparse
+import csv
+import json
+import math
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
+from voa_evaluation.figures import grasp_score_table
+from voa_evaluation.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
+from voa_fleet.episodes.attempts import Result
+from voa_fleet.errors import FleetError
+from voa_fleet.world.imperfections import Imperfections
+from voa_fleet.world.objects import FleetObject
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Attempt, write, print; returns 0, or 1 if something is wrong."""
+    options = _parser().parse_args(arguments)
+    console = Console()
+    documents = []
+    try:
+        for thing in objects_of(options):
+            scores = _score(thing, options)
+            files = write_scores(options.out, thing, scores)
+            documents.append(scores.report())
+            if not options.json:
+                _show(console, scores, files)
+    except (FleetError, OSError) as error:
+        print(f"voa evaluate grasp-score: {error}", file=sys.stderr)
+        return 1
+    if options.json:
+        json.dump(one_or_all(documents), sys.stdout, indent=1)
+        print()
+    return 0
+
+
+def _score(thing: FleetObject, options: argparse.Namespace) -> GraspScores:
+    if options.opening_mm is not None:
+        thing = thing.with_opening(options.opening_mm / 1e3)
+    flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
+    total = len(thing.poses) * len(thing.grasps) * options.attempts
+    with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
+        return score_grasps(thing, options.attempts, flaws, options.seed, processes=options.processes, progress=advance)
+
+
+def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None:
+    console.print(f"Grasp score of the {scores.object}: successes of {scores.attempts} attempts", highlight=False)
+    console.print(score_table(scores))
+    console.print(failure_legend(scores), highlight=False)
+    for what, file in files.items():
+        console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
+
+
+def write_scores(folder: Path, thing: FleetObject, scores: GraspScores) -> dict[str, Path]:
+    """Write picture, CSV, scenario and mesh; returns the files by what they are."""
+    folder.mkdir(parents=True, exist_ok=True)
+    stem = f"grasp-score-{scores.object}"
+    picture, table, scenario = (folder / f"{stem}.png", folder / f"{stem}.csv", folder / f"{scores.object}.json")
+    grasp_score_table(picture, scores)
+    write_csv(table, scores)
+    request = scores.scenario(thing.scenario)
+    scenario.write_text(request.model_dump_json(indent=1, exclude_none=True) + "\n", encoding="utf-8")
+    mesh = str(thing.scenario.object)
+    if (folder / mesh).resolve() != (thing.folder / mesh).resolve():
+        shutil.copyfile(thing.folder / mesh, folder / mesh)
+    return {"picture": picture, "table": table, "scenario": scenario}
+
+
+def write_csv(file: Path, scores: GraspScores) -> None:
+    """One row per cell: counts, share, 95 % interval, and how the attempts ended."""
+    with file.open("w", encoding="utf-8", newline="") as lines:
+        writer = csv.writer(lines, lineterminator="\n")
+        writer.writerow(["pose", "grasp", "successes", "attempts", "share", "low", "high", *RESULTS])
+        for cell in (cell for row in scores.cells for cell in row):
+            low, high = cell.interval
+            counts = [cell.results.get(result, 0) for result in RESULTS]
+            figures = [f"{number:.4f}" for number in (cell.successes / cell.attempts, low, high)]
+            writer.writerow([cell.pose, cell.grasp, cell.successes, cell.attempts, *figures, *counts])
+
+
+_LETTERS: dict[Result, str] = {
+    "out of reach": "r",
+    "in the way": "w",
+    "stopped on approach": "s",
+    "nothing between the fingers": "n",
+    "not held": "h",
+    "slipped": "l",
+}
+
+
+def score_table(scores: GraspScores) -> Table:
+    """The table on a terminal; a letter beside a cell that failed most of the time says why it mostly did."""
+    table = Table()
+    table.add_column("pose")
+    for grasp in scores.grasps:
+        table.add_column(escape(grasp), justify="right")
+    for row in scores.cells:
+        failures = [_most_frequent_failure(cell) for cell in row]
+        letters = [" " if failure is None else _LETTERS[failure] for failure in failures]
+        cells = [f"{cell.successes} [dim]{letter}[/dim]" for cell, letter in zip(row, letters, strict=True)]
+        table.add_row(escape(row[0].pose), *cells)
+    return table
+
+
+def failure_legend(scores: GraspScores) -> str:
+    """What the letters in the table mean."""
+    told = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
+    return ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in told)
+
+
+def _most_frequent_failure(cell: Cell) -> Result | None:
+    failures = {result: count for result, count in cell.results.items() if result != "lifted"}
+    if 2 * cell.successes >= cell.attempts or not failures:
+        return None
+    return max(failures, key=lambda result: failures[result])
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="voa evaluate grasp-score", description=__doc__)
+    add_objects(parser)
+    parser.add_argument("--attempts", type=count, default=15, help="per pose and grasp (default 15)")
+    parser.add_argument("--noise-xy-mm", type=amount, default=5.0, help="std of the object's place (default 5)")
+    parser.add_argument("--noise-yaw-deg", type=amount, default=3.0, help="std of its heading (default 3)")
+    parser.add_argument("--opening-mm", type=amount, help="of the gripper; default: the object's own setting")
+    parser.add_argument("--seed", type=int, default=0, help="of the noise (default 0)")
+    parser.add_argument("--processes", type=count, default=1, help="that work at a time (default 1)")
+    parser.add_argument("--out", type=Path, default=Path("voa-evaluation"), help="folder (default voa-evaluation)")
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    return parser

@@ -1,0 +1,162 @@
+"""Links with a Zenoh router: joined in the background, as soon as one answers, and again whenever it comes back.
+
+Zenoh's library is imported when a link is made, not before: robots that speak HTTP do without it.
+"""
+
+import asyncio
+import json
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+from voa_client._errors import TimedOutError, UsageError, VoaClientError
+from voa_client._installing import install_hint
+from voa_client._zenoh_address import ZenohAddress
+from voa_msgs.links import session_config
+
+if TYPE_CHECKING:
+    import zenoh
+
+LOOK_S = 0.02
+"""Between two looks whether a link is joined."""
+_AGAIN_S = 0.2
+_CLOSE_S = 2.0
+
+
+class MissingLibraryError(VoaClientError, ImportError):
+    """Zenoh's library is not installed; says how to get it."""
+
+
+async def joined(link: "Link", seconds: float) -> "zenoh.Session":
+    """The session, once it is connected; raises as `Link.wait`."""
+    until = time.monotonic() + seconds
+    while (session := link.session) is None:
+        if time.monotonic() > until:
+            raise link.failure(seconds)
+        await asyncio.sleep(LOOK_S)
+    return session
+
+
+class Links:
+    """One link for calls, and one for news as soon as somebody follows: a flood of samples delays no answer."""
+
+    def __init__(self, address: ZenohAddress) -> None:
+        self._address = address
+        self._news: Link | None = None
+        self._making = threading.Lock()
+        self.calls = Link(address)
+
+    def news(self) -> "Link":
+        """The link for news, which is made when it is first asked for."""
+        with self._making:
+            if self._news is None and not self.calls.is_closed:
+                self._news = Link(self._address)
+            return self._news or self.calls
+
+    def close(self) -> None:
+        """Close both."""
+        self.calls.close()
+        with self._making:
+            if self._news is not None:
+                self._news.close()
+
+
+class Link:
+    """A session with a router: opened by a thread as soon as one answers; from then on it joins again by itself."""
+
+    def __init__(self, address: ZenohAddress) -> None:
+        self._address = address
+        self._config = config(address)
+        self._opened: zenoh.Session | None = None
+        self._connected: set[str] = set()
+        self._why = ""
+        self._ended = threading.Event()
+        self._changed = threading.Condition()
+        self._opening = threading.Thread(target=self._open, name="voa-zenoh", daemon=True)
+        self._opening.start()
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it was closed."""
+        return self._ended.is_set()
+
+    @property
+    def session(self) -> "zenoh.Session | None":
+        """The session while it is connected; raises UsageError once it is closed."""
+        if self._ended.is_set():
+            raise UsageError(f"the client of {self._address.endpoint} is closed")
+        return self._opened if self._connected else None
+
+    def wait(self, seconds: float) -> "zenoh.Session":
+        """The session; raises TimedOutError if it is not connected in time, UsageError if it is closed."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: self.session is not None, seconds) or self._opened is None:
+                raise self.failure(seconds)
+            return self._opened
+
+    def failure(self, seconds: float) -> TimedOutError:
+        """Words for a wait that was in vain."""
+        return TimedOutError(f"no Zenoh router at {self._address.endpoint} within {seconds:.3g} s{self._why}")
+
+    def close(self) -> None:
+        """An open session keeps threads, and hears the router for ever."""
+        self._ended.set()
+        with self._changed:
+            self._changed.notify_all()
+        self._opening.join(_CLOSE_S)
+        session: Any = self._opened  # Zenoh's stub leaves the method untyped
+        if session is not None:
+            session.close()
+
+    def _open(self) -> None:
+        library = zenoh_library()
+        while not self._ended.is_set():
+            try:
+                opened = library.open(self._config)
+            except library.ZError as error:
+                self._why = f" ({str(error).partition(' at /')[0]}); it is down, or refuses the credentials"
+                self._ended.wait(_AGAIN_S)
+                continue
+            self._opened = opened
+            if self._ended.is_set():  # closed in the meantime, without waiting for us
+                opened.close()
+                return
+            heard = library.handlers.Callback(self._heard, indirect=False)
+            self._listener = opened.info.declare_transport_events_listener(heard, history=True)
+            return
+
+    def _heard(self, event: "zenoh.TransportEvent") -> None:
+        with self._changed:
+            gone = event.kind == zenoh_library().SampleKind.DELETE
+            change = self._connected.discard if gone else self._connected.add
+            change(str(event.transport.zid))
+            self._changed.notify_all()
+
+
+def config(address: ZenohAddress) -> "zenoh.Config":
+    """The configuration of a session."""
+    secure = {
+        "root_ca_certificate": address.ca,
+        "connect_certificate": address.cert,
+        "connect_private_key": address.key,
+    }
+    files: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
+    settings = session_config([address.endpoint], address.user, address.password)
+    if files:
+        settings["transport/link/tls"] = files | ({"enable_mtls": True} if address.cert is not None else {})
+    built: zenoh.Config = zenoh_library().Config()
+    try:
+        for name, value in settings.items():
+            built.insert_json5(name, json.dumps(value))
+    except zenoh_library().ZError as error:
+        raise UsageError(f"{address.endpoint}: {error}") from error
+    return built
+
+
+def zenoh_library() -> Any:
+    """Import Zenoh; raises MissingLibraryError if it is not installed."""
+    try:
+        import zenoh  # noqa: PLC0415 - optional: only who speaks Zenoh needs it
+    except ModuleNotFoundError as error:
+        raise MissingLibraryError(f"Zenoh is not installed; install it with: {install_hint('zenoh')}") from error
+    return zenoh

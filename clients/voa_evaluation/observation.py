@@ -1,0 +1,300 @@
+"""Observation prediction: how far measured scans are from predicted ones, beam by beam.
+
+Measured scans come from the simulated lidar or from a recorded experiment; predictions from the mesh, by the
+service's own mathematics, or from the record.
+"""
+
+import math
+import zlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+
+from voa_core.checks import Floats
+from voa_core.lidars import BeamGrid, LidarModel
+from voa_core.lidars import SensorConfiguration as Stand
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.prediction import ObservationPredictor, predictor_of_mesh
+from voa_core.workspace import Workspace
+from voa_fleet.episodes.attempts import noisy_pose, object_pose
+from voa_fleet.world.imperfections import Imperfections
+from voa_fleet.world.lidar import LidarGeometry, lidar_geometry, true_ranges, with_faults
+from voa_fleet.world.meshes import read_obj
+from voa_fleet.world.objects import FleetObject
+from voa_fleet.world.scene import build_world
+from voa_msgs.geometry import SensorPose
+from voa_recordings.experiment import InvalidExperiment, RecordedExperiment
+
+Source = Literal["recorded", "mesh"]
+
+
+@dataclass(frozen=True)
+class ComparedBeam:
+    """One beam of one scan that was measured or predicted to return.
+
+    Attributes:
+        angle_deg: in the lidar's frame.
+        measured_m, predicted_m: None for a no-return.
+    """
+
+    sensor: str
+    pose: str
+    angle_deg: float
+    measured_m: float | None
+    predicted_m: float | None
+
+    @property
+    def error_mm(self) -> float | None:
+        """Measured minus predicted; None unless both return."""
+        if self.measured_m is None or self.predicted_m is None:
+            return None
+        return 1e3 * (self.measured_m - self.predicted_m)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Measured minus predicted over some beams, millimetres; figures are None where no beam returns in both.
+
+    Attributes:
+        beams: that return in both.
+        mean, median, std, lowest, highest: of the differences.
+        median_abs, p95_abs: of their sizes.
+        only_measured, only_predicted: beams that return in one alone.
+    """
+
+    beams: int
+    mean: float | None
+    median: float | None
+    std: float | None
+    lowest: float | None
+    highest: float | None
+    median_abs: float | None
+    p95_abs: float | None
+    only_measured: int
+    only_predicted: int
+
+
+@dataclass(frozen=True)
+class ObservationErrors:
+    """All that was compared.
+
+    Attributes:
+        name: of the object or experiment.
+        source: where the predictions come from.
+        scans: how many were measured.
+        sensors, poses: names, in order.
+        beams: every beam of every scan that was measured or predicted to return.
+    """
+
+    name: str
+    source: Source
+    scans: int
+    sensors: tuple[str, ...]
+    poses: tuple[str, ...]
+    beams: tuple[ComparedBeam, ...]
+
+    @property
+    def overall(self) -> Errors:
+        """Over all beams."""
+        return errors_of(self.beams)
+
+    def by_sensor(self) -> dict[str, Errors]:
+        """Per sensor configuration."""
+        return {sensor: errors_of(beam for beam in self.beams if beam.sensor == sensor) for sensor in self.sensors}
+
+    def by_beam(self) -> dict[tuple[str, float], Errors]:
+        """Per sensor configuration and beam angle in degrees, ascending."""
+        groups: dict[tuple[str, float], list[ComparedBeam]] = {}
+        for beam in self.beams:
+            groups.setdefault((beam.sensor, beam.angle_deg), []).append(beam)
+        order = sorted(groups, key=lambda key: (self.sensors.index(key[0]), key[1]))
+        return {key: errors_of(groups[key]) for key in order}
+
+    def report(self) -> dict[str, Any]:
+        """What `--json` prints: millimetres and degrees."""
+        return {
+            "name": self.name,
+            "source": self.source,
+            "scans": self.scans,
+            "overall": asdict(self.overall),
+            "sensors": {sensor: asdict(errors) for sensor, errors in self.by_sensor().items()},
+            "beams": [
+                {"sensor": sensor, "angle_deg": angle} | asdict(errors)
+                for (sensor, angle), errors in self.by_beam().items()
+            ],
+        }
+
+
+def errors_of(beams: Iterable[ComparedBeam]) -> Errors:
+    """Count and measure."""
+    found = list(beams)
+    apart = np.array([beam.error_mm for beam in found if beam.error_mm is not None], dtype=np.float64)
+    only_measured = sum(beam.predicted_m is None for beam in found)
+    only_predicted = sum(beam.measured_m is None for beam in found)
+    if apart.size == 0:
+        return Errors(0, None, None, None, None, None, None, None, only_measured, only_predicted)
+    return Errors(
+        beams=int(apart.size),
+        mean=float(apart.mean()),
+        median=float(np.median(apart)),
+        std=float(apart.std()),
+        lowest=float(apart.min()),
+        highest=float(apart.max()),
+        median_abs=float(np.median(np.abs(apart))),
+        p95_abs=float(np.percentile(np.abs(apart), 95.0)),
+        only_measured=only_measured,
+        only_predicted=only_predicted,
+    )
+
+
+def simulated_errors(
+    thing: FleetObject,
+    scans: int,
+    flaws: Imperfections,
+    seed: int,
+    progress: Callable[[int], None] | None = None,
+) -> ObservationErrors:
+    """Take `scans` scans of every pose from every sensor configuration of the scenario, and compare.
+
+    The prediction is for where the robot believes to stand and for the exact pose; the scan is taken from where it
+    stands, of the object where it lies. What is measured outside the scenario's workspace is not the object.
+
+    Raises:
+        FleetError: the scenario's lidar is not known.
+    """
+    lidar = lidar_geometry(thing.scenario.lidar)
+    predictor = _predictor_of(thing, lidar)
+    world = build_world(thing, arm=True, clutter=flaws.clutter)
+    data = mujoco.MjData(world.model)
+    beams: list[ComparedBeam] = []
+    for sensor in thing.scenario.sensors:
+        stand = Stand(sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
+        predicted = predictor.predict(stand).dense()
+        for row, pose in enumerate(thing.poses):
+            for index in range(scans):
+                pair = zlib.crc32(sensor.name.encode()), zlib.crc32(pose.encode())
+                rng = np.random.default_rng([seed, *pair, index])
+                world.put_object(data, noisy_pose(object_pose(thing, pose), flaws, rng))
+                mujoco.mj_kinematics(world.model, data)
+                ranges = true_ranges(world, data, lidar, _stray(sensor, flaws, rng))
+                measured = with_faults(ranges, lidar, flaws, rng)
+                beams += _compared(thing, stand, pose, lidar, measured, predicted[row])
+            if progress is not None:
+                progress(scans)
+    names = tuple(sensor.name for sensor in thing.scenario.sensors)
+    total = scans * len(names) * len(thing.poses)
+    return ObservationErrors(thing.name, "mesh", total, names, tuple(thing.poses), tuple(beams))
+
+
+def recorded_errors(experiment: RecordedExperiment, source: Source) -> ObservationErrors:
+    """Compare what was recorded with the predictions beside it, or with those of the mesh.
+
+    Raises:
+        InvalidExperiment: predictions from the mesh are wanted, and something that they need is missing.
+    """
+    by_mesh = _mesh_ranges(experiment) if source == "mesh" else {}
+    beams = []
+    for pair, scan in experiment.scans.items():
+        if not scan.was_measured:
+            continue
+        for beam in scan.beams:
+            predicted = _finite(by_mesh[pair][beam.index]) if source == "mesh" else beam.predicted
+            if beam.measured is None and predicted is None:
+                continue
+            angle = experiment.lidar.angle_min_deg + beam.index * experiment.lidar.angle_increment_deg
+            beams.append(ComparedBeam(*pair, angle, beam.measured, predicted))
+    return ObservationErrors(
+        name=experiment.name,
+        source=source,
+        scans=sum(scan.was_measured for scan in experiment.scans.values()),
+        sensors=tuple(sensor.name for sensor in experiment.sensors),
+        poses=tuple(experiment.pose_names),
+        beams=tuple(beams),
+    )
+
+
+def has_predictions(experiment: RecordedExperiment) -> bool:
+    """Whether any prediction was recorded."""
+    return any(beam.predicted is not None for scan in experiment.scans.values() for beam in scan.beams)
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _mesh_ranges(experiment: RecordedExperiment) -> dict[tuple[str, str], Floats]:
+    """The scan (beams,) that the mesh predicts of every recorded pair at the height of its own scan plane, metres."""
+    places = [pose.position for pose in experiment.poses if pose.position is not None]
+    turns = [pose.quaternion_wxyz for pose in experiment.poses if pose.quaternion_wxyz is not None]
+    heights = {pair: experiment.height_m(*pair) for pair in experiment.scans}
+    complete = len(places) == len(turns) == len(experiment.poses) and None not in heights.values()
+    if experiment.mesh is None or not complete:
+        raise InvalidExperiment(
+            f"{experiment.name}: predictions from the mesh need a mesh file, plane heights, and position and "
+            "quaternion_wxyz of every pose"
+        )
+    mesh, lidar, names = read_obj(experiment.mesh), experiment.lidar, experiment.pose_names
+    grid = BeamGrid(lidar.beams, math.radians(lidar.angle_min_deg), math.radians(lidar.angle_increment_deg))
+    model = LidarModel(grid, 0.0, max(lidar.range_max, experiment.no_return_m), None, "missing", 1e-3, 0.0, 0.0)
+    predictor = predictor_of_mesh(
+        Object.from_arrays(mesh.vertices, mesh.faces, experiment.scale),
+        PoseSet.from_arrays(names, places, turns),
+        model,
+    )
+    found: dict[tuple[str, str], Floats] = {}
+    for sensor in experiment.sensors:
+        for height in {heights[pair] for pair in heights if pair[0] == sensor.name}:
+            stand = Stand(sensor.name, sensor.x, sensor.y, math.radians(sensor.yaw_deg), height)
+            ranges = predictor.predict(stand).dense()
+            own = [pair for pair in heights if pair[0] == sensor.name and heights[pair] == height]
+            found |= {pair: ranges[names.index(pair[1])] for pair in own}
+    return found
+
+
+def _predictor_of(thing: FleetObject, lidar: LidarGeometry) -> ObservationPredictor:
+    grid = BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
+    model = LidarModel(grid, lidar.range_min, lidar.range_max, lidar.height_m, "missing", 1e-3, 0.0, 0.0)
+    places: list[Sequence[float]] = []
+    turns: list[Sequence[float]] = []
+    for name in thing.poses:
+        exact = object_pose(thing, name)
+        places.append(exact.position)
+        turns.append(exact.quaternion_wxyz)
+    poses = PoseSet.from_arrays(thing.poses, places, turns)
+    return predictor_of_mesh(Object.from_arrays(thing.mesh.vertices, thing.mesh.faces), poses, model)
+
+
+def _stray(sensor: SensorPose, flaws: Imperfections, rng: np.random.Generator) -> SensorPose:
+    """Where the robot stands that believes to stand at `sensor`."""
+    dx, dy, turn = (float(number) for number in rng.standard_normal(3))
+    return SensorPose(
+        x=sensor.x + dx * flaws.robot_xy_m,
+        y=sensor.y + dy * flaws.robot_xy_m,
+        yaw_rad=sensor.yaw_rad + turn * flaws.robot_yaw_rad,
+        height_m=sensor.height_m,
+    )
+
+
+def _compared(
+    thing: FleetObject, stand: Stand, pose: str, lidar: LidarGeometry, measured: Floats, predicted: Floats
+) -> list[ComparedBeam]:
+    """The beams on which the object was seen or should have been; a 0 says nothing, so such a beam is left out."""
+    seen = measured > 0.0
+    box = thing.scenario.workspace
+    if box is not None:
+        low, high = (float(box.min[0]), float(box.min[1])), (float(box.max[0]), float(box.max[1]))
+        crossing = Workspace(low, high).crossing(stand, lidar.angles)
+        of_object = seen & crossing.inside(measured)
+        told = seen & ~crossing.before(measured)
+    else:
+        of_object = told = seen
+    beams = []
+    for index in np.flatnonzero(told & (of_object | np.isfinite(predicted))):
+        value = float(measured[index]) if of_object[index] else None
+        angle = round(math.degrees(float(lidar.angles[index])), 6)
+        beams.append(ComparedBeam(stand.name, pose, angle, value, _finite(predicted[index])))
+    return beams

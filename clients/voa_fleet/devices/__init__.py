@@ -1,0 +1,1 @@
+"""Devices: the protocol of a sensor robot and of an arm, simulated ones, and an example of a real one."""

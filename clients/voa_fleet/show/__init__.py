@@ -1,0 +1,1 @@
+"""Pictures, videos, pages and lines in a terminal that show an episode."""

@@ -1,0 +1,1 @@
+"""The simulated world: table, objects, lidar, gripper and arm as one MuJoCo model."""

@@ -1,0 +1,94 @@
+"""A parallel gripper: two fingers on slides, coupled, with one force-limited servo; its opening is a parameter."""
+
+from typing import Any
+
+import mujoco
+
+from voa_fleet.world.groups import ARM_SEEN, HAND_OBJECT, HAND_TABLE, HARD, STIFF
+from voa_fleet.world.objects import GripperSetting
+
+PALM_M = 0.090
+"""From the flange to where the fingers begin."""
+FINGER_M = 0.055
+"""Length of a finger."""
+THICKNESS_M = 0.008
+"""Of a finger, along the direction in which it closes."""
+WIDTH_M = 0.020
+"""Of a finger, across that direction."""
+PALM_WIDTH_M = 0.028
+TOOL = "tool"
+"""The site in the middle between the fingertips; its z points out of the hand, its x along the closing direction."""
+FINGERS = ("finger_right", "finger_left")
+SERVO = "grip"
+
+_KP, _KV = 4000.0, 100.0
+_TOUCH = HAND_TABLE | HAND_OBJECT
+
+
+def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> None:
+    """Mount the gripper on the flange."""
+    reach = setting.opening_m / 2.0
+    palm = [reach + THICKNESS_M + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
+    flange.add_geom(
+        name="palm",
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        pos=[0.0, 0.0, PALM_M / 2.0],
+        size=palm,
+        mass=0.8,
+        contype=_TOUCH,
+        conaffinity=_TOUCH,
+        solref=list(STIFF),
+        solimp=list(HARD),
+        group=ARM_SEEN,
+        rgba=[0.25, 0.27, 0.30, 1.0],
+    )
+    flange.add_site(name=TOOL, pos=[0.0, 0.0, PALM_M + FINGER_M], size=[0.002, 0.0, 0.0], group=5)
+    for name, side in zip(FINGERS, (1.0, -1.0), strict=True):
+        _add_finger(flange, name, side, reach)
+    spec.add_exclude(bodyname1=FINGERS[0], bodyname2=FINGERS[1])
+    coupling = spec.add_equality(
+        name="coupling",
+        type=mujoco.mjtEq.mjEQ_JOINT,
+        name1=FINGERS[0],
+        name2=FINGERS[1],
+        objtype=mujoco.mjtObj.mjOBJ_JOINT,
+    )
+    coupling.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
+    closing = spec.add_tendon(name=SERVO)
+    for name in FINGERS:
+        closing.wrap_joint(name, 0.5)
+    servo = spec.add_actuator(name=SERVO, target=SERVO, trntype=mujoco.mjtTrn.mjTRN_TENDON)
+    servo.set_to_position(kp=_KP, kv=_KV)
+    # Half of the tendon's force goes to each finger.
+    servo.forcerange = [-2.0 * setting.force_n, 2.0 * setting.force_n]
+    servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+
+
+def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
+    """A finger whose slide counts metres from the middle: `reach` when open, 0 when closed."""
+    finger = flange.add_body(name=name, pos=[side * THICKNESS_M / 2.0, 0.0, PALM_M + FINGER_M / 2.0], gravcomp=1.0)
+    finger.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=[side, 0.0, 0.0],
+        range=[-0.001, reach + 0.001],
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        damping=[10.0, 0.0, 0.0],
+        armature=0.5,
+        solref_limit=list(STIFF),
+        solimp_limit=list(HARD),
+    )
+    finger.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=[THICKNESS_M / 2.0, WIDTH_M / 2.0, FINGER_M / 2.0],
+        mass=0.05,
+        contype=_TOUCH,
+        conaffinity=_TOUCH,
+        condim=4,
+        friction=[1.0, 0.005, 0.0001],
+        solref=list(STIFF),
+        solimp=list(HARD),
+        group=ARM_SEEN,
+        rgba=[0.15, 0.16, 0.18, 1.0],
+    )

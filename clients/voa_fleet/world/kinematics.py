@@ -1,0 +1,149 @@
+"""Where the arm's joints must go: inverse kinematics by damped least squares, along straight lines of the tool."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from voa_fleet.world.frames import Floats, tool_rotation
+from voa_fleet.world.objects import GraspGeometry
+from voa_fleet.world.scene import STEP_S, World
+from voa_fleet.world.ur5e import DAMPING, LINKS
+
+CONTROL_STEPS = 5
+"""Physics steps between two commands: 10 ms."""
+CONTROL_S = CONTROL_STEPS * STEP_S
+APPROACH_M, APPROACH_S = 0.10, 0.45
+LIFT_M, LIFT_S = 0.15, 0.70
+STOP_M = 0.004
+"""A tool that is further from where it should be makes the controller stop, as a UR's does when it is held up.
+
+In free motion it is less than 2 mm off; at the servos' stiffness 4 mm are some 50 N."""
+
+_DAMPING = 0.02
+_LONGEST_STEP_RAD = 0.3
+_EXACT_M, _EXACT_RAD = 1e-4, 1e-3
+_ITERATIONS = 60
+_ITERATIONS_NEARBY = 8
+_JUMP_RAD = 0.3
+"""Between two commands: more than that and the arm would have to turn over on the way."""
+_ELBOW = "arm3_link"
+_LAG_S = np.array([(link.kv + DAMPING) / link.kp for link in LINKS])
+
+
+@dataclass(frozen=True, eq=False)
+class GraspPlan:
+    """Joint angles of a grasp, one row per command.
+
+    Attributes:
+        approach: (k, 6), from 10 cm before the grasp to the grasp.
+        lift: (l, 6), from the grasp to 15 cm above it.
+    """
+
+    approach: Floats
+    lift: Floats
+
+
+def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
+    """How the arm gets to a grasp and up from it; None if it cannot.
+
+    Of all ways found from a fixed list of starts, with the gripper either way round, the one with the highest elbow.
+    The same world and grasp always give the same plan.
+    """
+    data = mujoco.MjData(world.model)
+    tip, approach = np.array(grasp.tip), np.array(grasp.approach)
+    forward = approach / np.linalg.norm(approach)
+    up = np.array([0.0, 0.0, 1.0])
+    best: tuple[float, GraspPlan] | None = None
+    for side in (1.0, -1.0):
+        rotation = tool_rotation(approach, side * np.array(grasp.closing))
+        for start in _starts(world, tip):
+            before = _solve(world, data, tip - APPROACH_M * forward, rotation, start, _ITERATIONS)
+            if before is None:
+                continue
+            height = float(data.body(_ELBOW).xpos[2])
+            if best is not None and height <= best[0] + 1e-3:
+                continue
+            way_in = [tip - APPROACH_M * (1.0 - share) * forward for share in _smooth(APPROACH_S)]
+            way_up = [tip + LIFT_M * share * up for share in _smooth(LIFT_S)]
+            joints = _follow(world, data, [*way_in, *way_up], rotation, before)
+            if joints is not None:
+                best = height, GraspPlan(joints[: len(way_in)], joints[len(way_in) :])
+    return None if best is None else best[1]
+
+
+def commands(joints: Floats) -> Iterator[Floats]:
+    """What to tell the servos for each row of joints (k, 6): with the speed fed forward, else they lag behind."""
+    speeds = np.gradient(joints, CONTROL_S, axis=0) if len(joints) > 1 else np.zeros_like(joints)
+    yield from joints + speeds * _LAG_S
+
+
+def joint_move(start: Floats, end: Floats, speed_rad_s: float) -> Floats:
+    """Joint angles (k, 6) from `start` to `end`, the widest joint at `speed_rad_s` on average."""
+    seconds = max(float(np.abs(end - start).max()) / speed_rad_s, 2.0 * CONTROL_S)
+    shares = np.array(_smooth(seconds))
+    return start + shares[:, None] * (end - start)
+
+
+def _smooth(seconds: float) -> list[float]:
+    """Shares of a way, one per command, that start and end at rest (minimum jerk); the last is 1."""
+    count = max(1, round(seconds / CONTROL_S))
+    return [s**3 * (10.0 - 15.0 * s + 6.0 * s**2) for s in ((k + 1) / count for k in range(count))]
+
+
+def _starts(world: World, tip: Floats) -> list[Floats]:
+    """Joint angles from which to look for a solution: shoulder towards the tip, elbow and wrist both ways."""
+    base = world.model.body("arm_base").pos
+    toward = math.atan2(float(tip[1] - base[1]), float(tip[0] - base[0])) + math.pi
+    return [
+        np.array([toward + turn, shoulder, elbow, wrist, roll, 0.0])
+        for turn in (0.0, -0.4, 0.4)
+        for shoulder, elbow, wrist in ((-2.0, 1.9, -1.5), (-1.2, -1.9, -1.5), (-2.2, 1.5, 0.7))
+        for roll in (-math.pi / 2.0, math.pi / 2.0)
+    ]
+
+
+def _follow(world: World, data: mujoco.MjData, places: list[Floats], rotation: Floats, start: Floats) -> Floats | None:
+    rows = []
+    joints = start
+    for place in places:
+        found = _solve(world, data, place, rotation, joints, _ITERATIONS_NEARBY)
+        if found is None or np.abs(found - joints).max() > _JUMP_RAD:
+            return None
+        rows.append(found)
+        joints = found
+    return np.array(rows)
+
+
+def _solve(
+    world: World, data: mujoco.MjData, place: Floats, rotation: Floats, start: Floats, iterations: int
+) -> Floats | None:
+    """Joint angles (6,) with the tool at `place`, turned by `rotation`; None if they are not found."""
+    model = world.model
+    joints = start.copy()
+    jacobian = np.zeros((6, model.nv))
+    for _ in range(iterations + 1):
+        data.qpos[world.joints] = joints
+        mujoco.mj_kinematics(model, data)
+        error = _error(world, data, place, rotation)
+        if np.linalg.norm(error[:3]) < _EXACT_M and np.linalg.norm(error[3:]) < _EXACT_RAD:
+            return joints if np.abs(joints).max() < 2.0 * math.pi else None
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], world.tool)
+        j = jacobian[:, world.speeds]
+        step = j.T @ np.linalg.solve(j @ j.T + _DAMPING**2 * np.eye(6), error)
+        joints = joints + np.clip(step, -_LONGEST_STEP_RAD, _LONGEST_STEP_RAD)
+    return None
+
+
+def _error(world: World, data: mujoco.MjData, place: Floats, rotation: Floats) -> Floats:
+    """What is left to go, (6,): metres, then a rotation vector in radians."""
+    apart = rotation @ data.site_xmat[world.tool].reshape(3, 3).T
+    axis = np.array([apart[2, 1] - apart[1, 2], apart[0, 2] - apart[2, 0], apart[1, 0] - apart[0, 1]])
+    sine = float(np.linalg.norm(axis)) / 2.0
+    angle = math.atan2(sine, (float(np.trace(apart)) - 1.0) / 2.0)
+    # At half a turn the axis is lost; any will do to get away from there.
+    turn = axis * (angle / (2.0 * sine)) if sine > 1e-9 else np.array([angle, 0.0, 0.0])
+    return np.concatenate([place - data.site_xpos[world.tool], turn])

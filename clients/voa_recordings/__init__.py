@@ -1,0 +1,1 @@
+"""Recordings: experiments measured by hand, files of sessions, and what robots publish, read, written and replayed."""

@@ -1,0 +1,69 @@
+"""Messages in the order of their log times, from pieces that each fit into memory."""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from heapq import heappop, heappush
+from typing import NamedTuple, Protocol
+
+from voa_recordings.files.message import RecordedMessage
+
+
+class Piece(NamedTuple):
+    """A part of a recording that can be opened when its time has come.
+
+    Attributes:
+        first_ns: the smallest log time in it.
+        read: gives its messages in the order of their log times.
+    """
+
+    first_ns: int
+    read: Callable[[], Iterator[RecordedMessage]]
+
+
+class Storage(Protocol):
+    """One file of a recording."""
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Name to type, of all topics."""
+
+    @property
+    def damage(self) -> list[str]:
+        """Predicates of the file ("ends in the middle"): what is wrong with it, so far as it has been read."""
+
+    def scan(self) -> int | None:
+        """Read through the file once and return its smallest log time; None: it has no message.
+
+        Raises:
+            UnreadableRecording: nothing of it can be read.
+        """
+
+    def messages(self) -> Iterator[RecordedMessage]:
+        """Give every message that can be read in the order of the log times, after `scan`."""
+
+
+def in_log_order(pieces: Iterable[Piece]) -> Iterator[RecordedMessage]:
+    """Give the messages of all pieces by log time; equal times come in the order of the pieces.
+
+    A piece is opened when the time of its first message has come: those are open together whose times overlap.
+    """
+    waiting = deque(sorted(enumerate(pieces), key=lambda numbered: numbered[1].first_ns))
+    heads: list[tuple[int, int, RecordedMessage, Iterator[RecordedMessage]]] = []
+    while waiting or heads:
+        while waiting and (not heads or waiting[0][1].first_ns <= heads[0][0]):
+            number, piece = waiting.popleft()
+            _push(heads, number, piece.read())
+        if heads:
+            _, number, message, rest = heappop(heads)
+            yield message
+            _push(heads, number, rest)
+
+
+def _push(
+    heads: list[tuple[int, int, RecordedMessage, Iterator[RecordedMessage]]],
+    number: int,
+    messages: Iterator[RecordedMessage],
+) -> None:
+    message = next(messages, None)
+    if message is not None:
+        heappush(heads, (message.log_ns, number, message, messages))

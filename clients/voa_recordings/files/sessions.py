@@ -1,0 +1,92 @@
+"""The sessions in a recording: each with its scenario, its history, and what it believed.
+
+| topic                           | message                              | how often                                |
+|---------------------------------|--------------------------------------|------------------------------------------|
+| `/voa/<session>/scenario`       | `scenarios.Scenario`                 | once                                     |
+| `/voa/<session>/history`        | `sessions.HistoryEntry`              | each version, in order                   |
+| `/voa/<session>/belief`         | `sessions.Session`                   | each version that was heard              |
+| `/voa/<session>/scan`           | `sessions.ScanRequest`, or LaserScan | each raw scan                            |
+| `/voa/<session>/scan_attachment`| `keys.Attachment`                    | beside a raw scan that had one           |
+| `/voa/<session>/refused`        | `problems.Problem`                   | each scan that could not be used         |
+| `/voa/<session>/deleted`        | `{}`                                 | when the session ended                   |
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from pydantic import BaseModel, ValidationError
+
+from voa_msgs.reading import in_one_line
+from voa_msgs.scenarios import Scenario
+from voa_msgs.sessions import HistoryEntry, Session
+from voa_recordings.files.message import RecordedMessage, UnreadableRecording
+from voa_recordings.session_file import SessionFile
+
+_TOPIC = re.compile(r"/voa/([^/]+)/([a-z_]+)")
+_KINDS: dict[str, type[BaseModel]] = {"scenario": Scenario, "history": HistoryEntry, "belief": Session}
+
+
+def topic_of(session: str, what: str) -> str:
+    """The topic of one kind of messages of a session."""
+    return f"/voa/{session}/{what}"
+
+
+class RecordedSession(NamedTuple):
+    """A session of a recording; `lacks` says why it cannot be made anew, and then there is no `file`."""
+
+    session: str
+    file: SessionFile | None
+    lacks: str | None
+
+
+@dataclass
+class _Heard:
+    scenario: Scenario | None = None
+    history: dict[int, HistoryEntry] = field(default_factory=dict)
+    beliefs: dict[int, list[float]] = field(default_factory=dict)
+
+
+def recorded_sessions(messages: Iterable[RecordedMessage]) -> list[RecordedSession]:
+    """Every session of a recording, by id, up to the newest version whose history and belief are both there.
+
+    Raises:
+        UnreadableRecording: a message is not what its topic says.
+    """
+    heard: defaultdict[str, _Heard] = defaultdict(_Heard)
+    for message in messages:
+        named = _TOPIC.fullmatch(message.topic)
+        if named is not None and message.encoding == "json":
+            _note(heard[named[1]], named[2], message)
+    return [_session(session, heard[session]) for session in sorted(heard)]
+
+
+def _note(known: _Heard, what: str, message: RecordedMessage) -> None:
+    try:
+        if what == "scenario":
+            known.scenario = Scenario.model_validate_json(message.data, extra="ignore")
+        elif what == "history":
+            entry = HistoryEntry.model_validate_json(message.data, extra="ignore")
+            known.history[entry.version] = entry
+        elif what == "belief":
+            session = Session.model_validate_json(message.data, extra="ignore")
+            if session.version is not None:
+                known.beliefs[session.version] = session.belief
+    except ValidationError as error:
+        raise UnreadableRecording(f"{message.topic}: {in_one_line(_KINDS[what], error)}") from error
+
+
+def _session(session: str, known: _Heard) -> RecordedSession:
+    if known.scenario is None:
+        return RecordedSession(session, None, "its scenario was not recorded")
+    history: list[HistoryEntry] = []
+    while len(history) in known.history:
+        history.append(known.history[len(history)])
+    told = [version for version in known.beliefs if version < len(history)]
+    if not told:
+        return RecordedSession(session, None, "no version has both its belief and all of its history")
+    last = max(told)
+    file = SessionFile(scenario=known.scenario.request(), history=history[: last + 1], belief=known.beliefs[last])
+    return RecordedSession(session, file, None)

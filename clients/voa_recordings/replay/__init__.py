@@ -1,0 +1,1 @@
+"""Replays: recordings sent through a service once more."""

@@ -1,0 +1,1 @@
+"""Mesh files (OBJ, STL, PLY, GLB) to vertices and faces: strict readers for files that nobody has checked."""

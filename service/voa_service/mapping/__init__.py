@@ -1,0 +1,1 @@
+"""Messages (`voa_msgs`) to mathematics (`voa_core`), and back."""

@@ -1,0 +1,167 @@
+"""Stored scenarios as mathematics, with what is expensive about them kept in one bounded cache."""
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import structlog
+
+from voa_core.cutting import Contours, cut_poses
+from voa_core.lidars import SensorConfiguration
+from voa_core.mistakes.effort import QUICK, Effort
+from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.scenarios import mistakes_of_scenario
+from voa_core.objects import Object
+from voa_core.poses import PoseSet
+from voa_core.prediction import Prediction
+from voa_core.scenario import Scenario
+from voa_core.weights import Weigher
+from voa_msgs.scenarios import ScenarioRequest
+from voa_service.failures import Failure, UnknownReference, not_found
+from voa_service.mapping.scenarios import scenario_of
+from voa_service.ports import Store
+from voa_service.requests import large
+from voa_service.runtime.cache import Cache
+from voa_service.runtime.queues import Check
+from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
+
+Precision = Literal["float64", "float32"]
+
+
+_MISTAKES_BYTES = 8 * 2**20
+_SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that fills it to the brim would push its own weights out
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """One scenario as mathematics."""
+
+    scenario: Scenario
+    mesh: Mesh | None
+    """Its object; None where all predictions are data."""
+    weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
+    """The weights of a sensor configuration, in a precision; True: kept; as long as they are wanted."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held by its own tables, in bytes; what is derived from them has entries of its own."""
+        data = sum(ranges.nbytes for ranges in self.scenario.predictor.data.values())
+        return data + self.scenario.table.scores.nbytes + 512 * len(self.scenario.poses)
+
+
+@dataclass(frozen=True, eq=False)
+class _Mistakes:
+    """Probable mistakes in a scenario, as the cache keeps them."""
+
+    found: tuple[Mistake, ...]
+
+    @property
+    def nbytes(self) -> int:
+        return sum(512 + 64 * len(mistake.poses + mistake.sensors) for mistake in self.found)
+
+
+class Models:
+    """Scenarios by id; nothing here that the store could not rebuild."""
+
+    def __init__(self, store: Store, cache: Cache, precision: PrecisionSetting = "auto") -> None:
+        self._store = store
+        self._precision = precision
+        self._cache = cache
+        self._mistakes = Cache(_MISTAKES_BYTES)  # of their own: a large ranking must not push them out
+
+    def get(self, id_: str) -> Model | None:
+        """The model of a stored scenario; None: there is none."""
+
+        def make() -> Model:
+            stored = self._store.get_scenario(id_)
+            if stored is None:
+                raise KeyError(id_)
+            return self.build(id_, ScenarioRequest.model_validate(large.loads(stored.body)))
+
+        try:
+            return self._cache.get(("model", id_), make)
+        except KeyError:
+            return None
+
+    def keep(self, id_: str, model: Model) -> None:
+        """Keep the model of a scenario that was just stored, instead of building it again from there."""
+        self._cache.get(("model", id_), lambda: model)
+
+    def build(self, id_: str, request: ScenarioRequest) -> Model:
+        """The model of a filled-in scenario.
+
+        Raises:
+            Failure: its object does not exist.
+            VoaError: what it says cannot be.
+        """
+        mesh, contours_at = None, None
+        if request.object is not None:
+            stored = self._store.get_object(request.object)
+            if stored is None:
+                raise UnknownReference(f"there is no object {request.object!r}: upload it with POST /v1/objects")
+            mesh = Mesh(stored.object, stored.up)
+            contours_at = self._contours_at(id_, stored.object)
+
+        def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+            return self._cache.get(("prediction", id_, key), make)
+
+        scenario = scenario_of(request, contours_at, remember)
+
+        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
+            def make() -> Weigher:
+                dtype = np.float64 if precision == "float64" else np.float32
+                return scenario.weigher(sensor, dtype, keep=keep, check=check)
+
+            return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
+
+        return Model(scenario, mesh, weigher)
+
+    def mistakes(self, id_: str) -> tuple[Mistake, ...]:
+        """Find what is probably wrong with a stored scenario, by a search of bounded cost; the result is kept.
+
+        A search that fails is logged and finds nothing: no answer about a scenario depends on it.
+        """
+
+        def make() -> _Mistakes:
+            try:
+                return _Mistakes(self.find_mistakes(id_, QUICK))
+            except Failure:
+                raise
+            except Exception:
+                structlog.get_logger().exception("mistakes_not_found", scenario=id_)
+                return _Mistakes(())
+
+        return self._mistakes.get(id_, make).found
+
+    def find_mistakes(self, id_: str, effort: Effort) -> tuple[Mistake, ...]:
+        """Find what is probably wrong with a stored scenario, by a search of the given effort.
+
+        Raises:
+            Failure: there is no such scenario.
+        """
+        model = self.get(id_)
+        if model is None:
+            raise not_found("scenario", id_)
+        return mistakes_of_scenario(model.scenario, model.mesh, effort)
+
+    def _contours_at(self, id_: str, object_: Object) -> Callable[[PoseSet, float], Contours]:
+        def contours_at(poses: PoseSet, height_m: float) -> Contours:
+            return self._cache.get(("contours", id_, height_m), lambda: cut_poses(object_, poses, height_m))
+
+        return contours_at
+
+    def precision(self, sensors: int, poses: int) -> tuple[Precision, bool]:
+        """In which precision the weights of so many sensors between so many poses are computed, and if kept.
+
+        The precision is that of the settings, and depends on no machine's memory; whether weights are kept does.
+        """
+        weights = sensors * poses**2
+        precision: Precision
+        if self._precision == "auto":
+            precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
+        else:
+            precision = self._precision
+        size = {"float64": 8, "float32": 4}[precision]
+        return precision, size * weights <= _SHARE_FOR_WEIGHTS * self._cache.budget

@@ -1,0 +1,1 @@
+"""Requests before a use case sees them: bodies, limits, idempotency keys, attachments."""

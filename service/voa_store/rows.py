@@ -1,0 +1,106 @@
+"""Rows as what the ports speak of, and back."""
+
+from dataclasses import replace
+from datetime import datetime
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from sqlalchemy import Row
+
+from voa_core.filtering import Belief
+from voa_core.objects import Object
+from voa_service.ports import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
+from voa_store import checksums
+
+Columns = dict[str, Any]
+
+
+def written(
+    state: SessionState, write: Write, report: str | None, before: bytes, prior: str
+) -> tuple[Columns, Columns]:
+    """Write one version: the columns of the session's row that change with it, and the row of its history.
+
+    Args:
+        state: the session at that version.
+        write: what made it.
+        report: what became of it.
+        before: the checksum of the version before; `checksums.NOTHING`: this is the first.
+        prior: the digest of the session's prior.
+    """
+    belief = blob(state.belief)
+    digest = checksums.of_blob(belief)
+    fit = None if state.last_fit_rmsd_mm is None else float(state.last_fit_rmsd_mm)
+    entry: Columns = {
+        "session": state.id,
+        "version": state.version,
+        "kind": write.kind,
+        "at": state.updated_at.isoformat(),
+        "request": write.request,
+        "report": report,
+        "last_fit_rmsd_mm": fit,
+    }
+    newest = checksums.of_entry(before, SimpleNamespace(**entry), digest)
+    session: Columns = {
+        "id": state.id,
+        "scenario": state.scenario,
+        "version": state.version,
+        "last_fit_rmsd_mm": fit,
+        "created_at": state.created_at.isoformat(),
+        "updated_at": entry["at"],
+        "summary": state.summary,
+    }
+    own = checksums.of_session(SimpleNamespace(**session), newest, digest, prior)
+    changing = ("version", "last_fit_rmsd_mm", "updated_at", "summary")
+    columns = {name: session[name] for name in changing} | {"belief": belief, "newest": newest, "checksum": own}
+    return columns, entry | {"belief": belief, "checksum": newest}
+
+
+def blob(belief: Belief) -> bytes:
+    """Write a belief and its logarithms as 2 x n little-endian float64."""
+    return np.stack([belief.p, belief.log_p]).astype("<f8").tobytes()
+
+
+def _belief(stored: bytes) -> Belief:
+    p, log_p = np.frombuffer(stored, dtype="<f8").reshape(2, -1)
+    return Belief(p, log_p)
+
+
+def object_of(row: Row[Any]) -> StoredObject:
+    """Read a mesh."""
+    vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
+    faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
+    return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at), row.up)
+
+
+def scenario_of(row: Row[Any]) -> StoredScenario:
+    """Read a scenario."""
+    return StoredScenario(row.id, row.name, row.body, datetime.fromisoformat(row.created_at))
+
+
+def session_of(row: Row[Any]) -> SessionState:
+    """Read a session as it stands, from a row that `checksums.check_session` has passed."""
+    return SessionState(
+        row.id,
+        row.scenario,
+        row.version,
+        _belief(row.belief),
+        _belief(row.prior),
+        row.last_fit_rmsd_mm,
+        datetime.fromisoformat(row.created_at),
+        datetime.fromisoformat(row.updated_at),
+        row.summary,
+    )
+
+
+def entry_of(session: SessionState, row: Row[Any]) -> HistoryEntry:
+    """Read one version of a session's history: the session as it was then, and what made it."""
+    then = replace(
+        session,
+        version=row.version,
+        belief=_belief(row.belief),
+        last_fit_rmsd_mm=row.last_fit_rmsd_mm,
+        updated_at=datetime.fromisoformat(row.at),
+        summary=None,
+    )
+    return HistoryEntry(then, row.kind, row.request, row.report)

@@ -1,0 +1,171 @@
+"""Opening the store when the service starts: what is wrong is one line that says what to do."""
+
+import time
+from collections.abc import Callable, Mapping
+
+import structlog
+from sqlalchemy import URL, make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
+
+from voa_service.failures import Failure
+from voa_store.drivers import InUse, database_file
+from voa_store.engines import said
+from voa_store.migrate import NewerTables
+from voa_store.sql import PATIENCE_SECONDS, SqlStore
+
+_EXPECTED = "expected sqlite:///FILE or postgresql://USER@HOST/DATABASE"
+_AGAIN_SECONDS = 0.5
+_REFUSED = ("28", "3D", "42")
+"""Classes of SQLSTATE that time does not mend: who asks, for which database, and what they may do."""
+
+
+class CannotOpen(Exception):
+    """The database cannot be used; the message is one line that says what to do."""
+
+    def __init__(self, line: str, *, may_pass: bool) -> None:
+        super().__init__(line)
+        self.may_pass = may_pass
+
+
+def open_store(
+    url: str,
+    patience_s: float = PATIENCE_SECONDS,
+    wait_s: float = 0.0,
+    pause: Callable[[float], None] = time.sleep,
+    clock: Callable[[], float] = time.monotonic,
+) -> SqlStore:
+    """Open the store, bring its tables up to date, and wait for a database that is not there yet.
+
+    Args:
+        url: of the database.
+        patience_s: how long PostgreSQL may be silent before a call fails.
+        wait_s: how long a database that nobody serves yet is waited for.
+        pause: waits between two attempts.
+        clock: in seconds.
+
+    Raises:
+        CannotOpen: it cannot be used.
+    """
+    end = clock() + wait_s
+    while True:
+        try:
+            return _opened(url, patience_s)
+        except CannotOpen as error:
+            left = end - clock()
+            if not error.may_pass or left <= 0.0:
+                raise
+            structlog.get_logger("voa").warning("waiting for the database", seconds_left=round(left, 1), why=str(error))
+            pause(min(_AGAIN_SECONDS, left))
+
+
+def _opened(url: str, patience_s: float) -> SqlStore:
+    try:
+        return SqlStore(url, patience_s)
+    except (SQLAlchemyError, OSError, ImportError, InUse, NewerTables, Failure, ValueError) as error:
+        raise CannotOpen(explain(error, url), may_pass=_may_pass(error)) from error
+
+
+def explain(error: Exception, url: str) -> str:
+    """Say in one line what is wrong with a database, and what to do.
+
+    Args:
+        error: what opening it raised.
+        url: of the database; its password is not shown.
+    """
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        return f"--database-url: {_EXPECTED}, got something else"
+    where = parsed.render_as_string(hide_password=True)
+    match error:
+        case InUse():
+            line = str(error)
+        case NewerTables():
+            line = (
+                f"{where} was written by a newer version of voa ({error}): start that version, or restore the backup "
+                "that was made before it"
+            )
+        case _ if parsed.get_backend_name() not in ("sqlite", "postgresql") or isinstance(error, ArgumentError):
+            line = f"--database-url: {_EXPECTED}, got {where}"
+        case ImportError():
+            line = (
+                f"{where} needs a driver that is not installed ({error}): install psycopg, the extra `postgres` of voa"
+            )
+        case _ if parsed.get_backend_name() == "sqlite":
+            line = _explain_file(error, parsed)
+        case _:
+            line = _explain_server(error, parsed, where)
+    return " ".join(line.split())
+
+
+def _explain_file(error: Exception, url: URL) -> str:
+    path, text = database_file(url), str(_cause(error))
+    if path is None:
+        return f"the database in memory does not work: {text}"
+    folder = path.parent.absolute()
+    if not folder.is_dir():
+        return f"there is no folder {folder}: create it, or name another file with --database-url"
+    if path.is_dir():
+        return f"{path} is a folder: name a file in it, as in --database-url sqlite:///{path}/voa.db"
+    if isinstance(error, OSError):
+        text = "readonly"
+    signs = {
+        ("not a database",): f"{path} is not an SQLite database: name another file, or move that one away",
+        ("malformed",): f"{path} is damaged ({text}): restore a backup",
+        ("readonly", "unable to open"): (
+            f"{path} cannot be written by this user: SQLite needs to write the file and its folder {folder} (or the "
+            "file system is read-only)"
+        ),
+        ("full", "disk I/O"): f"{path} cannot be written ({text}): is the disk full?",
+        ("locked",): f"{path} is locked by another program that has been writing for long: end it, and start again",
+    }
+    return _by_sign(text, signs) or f"{path} cannot be used: {text}"
+
+
+def _explain_server(error: Exception, url: URL, where: str) -> str:
+    cause = _cause(error)
+    user, text = url.username, str(cause)
+    signs = {
+        ('role "',): f"{where}: there is no role {user!r}: create it with `createuser {user}`, or name another",
+        ('database "',): f"{where}: there is no such database: create it with `createdb -O {user} {url.database}`",
+        ("authentication failed", "no password supplied", "pg_hba.conf"): (
+            f"{where}: PostgreSQL does not let {user!r} in: check the password, or pg_hba.conf"
+        ),
+        ("permission denied",): (
+            f"{where}: {user!r} may not create tables there: GRANT CREATE, USAGE ON SCHEMA public TO {user}"
+        ),
+        ("read-only",): f"{where} is read-only, a standby perhaps: name the primary server",
+        ("timeout", "silent", "does not answer"): (
+            f"{where} does not answer: is the server running, and is there a firewall in between?"
+        ),
+        ("refused", "resolve", "translate host", "No such file"): (
+            f"{where}: nobody is there: start PostgreSQL, or check host and port"
+        ),
+    }
+    return _by_sign(text, signs) or f"{where} cannot be used: {said(cause).strip(' ()') or text}"
+
+
+def _by_sign(text: str, signs: Mapping[tuple[str, ...], str]) -> str | None:
+    """The first line one of whose signs stands in a text."""
+    return next((line for words, line in signs.items() if any(word in text for word in words)), None)
+
+
+def _may_pass(error: Exception) -> bool:
+    """Whether waiting can help: a server that is not there yet, and nothing else."""
+    cause = _cause(error)
+    state = getattr(cause, "sqlstate", None)
+    if isinstance(error, Failure):
+        return True
+    if not isinstance(error, DBAPIError) or type(cause).__module__.split(".")[0] != "psycopg":
+        return False
+    wrong = any(sign in str(cause) for sign in ("does not exist", "authentication", "pg_hba", "permission", "password"))
+    return not wrong and not (state or "").startswith(_REFUSED)
+
+
+def _cause(error: Exception) -> BaseException:
+    if isinstance(error, DBAPIError) and error.orig is not None:
+        return error.orig
+    if isinstance(error, Failure) and error.__cause__ is not None:
+        under = error.__cause__
+        return under.orig if isinstance(under, DBAPIError) and under.orig is not None else under
+    return error

@@ -1,0 +1,186 @@
+"""`voa demo` in a pipe: the story, the contrast, the page; and it ends when it should."""
+
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from tests.voa_fleet.show.test_telling import FIRST, RANKING, session
+from voa_cli import demo as command
+from voa_cli.main import main
+from voa_fleet.devices.clocks import VirtualClock
+from voa_fleet.devices.protocol import GraspOutcome
+from voa_fleet.devices.session_looks import TakenLook
+from voa_fleet.episodes.contrast import Contrast, Tally
+from voa_fleet.episodes.stage import make_stage
+from voa_fleet.episodes.story import Event, Grasped, Story
+from voa_fleet.errors import NoGraphics
+from voa_fleet.show.demo_page import Demo
+from voa_fleet.show.ending import TimeIsUp, ended_after
+from voa_fleet.show.story_pictures import belief_by_look
+from voa_fleet.world.objects import FleetObject
+from voa_msgs.rankings import Ranking
+
+PNG = b"\x89PNG\r\n\x1a\n"
+SECONDS = 120.0
+
+
+def test_the_demo_tells_the_story_and_leaves_a_page(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = tmp_path / "demo"
+    assert main(["demo", "--out", str(out), "--drops", "3"]) == 0
+    told = capfd.readouterr().out
+    flat = " ".join(told.split())
+    assert "\x1b" not in told
+    assert (
+        flat.index("0.0 s session")
+        < flat.index("s look from")
+        < flat.index("looked from")
+        < flat.index("the arm tries")
+    )
+    assert 2 <= told.count("looked from") <= 3
+    truth = re.search(r"In truth the mallet was at (\S+) \((.*?)\)", flat)
+    assert truth is not None
+    assert "TOP (top-down on the handle that points up) succeeded." in flat
+    counts = re.search(r"without a look (\d) of 3 grasps failed, with up to 3 looks (\d) of 3", flat)
+    assert counts is not None
+    assert int(counts[1]) > int(counts[2])
+    assert (out / "demo.html").resolve().as_uri() in told.replace("\n", "")
+    page = (out / "demo.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") >= 4
+    assert not re.findall(r'(?:src|href)="(?!data:)', page)  # it needs no other file
+    assert f"at {truth[1]} ({truth[2]})" in page
+    for picture in ("belief.png", "from-above.png", "contrast.png", "before-and-after.png"):
+        content = (out / picture).read_bytes()
+        assert content.startswith(PNG)
+        assert len(content) > 10_000
+
+
+def test_without_opengl_it_says_so_and_takes_no_pictures(
+    things: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_arguments: object, **_more: object) -> None:
+        raise NoGraphics("no OpenGL here")
+
+    monkeypatch.setattr(command, "Renderer", refused)
+    told = Demo(things["mallet"], seed=0)
+    stage = make_stage(things["mallet"], command.FLAWS, 0, VirtualClock(), "robot")
+    with ExitStack() as stack:
+        camera = command.Camera.of(stack, told, stage)
+        camera.hear(Event("robot", 0.0, Grasped(GraspOutcome("TOP", success=True))))
+    assert (told.no_frames, told.frames) == ("no OpenGL here", [])
+
+
+@pytest.mark.parametrize("ended", [None, KeyboardInterrupt(), TimeIsUp()])
+def test_the_table_is_printed_when_the_progress_bar_is_gone(
+    ended: BaseException | None, things: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+
+    @contextmanager
+    def bar(*_: object) -> Iterator[Callable[[int], None]]:
+        screen.write("<bar>")
+        try:
+            yield lambda _: None
+        finally:
+            screen.write("</bar>")
+
+    def play(contrast: Contrast, *_: object) -> None:
+        contrast.tallies = {name: Tally(name, (True,)) for name in contrast.policies}
+        if ended is not None:
+            raise ended
+
+    monkeypatch.setattr(command, "progress_bar", bar)
+    monkeypatch.setattr(Contrast, "play", play)
+    shown = Demo(things["mallet"], seed=0)
+    nothing: Any = None
+    with suppress(KeyboardInterrupt, TimeIsUp), ended_after(None) as ending:
+        command.tell_contrast(
+            shown, nothing, nothing, nothing, Console(file=screen), Namespace(drops=1, looks=1), ending
+        )
+    assert screen.getvalue().index("</bar>") < screen.getvalue().index("1 of 1")
+
+
+def story(poses: int, places: int) -> tuple[Story, list[Ranking]]:
+    """A look that made one of many poses likely, and what looks from many places were worth before and after it."""
+    names = [f"P{index}" for index in range(poses)]
+    before = session([1.0 / poses] * poses).model_copy(update={"poses": names})
+    after = before.model_copy(update={"belief": [0.9, *[0.1 / (poses - 1)] * (poses - 1)]})
+    looks = [FIRST.model_copy(update={"sensor": f"Q{index}"}) for index in range(places)]
+    ranking = RANKING.model_copy(update={"ranking": looks})
+    taken = (TakenLook("Q0", None, after, None),)
+    return Story("robot", "voa", before, taken, "G1", 0.9, None, 1.0), [ranking, ranking]
+
+
+def height_of(file: Path) -> int:
+    return int.from_bytes(file.read_bytes()[20:24], "big")
+
+
+def test_the_belief_chart_has_room_for_every_row_and_an_end(tmp_path: Path) -> None:
+    heights = {}
+    for poses, places in ((8, 8), (24, 8), (24, 16), (32, 32), (500, 200)):
+        file = tmp_path / f"{poses}-{places}.png"
+        belief_by_look(file, *story(poses, places), f"P{poses - 1}")
+        heights[poses, places] = height_of(file)
+    label = 8 / 72 * 120  # a label's height in pixels
+    assert heights[24, 8] - heights[8, 8] >= 16 * label
+    assert heights[24, 16] - heights[24, 8] >= 8 * label
+    assert heights[500, 200] == heights[32, 32]
+
+
+def demo(out: Path) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "voa_cli.main", "demo", "--out", str(out), "--drops", "5000", "--looks", "1"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+
+
+def test_ctrl_c_ends_it_in_order_with_a_page(tmp_path: Path) -> None:
+    with demo(tmp_path) as process:
+        assert process.stdout is not None
+        watchdog = threading.Timer(SECONDS, process.kill)
+        watchdog.start()
+        said = ""
+        for line in process.stdout:
+            said += line
+            if "The same drops without a look" in line:
+                process.send_signal(signal.SIGINT)
+                break
+        said += process.stdout.read()
+        errors = process.stderr.read() if process.stderr is not None else ""
+        watchdog.cancel()
+    assert process.returncode == 0, errors
+    assert "Stopped: the demo ends here." in said
+    assert "What happened" in (tmp_path / "demo.html").read_text(encoding="utf-8")
+    assert "Traceback" not in errors
+
+
+def test_demo_seconds_end_it_by_itself(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DEMO_SECONDS", "4")
+    assert main(["demo", "--out", str(tmp_path), "--drops", "5000"]) == 0
+    assert "DEMO_SECONDS are over" in capfd.readouterr().out
+    assert (tmp_path / "demo.html").is_file()
+
+
+@pytest.mark.parametrize("told", ["soon", "-1", "nan"])
+def test_demo_seconds_that_are_none_are_refused(
+    told: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DEMO_SECONDS", told)
+    assert main(["demo", "--out", str(tmp_path)]) == 1
+    assert f"DEMO_SECONDS: expected seconds, more than 0, got '{told}'" in capfd.readouterr().err

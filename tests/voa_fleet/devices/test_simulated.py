@@ -1,0 +1,160 @@
+"""The simulated devices keep the protocols, and do in a scene what real ones would."""
+
+import json
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from voa_fleet.devices.clocks import VirtualClock
+from voa_fleet.devices.protocol import Arm, SensorRobot, device_of
+from voa_fleet.devices.simulated import DRIVE_M_S, Scene, SimulatedArm, SimulatedSensorRobot, make_scene
+from voa_fleet.episodes.attempts import object_pose
+from voa_fleet.errors import UnknownName
+from voa_fleet.world.imperfections import Imperfections, room
+from voa_fleet.world.lidar import lidar_geometry, true_ranges
+from voa_fleet.world.objects import FleetObject
+from voa_fleet.world.ur5e import HOME
+from voa_msgs.geometry import PoseUncertainty
+
+ROOM = Imperfections(clutter=room(2.0))
+
+
+@pytest.fixture
+def clock() -> VirtualClock:
+    return VirtualClock()
+
+
+@pytest.fixture
+def scene(mug: FleetObject, clock: VirtualClock) -> Scene:
+    return make_scene(mug, clock, 1, ROOM, robots=("one", "two"))
+
+
+def test_the_simulated_devices_are_devices(scene: Scene) -> None:
+    assert isinstance(SimulatedSensorRobot(scene, "one"), SensorRobot)
+    assert isinstance(SimulatedArm(scene), Arm)
+
+
+def test_a_robot_looks_from_where_it_was_sent(mug: FleetObject, scene: Scene) -> None:
+    robot = SimulatedSensorRobot(scene, "two", PoseUncertainty(xy_m=0.01, yaw_rad=0.02))
+    sensor = mug.scenario.sensors[3]
+    scene.put("U_135")
+    robot.drive_to(sensor)
+    believed = robot.pose()
+    assert (believed.x, believed.y, believed.yaw_rad) == (sensor.x, sensor.y, sensor.yaw_rad)
+    assert believed.std == PoseUncertainty(xy_m=0.01, yaw_rad=0.02)
+    ranges = true_ranges(scene.world, scene.data, lidar_geometry(mug.scenario.lidar), sensor)
+    measured = np.array(robot.take_scan().ranges, dtype=np.float64)
+    np.testing.assert_allclose(measured, np.where(np.isfinite(ranges), ranges, 0.0), rtol=0.0, atol=1e-6)
+
+
+def test_driving_and_looking_take_time(mug: FleetObject, scene: Scene, clock: VirtualClock) -> None:
+    robot = SimulatedSensorRobot(scene, "one")
+    started = clock.now_s()
+    robot.drive_to(mug.scenario.sensors[0])
+    there = clock.now_s()
+    assert there - started > 0.6 / DRIVE_M_S - 0.5
+    robot.take_scan()
+    assert clock.now_s() == pytest.approx(there + 0.2)
+    robot.drive_to(mug.scenario.sensors[0])
+    assert clock.now_s() - there < 0.5
+
+
+def test_a_robot_drives_around_the_object(mug: FleetObject, clock: VirtualClock) -> None:
+    places: list[tuple[float, float]] = []
+
+    def watch(data: mujoco.MjData) -> None:
+        x, y, _ = data.mocap_pos[0]
+        places.append((float(x), float(y)))
+
+    scene = make_scene(mug, clock, 1, ROOM, watch=watch)
+    robot = SimulatedSensorRobot(scene, "robot")
+    robot.drive_to(mug.scenario.sensors[0])
+    places.clear()
+    robot.drive_to(mug.scenario.sensors[4])
+    assert min(math.hypot(x, y) for x, y in places) > 0.39
+    assert places[-1] == pytest.approx((mug.scenario.sensors[4].x, mug.scenario.sensors[4].y))
+    steps = np.diff(np.array(places), axis=0)
+    assert np.hypot(steps[:, 0], steps[:, 1]).max() < 1.1 * DRIVE_M_S * 0.05
+
+
+def test_a_robot_does_not_know_its_error(mug: FleetObject, clock: VirtualClock) -> None:
+    flaws = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05)
+    robot = SimulatedSensorRobot(make_scene(mug, clock, 1, flaws), "robot")
+    errors = []
+    for _ in range(60):
+        robot.drive_to(mug.scenario.sensors[0])
+        errors.append((robot.true_pose.x - robot.pose().x, robot.true_pose.yaw_rad - robot.pose().yaw_rad))
+    assert np.std(errors, axis=0) == pytest.approx([0.02, 0.05], rel=0.3)
+
+
+def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(scene: Scene) -> None:
+    arm = SimulatedArm(scene)
+    assert arm.reachable() == ("TD0", "TD90", "OI90", "TDH0")
+    scene.put("U_90")
+    failed = arm.attempt("TDH0")
+    assert (failed.success, failed.detail) == (False, "nothing between the fingers")
+    np.testing.assert_allclose(scene.data.qpos[scene.world.joints], HOME, rtol=0.0, atol=0.02)
+    done = arm.attempt("OI90")
+    assert (done.grasp, done.success, done.detail) == ("OI90", True, "lifted")
+    assert scene.world.object_pose(scene.data).position[2] > 0.1
+
+
+def test_a_failed_attempt_says_how_far_the_object_moved(things: dict[str, FleetObject], clock: VirtualClock) -> None:
+    scene = make_scene(things["block"], clock, 1, Imperfections())
+    scene.put("U_0")
+    outcome = SimulatedArm(scene).attempt("OI90")
+    assert not outcome.success
+    assert outcome.moved_m is not None
+    assert outcome.moved_m > 0.01
+
+
+def test_a_grasp_or_robot_that_does_not_exist_is_refused(scene: Scene) -> None:
+    with pytest.raises(UnknownName, match="no grasp 'X'; there are: TD0"):
+        SimulatedArm(scene).attempt("X")
+    with pytest.raises(UnknownName, match="no robot 'three'; there are: one, two"):
+        SimulatedSensorRobot(scene, "three")
+
+
+def test_the_object_lies_where_the_noise_puts_it(mug: FleetObject, clock: VirtualClock) -> None:
+    scene = make_scene(mug, clock, 1, Imperfections(object_xy_m=0.01))
+    exact = np.array(object_pose(mug, "U_0").position)
+    places = []
+    for _ in range(50):
+        scene.put("U_0")
+        places.append(scene.world.object_pose(scene.data).position - exact)
+    assert np.std(places, axis=0)[:2] == pytest.approx([0.01, 0.01], rel=0.35)
+
+
+def test_the_same_seed_tells_the_same_story(mug: FleetObject) -> None:
+    flaws = Imperfections.of_lds_01()
+
+    def story() -> str:
+        scene = make_scene(mug, VirtualClock(), 5, flaws)
+        robot, arm = SimulatedSensorRobot(scene, "robot"), SimulatedArm(scene)
+        scene.put("U_45")
+        robot.drive_to(mug.scenario.sensors[2])
+        return json.dumps([robot.take_scan().model_dump(), arm.attempt("TD90").detail])
+
+    assert story() == story()
+
+
+def test_a_device_of_one_s_own_is_found_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "my_lab_arm.py").write_text(
+        "class Mine:\n"
+        "    name = 'mine'\n"
+        "    def reachable(self): return ('TD0',)\n"
+        "    def attempt(self, grasp): raise NotImplementedError\n"
+        "def connect(): return Mine()\n",
+        encoding="utf-8",
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    device = device_of("my_lab_arm:connect")
+    assert isinstance(device, Arm)
+    assert not isinstance(device, SensorRobot)
+    with pytest.raises(UnknownName, match="no function of my_lab_arm 'start'; there are: Mine, connect"):
+        device_of("my_lab_arm:start")
+    with pytest.raises(UnknownName, match="no module 'my_lab_gripper'"):
+        device_of("my_lab_gripper:connect")

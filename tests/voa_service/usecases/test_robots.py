@@ -1,0 +1,62 @@
+"""Reports of robots stay bounded, and show the session of each at the moment when they are asked for."""
+
+from datetime import UTC, datetime, timedelta
+from itertools import count
+
+import pytest
+
+from tests.support.quiet_robot import QuietRobot
+from tests.support.serving import scan_of
+from voa_msgs.sessions import ScanRequest, UpdateReport
+from voa_service.failures import Failure
+from voa_service.usecases import robots as module
+from voa_service.usecases.robots import LookOutcome, MappedTo, Robots
+
+NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
+
+
+def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_MOST", 4)
+    seconds = count()
+    robots = Robots(lambda: NOON + timedelta(seconds=next(seconds)), lambda robot, scenario: None)
+    robots.mapped("mapped", "mapped/scan", QuietRobot(), session="S")
+    for name in ("a", "b", "c", "a", "d", "e"):
+        robots.heard(name, "scan", f"scan/S/{name}", "S")
+    assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
+
+
+def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_before() -> None:
+    sessions = {("r", "A"): "first"}
+    robots = Robots(lambda: NOON, lambda robot, scenario: sessions.get((robot, scenario)))
+    robots.mapped("r", "scan", QuietRobot(), scenario="A")
+    robots.mapped("fixed", "scan", QuietRobot(), session="S")
+    assert [report.session for report in robots.reports().items] == ["S", "first"]
+    robots.heard("r", "ros2", "r/scan", "first")
+    sessions["r", "A"] = "second"
+    assert robots.report("r").session == robots.request_look("r").session == "second"
+    sessions.clear()
+    assert (robots.report("r").session, robots.report("r").scans) == (None, 1)
+    assert robots.report("r").waiting_for == "a scan"
+
+
+def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: None)
+    robots.mapped("r", "scan", QuietRobot(), scenario="A")
+    assert (robots.mapped_to("r"), robots.names()) == (MappedTo("A", None), ["r"])
+    robots.unmapped("r")
+    assert (robots.mapped_to("r"), robots.names()) == (None, [])
+    with pytest.raises(Failure, match="no mapped robot 'r'"):
+        robots.report("r")
+
+
+def test_what_was_on_its_way_when_a_mapping_went_makes_no_report() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: None)
+    robots.mapped("r", "scan", QuietRobot(), session="S")
+    robots.unmapped("r")
+    request = ScanRequest.model_validate(scan_of([0.5]))
+    update = {"accepted": True, "reason": None, "log_evidence": 0.0, "fit_rmsd_mm": 1.0}
+    report = UpdateReport.model_validate(update | {"fit_hit_rmsd_mm": 1.0, "best_fit_pose": "A", "beams_compared": 1})
+    robots.heard("r", "ros2", "scan", "S")
+    robots.looked("r", "ros2", "scan", "S", request, LookOutcome(version=1, update=report))
+    assert not robots.refused("r", "ros2", "scan", "why")
+    assert robots.reports().items == []

@@ -1,0 +1,654 @@
+"""Every promise of `ports.Store`, over every implementation of it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import timedelta
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from threading import Lock
+from typing import Any, TypeVar
+
+import numpy as np
+import pytest
+from sqlalchemy import text
+
+from tests.support.postgres import Server
+from tests.voa_store.samples import (
+    NOON,
+    THREADS,
+    Open,
+    at_once,
+    belief,
+    create,
+    engine_of,
+    key,
+    mesh,
+    never,
+    next_version,
+    refuse,
+    scenario,
+    session,
+    stored_mesh,
+    write,
+)
+from voa_core.filtering import Belief
+from voa_service.failures import Failure
+from voa_service.ports import (
+    Answered,
+    HistoryKind,
+    Listed,
+    SessionState,
+    Step,
+    Store,
+    StoredObject,
+    Upload,
+)
+from voa_store.engines import connect
+from voa_store.sql import SqlStore
+
+T = TypeVar("T")
+
+FAR = str(10**18 - 1)
+
+
+def in_steps(listing: Callable[[int, str | None], Listed[T]], limit: int) -> list[list[T]]:
+    """Every page of a list."""
+    pages, after = [], None
+    while True:
+        page = listing(limit, after)
+        pages.append(page.items)
+        if page.next is None:
+            return pages
+        after = page.next
+
+
+def bits(state: SessionState) -> tuple[bytes, ...]:
+    fit = np.array([-1.0 if state.last_fit_rmsd_mm is None else state.last_fit_rmsd_mm])
+    arrays = (state.belief.p, state.belief.log_p, state.prior.p, state.prior.log_p, fit)
+    return tuple(array.tobytes() for array in arrays)
+
+
+# ------------------------------------------------------------------------------------------- objects, scenarios
+
+
+def test_a_mesh_put_again_is_the_one_that_is_there(store: Store) -> None:
+    first, new = store.put_object(stored_mesh(name="first"))
+    again, new_again = store.put_object(StoredObject(mesh(), "second", NOON + timedelta(days=1)))
+    assert (new, new_again) == (True, False)
+    assert [first.name, again.name, again.created_at] == ["first", "first", NOON]
+    assert len(store.list_objects(10, None).items) == 1
+
+
+def test_a_mesh_comes_back_bit_for_bit(store: Store) -> None:
+    stored, _ = store.put_object(stored_mesh())
+    found = store.get_object(mesh().digest)
+    assert found is not None
+    for got in (stored, found):
+        assert got.object.digest == mesh().digest
+        assert got.object.vertices.tobytes() == mesh().vertices.tobytes()
+        assert got.object.faces.tobytes() == mesh().faces.tobytes()
+        assert (got.name, got.created_at) == ("box", NOON)
+
+
+def upload(**changes: Any) -> Upload:
+    return replace(Upload("0" * 64, "obj", 0.1 + 0.2, "+Z"), **changes)
+
+
+def test_a_file_that_was_uploaded_is_found_again_as_it_was_read(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    stored, _ = one.put_object(stored_mesh())
+    another, _ = one.put_object(stored_mesh(0.06))
+    assert other.find_upload(upload()) is None
+    for _ in range(2):
+        one.put_upload(upload(), stored.object.digest)
+    one.put_upload(upload(up="+Y"), another.object.digest)
+    for wanted, digest in ((upload(), stored.object.digest), (upload(up="+Y"), another.object.digest)):
+        found = other.find_upload(wanted)
+        assert found is not None
+        assert found.object.digest == digest
+    for change in ({"sha256": "1" * 64}, {"type": "stl"}, {"scale": 0.3}):
+        assert other.find_upload(upload(**change)) is None
+
+
+def test_one_file_uploaded_at_once_is_remembered_once(pair: tuple[Store, Store]) -> None:
+    stored, _ = pair[0].put_object(stored_mesh())
+    at_once([partial(store.put_upload, upload(), stored.object.digest) for store in pair * THREADS])
+    assert pair[0].find_upload(upload()) is not None
+
+
+def test_a_scenario_put_again_is_the_one_that_is_there(store: Store) -> None:
+    first, new = store.put_scenario(scenario("B", "first"))
+    again, new_again = store.put_scenario(replace(scenario("B", "second"), created_at=NOON + timedelta(days=1)))
+    assert (new, new_again) == (True, False)
+    assert first == again == scenario("B", "first") == store.get_scenario("B")
+
+
+def test_what_is_not_there_is_none(store: Store) -> None:
+    for id_ in ("nothing", "", "A' OR '1'='1", "a\0b", "ü" * 300):
+        assert store.get_object(id_) is None
+        assert store.get_scenario(id_) is None
+        assert store.get_session(id_) is None
+        assert store.history(id_, -1, 10) == []
+        assert store.change_session(id_, write(), never) is None
+        assert not store.delete_session(id_, None, None)
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3, 5, 6, 100])
+def test_lists_are_oldest_first_and_their_pages_have_everything_once(store: Store, limit: int) -> None:
+    names = ["z", "m", "a", "k", "b"]
+    for position, name in enumerate(names):
+        store.put_object(stored_mesh(0.01 * (position + 1), name))
+        store.put_scenario(scenario(name))
+        create(store, name)
+    for pages, expected in (
+        ([[item.name for item in page] for page in in_steps(store.list_objects, limit)], names),
+        ([[item.id for item in page] for page in in_steps(store.list_scenarios, limit)], ["A", *names]),
+        ([[item.id for item in page] for page in in_steps(store.list_sessions, limit)], names),
+    ):
+        assert [item for page in pages for item in page] == expected
+        assert all(len(page) == limit for page in pages[:-1])
+        assert 0 < len(pages[-1]) <= limit
+
+
+def test_an_empty_list_has_no_next(opened: Open) -> None:
+    store = opened()
+    for listing in (store.list_objects, store.list_scenarios, store.list_sessions):
+        assert listing(5, None) == Listed([], None)
+
+
+def test_after_the_largest_cursor_there_is_nothing(store: Store) -> None:
+    create(store)
+    for listing in (store.list_objects, store.list_scenarios, store.list_sessions):
+        assert listing(5, FAR) == Listed([], None)
+    assert store.history("S", int(FAR), 5) == []
+
+
+def test_a_cursor_holds_while_the_list_grows_and_shrinks(store: Store) -> None:
+    for name in ("a", "b", "c", "d"):
+        create(store, name)
+    first = store.list_sessions(2, None)
+    store.delete_session("b", None, None)
+    create(store, "e")
+    rest = store.list_sessions(10, first.next)
+    assert [item.id for item in rest.items] == ["c", "d", "e"]
+
+
+# ------------------------------------------------------------------------------------------------------ sessions
+
+
+def test_the_mark_of_a_session_changes_with_it(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.session_mark("S") is None
+    assert one.session_mark("S\0") is None
+    create(one)
+    first = one.session_mark("S")
+    assert first is not None
+    assert other.session_mark("S") == first
+    one.change_session("S", write(), next_version)
+    assert other.session_mark("S") == one.session_mark("S") != first
+    one.delete_session("S", None, None)
+    assert other.session_mark("S") is None
+
+
+def test_an_answer_is_found_by_its_key_whoever_gave_it(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.get_answer(key()) is None
+    create(one)
+    answered = one.change_session("S", write(named=key()), next_version)
+    assert other.get_answer(key()) == answered
+    with pytest.raises(Failure) as reused:
+        other.get_answer(key(fingerprint="another"))
+    assert reused.value.kind == "idempotency-key-reused"
+
+
+def test_a_new_session_has_its_prior_as_history(store: Store) -> None:
+    answer = store.create_session(session(), write(request='{"scenario": "A"}', kind="prior"), Answered("body", 0))
+    assert answer == Answered("body", 0)
+    (entry,) = store.history("S", -1, 10)
+    assert (entry.state.version, entry.kind, entry.request, entry.report) == (0, "prior", '{"scenario": "A"}', None)
+    found = store.get_session("S")
+    assert found is not None
+    for state in (entry.state, found):
+        assert (state.id, state.scenario, state.created_at, state.updated_at) == ("S", "A", NOON, NOON)
+        assert bits(state) == bits(session())
+
+
+def test_floats_come_back_bit_for_bit(opened: Open, store: Store) -> None:
+    odd = np.array([5e-324, 0.1 + 0.2, 1.0 - 2**-53, -0.0, 2.2250738585072014e-308, 0.1])
+    logs = np.array([-math.inf, -1e300, -744.4400719213812, -0.0, math.log(0.1 + 0.2), -1e-17])
+    fits = [0.1 + 0.2, 5e-324, 1.7976931348623157e308, 0.0]
+    start = replace(session(), belief=Belief(odd, logs), prior=Belief(odd[::-1].copy(), logs[::-1].copy()))
+    store.create_session(start, write(), Answered("", 0))
+    expected = [start]
+    for fit in fits:
+        turned = Belief(np.roll(expected[-1].belief.p, 1), np.roll(expected[-1].belief.log_p, 1))
+        after = replace(expected[-1], version=expected[-1].version + 1, belief=turned, last_fit_rmsd_mm=fit)
+        expected.append(after)
+        store.change_session("S", write(), lambda _, after=after: Step(after, Answered("", after.version), None))  # type: ignore[misc]
+    for reader in (store, opened()):
+        found = reader.get_session("S")
+        assert found is not None
+        assert bits(found) == bits(expected[-1])
+        assert [bits(entry.state) for entry in reader.history("S", -1, 100)] == [bits(state) for state in expected]
+
+
+def test_history_ascends_and_keeps_what_was_received(store: Store) -> None:
+    create(store)
+    received = ['{"b":1, "a" : 2.50}', '{"text":"ü\\u0000"}', "[" * 40 + "]" * 40]
+    kinds: list[HistoryKind] = ["scan", "outcome", "belief"]
+    for kind, request in zip(kinds, received, strict=True):
+        store.change_session("S", write(request=request, kind=kind), next_version)
+    entries = store.history("S", -1, 10)
+    assert [entry.state.version for entry in entries] == [0, 1, 2, 3]
+    assert [entry.kind for entry in entries] == ["prior", *kinds]
+    assert [entry.request for entry in entries][1:] == received
+    assert [entry.report for entry in entries] == [None, '"report 1"', '"report 2"', '"report 3"']
+    assert [entry.state.updated_at for entry in entries] == [NOON + timedelta(seconds=n) for n in range(4)]
+    assert {entry.state.created_at for entry in entries} == {NOON}
+    found = store.get_session("S")
+    assert found is not None
+    assert (found.created_at, found.updated_at) == (NOON, NOON + timedelta(seconds=3))
+    assert [entry.state.version for entry in store.history("S", 0, 2)] == [1, 2]
+    assert [entry.state.version for entry in store.history("S", 2, 2)] == [3]
+    assert store.history("S", 3, 2) == []
+
+
+def test_a_page_of_a_history_is_bounded_in_bytes_and_goes_on(store: Store) -> None:
+    create(store)
+    for _ in range(9):
+        store.change_session("S", write(request='"' + "x" * 998 + '"'), next_version)
+    whole = store.history("S", -1, 99)
+    for most_bytes, expected in ((1, [1] * 10), (2_500, [4, 3, 3]), (10**9, [10])):
+        read: list[int] = []
+        pages = []
+        while len(read) < len(whole):
+            page = store.history("S", read[-1] if read else -1, 99, most_bytes)
+            read += [entry.state.version for entry in page]
+            pages.append(len(page))
+        assert read == [entry.state.version for entry in whole]
+        assert pages == expected
+
+
+def test_lists_show_what_was_stored_with_the_version(store: Store) -> None:
+    store.put_scenario(replace(scenario("B"), summary='{"poses": 3}'))
+    stored, _ = store.put_object(stored_mesh())
+    create(store)
+    store.change_session("S", write(), lambda state: replace_summary(next_version(state), '{"entropy": 1}'))
+    (listed,) = store.list_sessions(9, None).items
+    assert (listed.id, listed.version, listed.summary) == ("S", 1, '{"entropy": 1}')
+    assert [item.summary for item in store.list_scenarios(9, None).items] == ["{}", '{"poses": 3}']
+    (mesh_,) = store.list_objects(9, None).items
+    assert mesh_.extents == tuple(stored.object.extents.tolist())
+    assert (mesh_.id, mesh_.faces, mesh_.watertight) == (stored.object.digest, 12, stored.object.watertight)
+
+
+def replace_summary(step: Step, summary: str) -> Step:
+    assert step.after is not None
+    return replace(step, after=replace(step.after, summary=summary))
+
+
+def test_histories_of_two_sessions_do_not_mix(store: Store) -> None:
+    create(store, "S")
+    create(store, "T")
+    store.change_session("S", write(request='"S"'), next_version)
+    store.change_session("T", write(request='"T"'), next_version)
+    assert [entry.request for entry in store.history("S", 0, 9)] == ['"S"']
+    assert [entry.request for entry in store.history("T", 0, 9)] == ['"T"']
+
+
+# ---------------------------------------------------------------------------------------- keys, versions, steps
+
+
+def test_a_key_seen_before_gets_the_first_answer_and_changes_nothing(store: Store) -> None:
+    create(store)
+    first = store.change_session("S", write(key()), next_version)
+    store.change_session("S", write(), next_version)
+    assert store.change_session("S", write(key()), never) == first == Answered("v1", 1)
+    assert len(store.history("S", -1, 9)) == 3
+
+
+def test_a_key_means_one_request(store: Store) -> None:
+    create(store)
+    store.change_session("S", write(key()), next_version)
+    with pytest.raises(Failure) as refused:
+        store.change_session("S", write(key(fingerprint="G")), never)
+    assert (refused.value.status, refused.value.kind) == (422, "idempotency-key-reused")
+    with pytest.raises(Failure, match="another request"):
+        store.delete_session("S", key(fingerprint="G"), None)
+    assert store.get_session("S") is not None
+
+
+def test_a_key_is_looked_for_before_the_version(store: Store) -> None:
+    create(store)
+    store.change_session("S", write(key(), frozenset({0})), next_version)
+    stale = frozenset({0})
+    assert store.change_session("S", write(key(), stale), never) == Answered("v1", 1)
+    with pytest.raises(Failure, match="another request"):
+        store.change_session("S", write(key(fingerprint="G"), stale), never)
+
+
+def test_a_stale_version_is_refused_before_the_step_and_its_key_stays_free(store: Store) -> None:
+    create(store)
+    store.change_session("S", write(), next_version)
+    for seen in (frozenset({0}), frozenset({2, 7}), frozenset[int]()):
+        with pytest.raises(Failure) as refused:
+            store.change_session("S", write(key(), seen), never)
+        assert (refused.value.status, refused.value.kind) == (412, "stale-version")
+        assert refused.value.more == {"version": 1}
+    assert store.change_session("S", write(key(), frozenset({1, 5})), next_version) == Answered("v2", 2)
+
+
+def test_a_step_that_refuses_is_answered_and_remembered_and_changes_nothing(store: Store) -> None:
+    create(store)
+    assert store.change_session("S", write(key()), refuse) == Answered("refused at v0", 0)
+    store.change_session("S", write(), next_version)
+    assert store.change_session("S", write(key()), never) == Answered("refused at v0", 0)
+    assert [entry.state.version for entry in store.history("S", -1, 9)] == [0, 1]
+
+
+def test_a_step_that_raises_leaves_nothing(store: Store) -> None:
+    create(store)
+    with pytest.raises(AssertionError, match="must not run"):
+        store.change_session("S", write(key()), never)
+    assert len(store.history("S", -1, 9)) == 1
+    assert store.change_session("S", write(key()), next_version) == Answered("v1", 1)
+
+
+def test_keys_are_scoped(store: Store) -> None:
+    create(store, "S", key(scope="caller:x"))
+    create(store, "T", key(scope="caller:y"))
+    for id_ in ("S", "T"):
+        named = key(scope=f"session:{id_}")
+        assert store.change_session(id_, write(named), next_version) == Answered("v1", 1)
+    assert len(store.list_sessions(9, None).items) == 2
+
+
+def test_a_session_created_again_under_its_key_is_the_first_one(store: Store) -> None:
+    first = create(store, "S", key())
+    assert create(store, "T", key()) == first
+    with pytest.raises(Failure, match="another request"):
+        create(store, "U", key(fingerprint="G"))
+    assert [item.id for item in store.list_sessions(9, None).items] == ["S"]
+    assert store.history("T", -1, 9) == []
+
+
+# -------------------------------------------------------------------------------------------------------- delete
+
+
+def test_delete_takes_the_history_along_and_nothing_else(store: Store) -> None:
+    create(store, "S")
+    create(store, "T")
+    for id_ in ("S", "T"):
+        store.change_session(id_, write(), next_version)
+    assert store.delete_session("S", None, None)
+    assert store.get_session("S") is None
+    assert store.history("S", -1, 9) == []
+    assert not store.delete_session("S", None, None)
+    assert [item.id for item in store.list_sessions(9, None).items] == ["T"]
+    assert len(store.history("T", -1, 9)) == 2
+    create(store, "S")  # if its history were still there, this could not be
+    assert len(store.history("S", -1, 9)) == 1
+
+
+def test_delete_keeps_the_promises_of_keys_and_versions(store: Store) -> None:
+    create(store)
+    store.change_session("S", write(), next_version)
+    with pytest.raises(Failure, match="the session is at v1"):
+        store.delete_session("S", key("D"), frozenset({0}))
+    assert store.delete_session("S", key("D"), frozenset({1}))
+    assert store.delete_session("S", key("D"), frozenset({0})), "the key is looked for first"
+    assert not store.delete_session("S", key("E"), None)
+
+
+def test_keys_are_remembered_after_delete(store: Store) -> None:
+    created = create(store, "S", key(scope="caller"))
+    store.change_session("S", write(key("K")), next_version)
+    store.change_session("S", write(key("R")), refuse)
+    store.delete_session("S", None, None)
+    assert store.change_session("S", write(key("K")), never) == Answered("v1", 1)
+    assert store.change_session("S", write(key("R")), never) == Answered("refused at v1", 1)
+    assert store.change_session("S", write(key("N")), never) is None
+    with pytest.raises(Failure, match="another request"):
+        store.change_session("S", write(key("K", fingerprint="G")), never)
+    assert create(store, "T", key(scope="caller")) == created
+    assert store.list_sessions(9, None).items == []
+
+
+# ------------------------------------------------------------------------------------------- more than one store
+
+
+def test_everything_is_there_after_reopening(opened: Open, store: Store) -> None:
+    store.put_object(stored_mesh())
+    create(store, "S", key(scope="caller"))
+    store.change_session("S", write(key()), next_version)
+    store.close()
+    again = opened()
+    assert again.get_object(mesh().digest) is not None
+    assert again.get_scenario("A") == scenario("A")
+    assert [entry.state.version for entry in again.history("S", -1, 9)] == [0, 1]
+    assert again.change_session("S", write(key()), never) == Answered("v1", 1)
+    assert create(again, "T", key(scope="caller")) == Answered("created S", 0)
+
+
+def test_what_one_store_answered_the_other_reads(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    create(one)
+    for version in range(1, 9):
+        writer, reader = (one, other) if version % 2 else (other, one)
+        writer.change_session("S", write(), next_version)
+        found = reader.get_session("S")
+        assert found is not None
+        assert found.version == version
+        assert len(reader.history("S", -1, 99)) == version + 1
+
+
+def test_writers_of_two_stores_lose_no_update_and_never_retry(pair: tuple[Store, Store]) -> None:
+    each = 15
+    create(pair[0])
+    steps, lock = 0, Lock()
+
+    def add_one(state: SessionState) -> Step:
+        nonlocal steps
+        with lock:
+            steps += 1
+        more = belief(*(state.belief.p + 1.0))
+        after = replace(state, version=state.version + 1, belief=more)
+        return Step(after, Answered("", after.version), None)
+
+    def writer(store: Store) -> Callable[[], list[int]]:
+        def run() -> list[int]:
+            answers = [store.change_session("S", write(), add_one) for _ in range(each)]
+            return [answer.version for answer in answers if answer is not None]
+
+        return run
+
+    answered = at_once([writer(store) for store in pair for _ in range(THREADS)])
+    count = len(answered) * each
+    assert sorted(version for versions in answered for version in versions) == list(range(1, count + 1))
+    assert all(a < b for versions in answered for a, b in pairwise(versions))
+    assert steps == count, "a step ran again: a retry"
+    found = pair[1].get_session("S")
+    assert found is not None
+    assert (found.version, found.belief.p.tolist()) == (count, [0.25 + count, 0.75 + count])
+    entries = pair[0].history("S", -1, count + 1)
+    assert [entry.state.belief.p[0] for entry in entries] == [0.25 + n for n in range(count + 1)]
+
+
+def test_of_writers_that_saw_the_same_version_one_gets_through(pair: tuple[Store, Store]) -> None:
+    create(pair[0])
+
+    def attempt(store: Store) -> Callable[[], str]:
+        def run() -> str:
+            try:
+                answer = store.change_session("S", write(None, frozenset({0})), next_version)
+            except Failure as failure:
+                return failure.kind
+            return answer.body if answer else "gone"
+
+        return run
+
+    outcomes = at_once([attempt(store) for store in pair for _ in range(THREADS)])
+    assert sorted(outcomes) == ["stale-version"] * (2 * THREADS - 1) + ["v1"]
+
+
+@pytest.mark.parametrize("step", [next_version, refuse])
+def test_duplicates_of_one_key_at_once_have_one_effect_and_one_answer(
+    pair: tuple[Store, Store], step: Callable[[SessionState], Step]
+) -> None:
+    create(pair[0])
+    for round_ in range(5):
+        before = len(pair[0].history("S", -1, 99))
+        named = key(f"K{round_}")
+        calls = [
+            lambda store=store, named=named: store.change_session("S", write(named), step)
+            for store in pair
+            for _ in range(THREADS)
+        ]
+        answers = at_once(calls)
+        assert len(set(answers)) == 1
+        assert len(pair[1].history("S", -1, 99)) == before + (step is next_version)
+
+
+def test_duplicates_of_one_creation_at_once_open_one_session(pair: tuple[Store, Store]) -> None:
+    for round_ in range(5):
+        named = key(f"K{round_}", "caller")
+        calls = [
+            lambda store=store, id_=f"{round_}-{n}", named=named: create(store, id_, named)
+            for n, store in enumerate(pair * THREADS)
+        ]
+        assert len(set(at_once(calls))) == 1
+        assert len(pair[0].list_sessions(99, None).items) == round_ + 1
+
+
+def test_duplicates_of_one_delete_at_once_all_succeed_and_without_a_key_one_does(pair: tuple[Store, Store]) -> None:
+    for named, expected in ((key("D"), 2 * THREADS), (None, 1)):
+        create(pair[0])
+        calls = [
+            lambda store=store, named=named: store.delete_session("S", named, None)
+            for store in pair
+            for _ in range(THREADS)
+        ]
+        assert sum(at_once(calls)) == expected
+        assert pair[0].get_session("S") is None
+
+
+def test_equal_content_put_at_once_is_new_once(pair: tuple[Store, Store]) -> None:
+    for round_ in range(5):
+        puts = [partial(store.put_scenario, scenario(f"R{round_}", str(n))) for n, store in enumerate(pair * THREADS)]
+        results = at_once(puts)
+        assert sum(new for _, new in results) == 1
+        assert len({stored for stored, _ in results}) == 1
+        meshes = at_once([partial(store.put_object, stored_mesh(0.01 * (round_ + 1))) for store in pair * THREADS])
+        assert sum(new for _, new in meshes) == 1
+
+
+def test_a_change_and_a_delete_at_once_leave_nothing_behind(pair: tuple[Store, Store]) -> None:
+    for _ in range(5):
+        create(pair[0])
+        changed, deleted = at_once(
+            [
+                lambda: pair[0].change_session("S", write(), next_version),
+                lambda: pair[1].delete_session("S", None, None),
+            ]
+        )
+        assert deleted is True
+        assert changed in (None, Answered("v1", 1))
+        assert pair[0].history("S", -1, 9) == []
+
+
+# ------------------------------------------------------------------------------------------- the database itself
+
+
+def test_ping_says_when_the_tables_are_of_another_version(store: Store, database_url: str) -> None:
+    store.ping()
+    engine = engine_of(database_url)
+    with engine.begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    engine.dispose()
+    with pytest.raises(RuntimeError, match="another version"):
+        store.ping()
+
+
+def test_stores_that_open_an_empty_database_at_the_same_time_share_it(database_url: str) -> None:
+    stores = at_once([lambda: SqlStore(database_url) for _ in range(THREADS)])
+    try:
+        stores[0].put_scenario(scenario("A"))
+        for n, store in enumerate(stores):
+            store.ping()
+            create(store, f"S{n}")
+        assert len(stores[-1].list_sessions(99, None).items) == THREADS
+    finally:
+        for store in stores:
+            store.close()
+
+
+def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_again(postgres: Server) -> None:
+    store = SqlStore(postgres.new_database())
+    store.put_scenario(scenario("A"))
+    create(store)
+    postgres.stop()
+    try:
+        calls: list[Callable[[], object]] = [
+            lambda: store.get_session("S"),
+            lambda: store.session_mark("S"),
+            lambda: store.robot_looks("A", "r", 1),
+            lambda: store.robot_session("r", "A"),
+            lambda: store.settle_robot("r", "A"),
+            lambda: store.claim_robot("r", "S"),
+            lambda: store.find_upload(upload()),
+            lambda: store.history("S", -1, 9),
+            lambda: store.list_sessions(9, None),
+            lambda: store.put_object(stored_mesh()),
+            lambda: create(store, "T", key()),
+            lambda: store.change_session("S", write(key()), next_version),
+            lambda: store.delete_session("S", None, None),
+            store.ping,
+        ]
+        for call in calls:
+            with pytest.raises(Failure) as refused:
+                call()
+            assert (refused.value.status, refused.value.kind) == (503, "not-ready")
+            assert int(refused.value.headers["Retry-After"]) > 0
+    finally:
+        postgres.start()
+    assert store.change_session("S", write(key()), next_version) == Answered("v1", 1)
+    store.close()
+
+
+def test_a_full_database_file_is_a_failure_and_room_again_is_enough(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'voa.db'}"
+    store = SqlStore(url)
+    store.put_scenario(scenario("A"))
+    create(store)
+    engine = store._writer
+    with engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA max_page_count = 1")  # SQLite takes the present size where that is more
+
+    def fill() -> None:
+        while True:
+            store.change_session("S", write(request='"' + "x" * 1000 + '"'), next_version)
+
+    with pytest.raises(Failure) as refused:
+        fill()
+    assert (refused.value.status, refused.value.kind) == (503, "not-ready")
+    found = store.get_session("S")
+    assert found is not None
+    assert len(store.history("S", -1, 9999)) == found.version + 1
+    with engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA max_page_count = 1000000")
+    assert store.change_session("S", write(), next_version) == Answered(f"v{found.version + 1}", found.version + 1)
+    store.close()
+
+
+def test_a_row_that_is_held_is_not_waited_for_without_end_and_own_options_hold(postgres: Server) -> None:
+    own = postgres.new_database() + "?options=-c%20application_name%3Dlab&connect_timeout=7"
+    engines = connect(own)
+    with engines.writer.connect() as connection:
+        shown = [
+            connection.execute(text(f"SHOW {name}")).scalar_one()
+            for name in ("lock_timeout", "idle_in_transaction_session_timeout", "application_name")
+        ]
+    engines.dispose()
+    assert shown == ["3200ms", "10s", "lab"]

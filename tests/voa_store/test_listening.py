@@ -1,0 +1,97 @@
+"""What a process hears of sessions that another one moves: on PostgreSQL at once, by LISTEN."""
+
+from collections.abc import Iterator
+from queue import Queue
+
+import pytest
+from sqlalchemy import create_engine, text
+
+from tests.support.postgres import Server
+from tests.voa_store.samples import create, next_version, refuse, scenario, write
+from voa_store.sql import SqlStore
+
+SECONDS = 30.0
+
+
+@pytest.fixture
+def url(postgres: Server) -> str:
+    return postgres.new_database()
+
+
+@pytest.fixture
+def writer(url: str) -> Iterator[SqlStore]:
+    store = SqlStore(url)
+    store.put_scenario(scenario("A"))
+    yield store
+    store.close()
+
+
+@pytest.fixture
+def heard(url: str, writer: SqlStore) -> Iterator["Queue[str]"]:
+    """The sessions that another process's store hears of; it listens when this is given."""
+    told: Queue[str] = Queue()
+    store = SqlStore(url)
+    store.listen(told.put)
+    create(writer, "first")
+    while told.empty():  # until it listens: what was said before that is not heard
+        writer.change_session("first", write(), next_version)
+        if not told.empty() or _wait(told):
+            break
+    yield told
+    store.close()
+
+
+def _wait(told: "Queue[str]") -> bool:
+    with told.not_empty:
+        return told.not_empty.wait(0.2)
+
+
+def _next(told: "Queue[str]", besides: str = "first") -> str:
+    while (session := told.get(timeout=SECONDS)) == besides:
+        pass
+    return session
+
+
+def test_a_new_version_is_heard_by_the_other_process(writer: SqlStore, heard: "Queue[str]") -> None:
+    create(writer)
+    writer.change_session("S", write(), next_version)
+    assert _next(heard) == "S"
+
+
+def test_a_deleted_session_is_heard_of(writer: SqlStore, heard: "Queue[str]") -> None:
+    create(writer)
+    assert writer.delete_session("S", None, None)
+    assert _next(heard) == "S"
+
+
+def test_what_changes_nothing_is_not_said(writer: SqlStore, heard: "Queue[str]") -> None:
+    create(writer, "S")
+    create(writer, "T")
+    writer.change_session("S", write(), refuse)
+    writer.change_session("T", write(), next_version)
+    assert _next(heard) == "T"
+
+
+def test_it_listens_again_after_its_connection_was_cut(url: str, writer: SqlStore, heard: "Queue[str]") -> None:
+    create(writer)
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        cut = text(
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE query LIKE 'LISTEN %' AND datname = :db"
+        )
+        assert connection.execute(cut, {"db": engine.url.database}).all() == [(True,)]
+    engine.dispose()
+    while not _wait(heard):
+        writer.change_session("S", write(), next_version)
+    assert _next(heard) == "S"
+
+
+def test_sqlite_says_nothing_and_is_looked_at(tmp_path: object) -> None:
+    store = SqlStore(f"sqlite:///{tmp_path}/voa.db")
+    told: list[str] = []
+    store.listen(told.append)
+    store.put_scenario(scenario("A"))
+    create(store)
+    store.change_session("S", write(), next_version)
+    store.close()
+    assert told == []

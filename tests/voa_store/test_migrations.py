@@ -1,0 +1,140 @@
+"""A database of an earlier version keeps what is in it."""
+
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from alembic import command
+from alembic.config import Config
+from sqlalchemy import Engine, text
+
+from tests.voa_core.worlds import box
+from tests.voa_store.samples import engine_of, next_version, write
+from voa_core.objects import Object
+from voa_service.ports import Answered, RobotLook, Upload, Write
+from voa_store import migrate
+from voa_store.sql import SqlStore
+
+INSERT_OBJECT = text(
+    "INSERT INTO objects (id, name, created_at, vertices, faces) VALUES (:id, 'box', :at, :vertices, :faces)"
+)
+AT = datetime(2026, 11, 28, tzinfo=UTC).isoformat()
+
+
+def at_revision(url: str, revision: str) -> Engine:
+    """An empty database with the tables of an earlier version."""
+    engine = engine_of(url)
+    with engine.begin() as connection:
+        config = Config()
+        config.set_main_option("script_location", str(Path(migrate.__file__).parent / "migrations"))
+        config.attributes["connection"] = connection
+        command.upgrade(config, revision)
+    return engine
+
+
+def row_of(mesh: Object) -> dict[str, object]:
+    """The parameters of `INSERT_OBJECT`."""
+    return {"id": mesh.digest, "at": AT, "vertices": mesh.vertices.tobytes(), "faces": mesh.faces.tobytes()}
+
+
+def test_objects_from_before_up_was_kept_were_read_with_z_up(tmp_path: Path) -> None:
+    url, mesh = f"sqlite:///{tmp_path}/old.db", box(0.1, 0.2, 0.3)
+    engine = at_revision(url, "0001")
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
+    engine.dispose()
+    store = SqlStore(url)
+    found = store.get_object(mesh.digest)
+    assert found is not None
+    assert (found.up, found.object.digest) == ("+Z", mesh.digest)
+    store.close()
+
+
+def insert_session(engine: Engine, *ids: str) -> None:
+    """Put sessions on a scenario "A" of their own, at version 0."""
+    blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).tobytes()
+    scenario = text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, '{}')")
+    session = text(
+        "INSERT INTO sessions (id, scenario, version, belief, prior, created_at, updated_at) "
+        "VALUES (:id, 'A', 0, :blob, :blob, :at, :at)"
+    )
+    with engine.begin() as connection:
+        connection.execute(scenario, {"at": AT})
+        for id_ in ids:
+            connection.execute(session, {"id": id_, "blob": blob, "at": AT})
+
+
+def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url: str) -> None:
+    engine = at_revision(database_url, "0002")
+    insert_session(engine, "older", "newest")
+    engine.dispose()
+    store = SqlStore(database_url)
+    assert store.robot_session("tb3_1", "A") == store.settle_robot("tb3_1", "A") == "newest"
+    assert store.claim_robot("tb3_1", "older")
+    assert store.robot_session("tb3_1", "A") == "older"
+    store.close()
+
+
+def test_a_mesh_from_before_uploads_were_kept_is_uploaded_once_more(tmp_path: Path) -> None:
+    url, mesh = f"sqlite:///{tmp_path}/old.db", box(0.1, 0.2, 0.3)
+    engine = at_revision(url, "0002")
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
+    engine.dispose()
+    store, upload = SqlStore(url), Upload("0" * 64, "obj", 1.0, "+Z")
+    assert store.find_upload(upload) is None
+    store.put_upload(upload, mesh.digest)
+    found = store.find_upload(upload)
+    assert found is not None
+    assert found.object.digest == mesh.digest
+    store.close()
+
+
+def test_a_session_from_before_looks_were_counted_counts_its_next_one(database_url: str) -> None:
+    engine = at_revision(database_url, "0004")
+    insert_session(engine, "S")
+    engine.dispose()
+    store, counted = SqlStore(database_url), RobotLook("tb3_1", 1, "digest")
+    assert store.robot_looks("S", "tb3_1", 9) == []
+    store.change_session("S", Write("scan", "{}", None, None, counted), next_version)
+    assert store.robot_looks("S", "tb3_1", 9) == [counted]
+    store.close()
+
+
+def test_sessions_and_lists_from_before_checksums_are_filled_in(database_url: str) -> None:
+    engine, mesh = at_revision(database_url, "0005"), box(0.1, 0.2, 0.3)
+    blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).tobytes()
+    body = '{"grasps": [{}], "object": null, "poses": [{}, {}], "sensors": [{}], "update": {"rule": "beam"}}'
+    with engine.begin() as connection:
+        connection.execute(INSERT_OBJECT, row_of(mesh))
+        connection.execute(
+            text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, :body)"),
+            {"at": AT, "body": body},
+        )
+        connection.execute(
+            text(
+                "INSERT INTO sessions (id, scenario, version, belief, prior, last_fit_rmsd_mm, created_at, updated_at)"
+                " VALUES ('S', 'A', 250, :blob, :blob, 0.1, :at, :at)"
+            ),
+            {"blob": blob, "at": AT},
+        )
+        connection.execute(
+            text(
+                "INSERT INTO history (session, version, kind, at, request, report, belief, last_fit_rmsd_mm)"
+                " VALUES ('S', :version, 'scan', :at, '{\"ü\": 1}', NULL, :blob, 0.1)"
+            ),
+            [{"version": version, "blob": blob, "at": AT} for version in range(251)],
+        )
+    engine.dispose()
+    store = SqlStore(database_url)
+    assert [entry.state.version for entry in store.history("S", -1, 999)] == list(range(251))
+    assert store.change_session("S", write(), next_version) == Answered("v251", 251)
+    assert len(store.history("S", 249, 9)) == 2
+    (scenario,) = store.list_scenarios(9, None).items
+    assert json.loads(scenario.summary) == {"object": None, "poses": 2, "grasps": 1, "sensors": 1, "rule": "beam"}
+    (listed,) = store.list_objects(9, None).items
+    assert (listed.extents, listed.faces) == (tuple(mesh.extents.tolist()), len(mesh.faces))
+    (session,) = store.list_sessions(9, None).items
+    assert session.summary is None
+    store.close()

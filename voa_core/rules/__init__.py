@@ -1,0 +1,1 @@
+"""Update rules: how a scan turns into a weight for each pose."""
