@@ -10,7 +10,8 @@ from voa_core.checks import Floats
 from voa_core.jit import kernel
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.prediction import ObservationPredictor, Prediction
-from voa_core.rules.rules import UpdateRule, coded, squared_distance
+from voa_core.rules.distances import coded, squared_distance
+from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
 from voa_core.workspace import Workspace
 

@@ -22,11 +22,11 @@ MIN_GAIN = 0.005
 _TIE = 1e-6
 
 
-class Spread(Protocol):
-    """Applies a function to items, in order: `map`, or the same over a thread pool."""
+class OrderedMap(Protocol):
+    """A function like `map`, which applies a function to items, perhaps on several threads."""
 
     def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterable[B]:
-        """The results, in the order of the items."""
+        """Apply `function` to each item; the results come in the order of the items."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def rank(
     *,
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
-    spread: Spread = map,
+    ordered_map: OrderedMap = map,
     check: Callable[[], None] = wanted,
 ) -> Ranking:
     """Rank sensor configurations.
@@ -81,7 +81,7 @@ def rank(
         policy: what an impossible scan does.
         definition: of VOA.
         sensor_belief: of the sensor agent, if another.
-        spread: `map`, or the same over threads.
+        ordered_map: `map`, or a function like it that works on several threads.
         check: called between sensors, predictions and blocks of weights; what it raises ends the ranking.
     """
 
@@ -93,6 +93,6 @@ def rank(
         )
         return RankedLook(sensor, assistance, assistance.voa - sensor.cost)
 
-    looks = list(spread(worth, sensors))
+    looks = list(ordered_map(worth, sensors))
     order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")
     return Ranking(best_grasp(table, belief.p), tuple(looks[index] for index in order))

@@ -13,7 +13,7 @@ from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
 from voa_core.ranking import MIN_GAIN
-from voa_core.rules.rules import UpdateRule
+from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher, wanted

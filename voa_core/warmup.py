@@ -14,7 +14,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.ranking import rank
-from voa_core.rules.rules import RULES, rule_of
+from voa_core.rules.registry import RULES, rule_of
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from voa_core.checks import Floats
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
-from voa_core.rules.rules import UpdateRule, squared_distance
+from voa_core.rules.distances import squared_distance
+from voa_core.rules.protocol import UpdateRule
 
 _POSES_AT_ONCE = 2048  # beyond, a matrix is computed in parts of as many numbers: a second at most each
 

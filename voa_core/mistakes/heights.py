@@ -7,7 +7,7 @@ import numpy as np
 
 from voa_core.checks import Floats
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Mistake, length, listed
+from voa_core.mistakes.mistake import Mistake, length, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.objects import Object
 from voa_core.poses import PoseSet

@@ -7,7 +7,7 @@ import numpy as np
 from voa_core.cutting import cut_poses
 from voa_core.lidars import SensorConfiguration
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Kind, Mistake, length, listed
+from voa_core.mistakes.mistake import Kind, Mistake, length, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.views import Bools, Index, View, any_along, views_from
 from voa_core.objects import Object

@@ -9,7 +9,7 @@ import numpy as np
 from voa_core.cutting import Contours
 from voa_core.evidence import Evidence, evidence_of_beams, restricted
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
-from voa_core.mistakes.found import Kind, Mistake
+from voa_core.mistakes.mistake import Kind, Mistake
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.values import FARTHEST_M
 from voa_core.prediction import Prediction

@@ -1,8 +1,8 @@
 """Mistakes of a whole scenario: every check, with a bound on what it may cost."""
 
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Mistake
 from voa_core.mistakes.heights import Mesh, mistakes_of_heights
+from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.places import mistakes_of_places
 from voa_core.mistakes.twins import mistakes_of_twins
 from voa_core.mistakes.values import mistakes_of_values

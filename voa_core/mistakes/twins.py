@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from voa_core.checks import Floats
 from voa_core.grasps import GraspTable
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Mistake, listed
+from voa_core.mistakes.mistake import Mistake, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.surface import Surface
 from voa_core.objects import Object

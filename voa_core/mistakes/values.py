@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from voa_core.mistakes.found import Mistake, listed
+from voa_core.mistakes.mistake import Mistake, listed
 from voa_core.scenario import Scenario
 
 FARTHEST_M = 10.0

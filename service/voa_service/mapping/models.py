@@ -10,8 +10,8 @@ import structlog
 from voa_core.cutting import Contours, cut_poses
 from voa_core.lidars import SensorConfiguration
 from voa_core.mistakes.effort import QUICK, Effort
-from voa_core.mistakes.found import Mistake
 from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet

@@ -11,12 +11,12 @@ from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
-from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.mistake import Mistake
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Remember
 from voa_core.priors import Category, pose_model
-from voa_core.rules.rules import defaults, rule_of
+from voa_core.rules.registry import defaults, rule_of
 from voa_core.scans import MISSING, NO_RETURN, Scan
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy
