@@ -25,6 +25,7 @@ from rich.progress import Progress
 from voa_cli.replay import looks_report
 from voa_client import VoaClientError
 from voa_client.local import service_at
+from voa_msgs.updates import BUILT_IN
 from voa_recordings.experiment import read_experiment
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import Recording, is_recording
@@ -63,8 +64,9 @@ def _replay(options: argparse.Namespace, console: Console) -> int:
 
 def _replay_experiment(options: argparse.Namespace, console: Console) -> int:
     experiment = read_experiment(options.path)
+    rules = [rule for names in options.rules for rule in names]
     with service_at(options.url) as client, _progress() as progress:
-        report = experiments.replay(client, experiment, options.predict, options.rules, progress)
+        report = experiments.replay(client, experiment, options.predict, rules, progress)
     if options.json:
         _print_json(report)
         return 0
@@ -126,6 +128,14 @@ def _progress() -> Progress:
     return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
+def _names(text: str) -> list[str]:
+    """Split names at commas; raises ValueError where one is empty."""
+    names = text.split(",")
+    if not all(names):
+        raise ValueError(text)
+    return names
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa replay",
@@ -143,9 +153,11 @@ def _parser() -> argparse.ArgumentParser:
     experiment.add_argument(
         "--rules",
         nargs="+",
-        choices=[*experiments.RULES, "beam"],
-        default=list(experiments.RULES),
-        help=f"update rules (default {' '.join(experiments.RULES)})",
+        metavar="NAME[,NAME]",
+        type=_names,
+        default=[list(experiments.RULES)],
+        help=f"update rules, built in ({', '.join(BUILT_IN)}) or installed in the service by another package "
+        f"(default {','.join(experiments.RULES)})",
     )
     bag = parser.add_argument_group("scans of robots, in a bag or recording")
     bag.add_argument("--scenario", help="what is looked at: a scenario file, or the id of a stored one")

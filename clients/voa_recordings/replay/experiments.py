@@ -15,23 +15,18 @@ from rich.table import Table
 
 from voa_client import Client
 from voa_client.readable import share, signed
+from voa_msgs import updates
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
 from voa_msgs.scenarios import GivenScores, Grasp, MeasuredScores, Pose, PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import Scan, UpdateRequest
-from voa_msgs.updates import (
-    BeamUpdate,
-    ExponentialUpdate,
-    GaussianUpdate,
-    InverseRmsdUpdate,
-    MarginUpdate,
-    UpdateRule,
-)
+from voa_msgs.updates import MarginUpdate, UpdateRule
 from voa_recordings.experiment import InvalidExperiment, RecordedExperiment
 from voa_recordings.replay.figures import Predictions, Source, prediction_errors
 
-RULES = ("margin", "exponential", "gaussian", "inverse_rmsd")
+RULES = tuple(rule for rule in updates.BUILT_IN if rule != "beam")
+"""Rules that are replayed unless others are named: those of the papers."""
 _LONGEST_NAME = 100
 
 
@@ -143,7 +138,7 @@ def _scenario(
     else:
         scores = MeasuredScores(attempts=experiment.attempts or 0, successes=experiment.successes or [])
     return ScenarioRequest(
-        name=f"{experiment.name[:_LONGEST_NAME]}, {update.rule}",
+        name=f"{experiment.name[:_LONGEST_NAME]}, {rule_name(update)}",
         object=mesh,
         poses=[
             Pose(name=pose.name, position=pose.position, quaternion_wxyz=pose.quaternion_wxyz)
@@ -174,19 +169,14 @@ def _sensors(experiment: RecordedExperiment) -> list[SensorConfiguration]:
     ]
 
 
+def rule_name(update: UpdateRule) -> str:
+    """Name of an update rule, built in or of another package."""
+    return update.name if isinstance(update, updates.PluginUpdate) else update.rule
+
+
 def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
-    """A rule with its defaults; `margin` shares the belief among the nearest poses, as the paper's lab did."""
-    match rule:
-        case "margin":
-            return MarginUpdate(rule="margin", no_return_m=no_return_m, on_no_match="nearest")
-        case "exponential":
-            return ExponentialUpdate(rule="exponential", no_return_m=no_return_m)
-        case "gaussian":
-            return GaussianUpdate(rule="gaussian", no_return_m=no_return_m)
-        case "inverse_rmsd":
-            return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=no_return_m)
-        case _:
-            return BeamUpdate(rule="beam", no_return_m=no_return_m)
+    """Make a rule with its defaults; `margin` shares the belief among the nearest poses, as the paper's lab did."""
+    return updates.update_of(rule, no_return_m, "nearest" if rule == "margin" else "reject")
 
 
 def show(console: Console, report: dict[str, Any]) -> None:
