@@ -3,7 +3,7 @@
 A package names a `RuleFactory` in its entry points of the group `voa.rules`; `deploy/docs/own-rule.md` is the guide.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -61,9 +61,7 @@ class CheckedRule:
         """Logarithms of the weights, in the shape of `statistic`; raises RuleFault."""
         result = self._result("log_weights", statistic.shape, statistic.dtype, statistic, beams)
         if (result == np.inf).any():
-            raise RuleFault(
-                self.name, "log_weights", "an infinite weight", "finite logarithms, or -inf for a weight of 0"
-            )
+            raise RuleFault(self.name, "log_weights", "an infinite weight", "logarithms below +inf")
         return result
 
     def _sums(self, method: str, shape: tuple[int, int], *scans: Array) -> Array:
@@ -74,8 +72,11 @@ class CheckedRule:
 
     def _result(self, method: str, shape: tuple[int, ...], dtype: np.dtype[Any], *arguments: Any) -> Array:
         """Call a method of the rule; its result as an array of its own, of the expected shape and float type."""
-        returned = _called(self.name, method, getattr(self.rule, method), *arguments)
         expected = f"an array of numbers of shape {shape}"
+        try:
+            returned = getattr(self.rule, method)(*arguments)
+        except Exception as error:
+            raise RuleFault(self.name, method, f"{type(error).__name__}: {error}", expected) from error
         try:
             result: Array = np.array(returned, dtype=dtype)
         except (TypeError, ValueError, OverflowError) as error:
@@ -112,27 +113,13 @@ def installed_rule(
         raise RuleNotInstalled(name, sorted(installed))
     number("no_return_m", no_return_m, above=0.0)
     try:
-        rule = _called(name, "factory", installed[name], dict(parameters), no_return_m, lidar, passing=_REFUSALS)
+        rule = installed[name](dict(parameters), no_return_m, lidar)
     except _REFUSALS as error:
         detail = f"{type(error).__name__}: {error}" if isinstance(error, KeyError) else str(error)
         raise InvalidInput("update.parameters", f"what the update rule {name!r} accepts", detail) from error
+    except Exception as error:
+        raise RuleFault(name, "its factory", f"{type(error).__name__}: {error}", "an update rule") from error
     for method in _METHODS:
         if not callable(getattr(rule, method, None)):
-            raise RuleFault(name, "factory", f"an object without the method {method!r}", "an update rule")
+            raise RuleFault(name, "its factory", f"an object without the method {method!r}", "an update rule")
     return CheckedRule(name, rule, no_return_m)
-
-
-def _called(
-    name: str,
-    part: str,
-    function: Callable[..., Any],
-    *arguments: Any,
-    passing: tuple[type[Exception], ...] = (),
-) -> Any:
-    """Call code of another package; whatever it raises, but for `passing`, becomes a RuleFault."""
-    try:
-        return function(*arguments)
-    except passing:
-        raise
-    except Exception as error:
-        raise RuleFault(name, part, f"{type(error).__name__}: {error}", "a result") from error
