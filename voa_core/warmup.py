@@ -1,6 +1,6 @@
 """Compile every kernel for the types that the service uses: `python -m voa_core.warmup`.
 
-The compiled code is kept beside the sources, or in NUMBA_CACHE_DIR.
+The compiled code is written beside the sources, or to NUMBA_CACHE_DIR.
 """
 
 import numpy as np
