@@ -36,7 +36,7 @@ def replay_experiment(
     experiment: RecordedExperiment,
     source: Source,
     rules: Sequence[str] = RULES,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> ExperimentReport:
     """Send every measured scan of an experiment to a service, and report the values of looks.
 
@@ -68,7 +68,8 @@ def replay_experiment(
         for index, sensor in enumerate(experiment.sensors, start=1):
             beliefs, aecd = _measured_value(client, experiment, scenario.id, sensor.name, before.expected_score)
             values[rule][sensor.name] = LookValue(voa=voa[sensor.name], aecd=aecd, beliefs=beliefs)
-            progress(done * len(experiment.sensors) + index, total)
+            if progress is not None:
+                progress(done * len(experiment.sensors) + index, total)
     return ExperimentReport(
         experiment=experiment.name,
         poses=experiment.pose_names,
