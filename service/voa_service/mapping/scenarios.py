@@ -18,14 +18,13 @@ from voa_core.prediction import ObservationPredictor, Remember
 from voa_core.priors import Category, pose_model
 from voa_core.scans import MISSING, NO_RETURN, Scan
 from voa_core.scenario import Scenario
-from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace
 from voa_msgs import lidars, objects, priors, scenarios, sessions
 from voa_msgs.base import Range
 from voa_msgs.geometry import CandidateSensor, UncertainSensorPose
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
 from voa_msgs.warnings import ProbableMistake
-from voa_service.mapping.rules import InstalledRules, rule_of_update, update_defaults
+from voa_service.mapping.rules import InstalledRules, filled_update, update_policy, update_rule
 from voa_service.meshes.mistakes import extent_mistakes
 from voa_service.ports import ListedObject, StoredObject
 
@@ -68,9 +67,7 @@ def filled_in(request: scenarios.ScenarioRequest, presets: dict[str, lidars.Lida
         InvalidInput: the lidar is not complete.
     """
     lidar = _filled_lidar(request.lidar, presets)
-    given = {name: value for name, value in request.update.model_dump().items() if value is not None}
-    rule = update_defaults(request.update, lidar_model(lidar))
-    update = type(request.update).model_validate(rule | {"reject_above_rmsd_mm": None} | given)
+    update = filled_update(request.update, lidar_model(lidar))
     return request.model_copy(update={"lidar": lidar, "update": update})
 
 
@@ -133,13 +130,8 @@ def scenario_of(
         table=_table(request, len(poses)),
         sensors=sensors,
         predictor=predictor,
-        rule=rule_of_update(request.update, lidar, installed),
-        policy=UpdatePolicy(
-            request.update.on_no_match,
-            request.update.reject_above_rmsd_mm,
-            request.update.score_floor,
-            request.update.on_nothing_seen,
-        ),
+        rule=update_rule(request.update, lidar, installed),
+        policy=update_policy(request.update),
         prior=prior_of(request.prior, poses),
         workspace=workspace,
         min_gain=request.min_gain,
