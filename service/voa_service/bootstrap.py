@@ -33,6 +33,7 @@ from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.updates import Updates
 from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
@@ -42,7 +43,7 @@ _END_SECONDS = 4.0
 _DRAIN_SECONDS = 3.0
 """How long rankings may go on once the service is told to end."""
 _ANSWERS_BYTES = 16 * MEBIBYTE
-_TOLD_BYTES = 16 * MEBIBYTE
+_RESPONSES_BYTES = 16 * MEBIBYTE
 
 
 def utc_now() -> datetime:
@@ -87,9 +88,8 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         models,
         now,
         ids,
-        Cache(_TOLD_BYTES),
+        Cache(_RESPONSES_BYTES),
         changes.committed,
-        metrics.observation,
         claims.check,
         limits.history_bytes,
     )
@@ -109,6 +109,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
+                updates=Updates(sessions, metrics.observation),
                 rankings=Rankings(sessions, models, threads, Cache(_ANSWERS_BYTES), limits),
                 robots=robots,
                 claims=claims,

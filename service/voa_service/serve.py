@@ -16,7 +16,6 @@ import structlog
 import uvicorn
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
-from sqlalchemy import make_url
 
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
@@ -28,7 +27,8 @@ from voa_service.runtime import logs
 from voa_service.runtime.stopping import Deadline, Server
 from voa_service.settings import Settings, ZenohSettings
 from voa_service.zenoh.entry import on_zenoh
-from voa_store.starting import CannotOpen
+from voa_store.errors import CannotOpen
+from voa_store.starting import url_without_password
 
 _COLLECT_AFTER = 50_000
 """Lists, objects and the like that are new since the last collection."""
@@ -103,7 +103,7 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
             "listening",
             url=url,
             docs=f"{url}/docs",
-            database=make_url(settings.database_url).render_as_string(hide_password=True),
+            database=url_without_password(settings.database_url),
             software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )

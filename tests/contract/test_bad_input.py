@@ -590,7 +590,7 @@ SESSIONS = [
     Case("session: a robot twice", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "free"]},
          says="'free' 2 times"),
     Case("session: an unknown robot", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "nobody"]}, 422,
-         UNKNOWN, "the mapping has 'fixed', 'free'"),
+         UNKNOWN, "the mapped robots are 'fixed', 'free'"),
     Case("session: a robot of another scenario", "/v1/sessions", {"scenario": "{mesh}", "robots": ["free"]}, 409,
          CONFLICT, "is mapped to scenario"),
     Case("session: a robot whose mapping names a session", "/v1/sessions", {"scenario": "{data}", "robots": ["fixed"]},

@@ -19,6 +19,7 @@ from voa_service.failures import (
     document,
     of_validation,
 )
+from voa_service.guard import EXPECTED_ERRORS, failure_of
 
 MEDIA_TYPE = "application/problem+json"
 _KINDS: dict[int, type[Failure]] = {400: MalformedJson, 404: NotFound, 405: MethodNotAllowed, 413: TooLarge}
@@ -40,9 +41,8 @@ def problem_response(failure: Failure) -> Response:
 def install(app: FastAPI) -> None:
     """Answer every error of `app` with a problem document."""
 
-    async def on_failure(_: Request, error: Exception) -> Response:
-        assert isinstance(error, Failure)  # noqa: S101 - as registered
-        return problem_response(error)
+    async def on_expected(_: Request, error: Exception) -> Response:
+        return problem_response(failure_of(error))
 
     async def on_invalid(request: Request, error: Exception) -> Response:
         assert isinstance(error, RequestValidationError)  # noqa: S101 - as registered
@@ -55,13 +55,13 @@ def install(app: FastAPI) -> None:
         return problem_response(_of_http(app, request, error))
 
     async def on_bug(_: Request, error: Exception) -> Response:
-        structlog.get_logger().exception("unexpected error", exc_info=error)
+        failure = failure_of(error)
         # This answer leaves outside of `RequestLog`, which else adds the id.
         headers = {"X-Request-Id": str(structlog.contextvars.get_contextvars().get("request_id"))}
-        detail = "this is a defect of the service; its log has the request id"
-        return problem_response(InternalError(detail, headers))
+        return problem_response(InternalError(failure.detail, headers))
 
-    app.add_exception_handler(Failure, on_failure)
+    for kind in EXPECTED_ERRORS:
+        app.add_exception_handler(kind, on_expected)
     app.add_exception_handler(RequestValidationError, on_invalid)
     app.add_exception_handler(HTTPException, on_http)
     app.add_exception_handler(Exception, on_bug)

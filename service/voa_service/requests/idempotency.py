@@ -4,7 +4,7 @@ import hashlib
 
 from pydantic import BaseModel
 
-from voa_service.ports import HistoryKind, IdempotencyKey, RobotLook, Write
+from voa_store.records import HistoryKind, IdempotencyKey, RobotLook, Write
 
 ANYONE = "caller:anonymous"
 """The scope of keys of calls that are not about a session yet."""

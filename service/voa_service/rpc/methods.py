@@ -24,8 +24,8 @@ from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
-from voa_service.failures import Failure, InternalError, InvalidRequest, NotFound, document, of_message, wire_failure
-from voa_service.ports import Answered, HistoryKind
+from voa_service.failures import Failure, InvalidRequest, NotFound, document, of_message, wire_failure
+from voa_service.guard import guarded
 from voa_service.requests import large
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.requests.reading import json_value
@@ -34,6 +34,7 @@ from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
 from voa_service.settings import Limits
 from voa_service.usecases.rankings import Question
+from voa_store.records import HistoryKind, StoredResponse
 
 _PAGE = 100
 _MOST_ATTACHED = 65_536
@@ -113,7 +114,7 @@ class Call:
         return "".join(large.pieces(self.fields)).encode()
 
 
-Work = Callable[[Call], BaseModel | Answered | bytes]
+Work = Callable[[Call], BaseModel | StoredResponse | bytes]
 
 
 @dataclass(frozen=True)
@@ -141,15 +142,11 @@ class Rpc:
         began = time.perf_counter()
         status = 200
         try:
-            return self._answer(method, payload, attachment)
+            with guarded():
+                return self._answer(method, payload, attachment)
         except Failure as failure:
             status = failure.status
             return RpcAnswer(document(failure), is_problem=True)
-        except Exception as error:
-            status = 500
-            structlog.get_logger().exception("unexpected error", exc_info=error)
-            defect = InternalError("this is a defect of the service; its log has the request id")
-            return RpcAnswer(document(defect), is_problem=True)
         finally:
             seconds = time.perf_counter() - began
             self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
@@ -165,7 +162,7 @@ class Rpc:
         if attached.wire not in (None, WIRE_VERSION):
             raise wire_failure(attached.wire)
         done = known.work(Call(self._services.reader.fields(payload), attached, self._services, len(payload)))
-        if isinstance(done, Answered):
+        if isinstance(done, StoredResponse):
             return RpcAnswer(done.body.encode(), is_problem=False, version=done.version)
         if isinstance(done, bytes):
             return RpcAnswer(done, is_problem=False)
@@ -194,6 +191,7 @@ def attachment_of(attachment: bytes | None) -> Attachment:
 
 def _methods(services: Services) -> Mapping[str, _Method]:
     objects, scenarios, sessions, rankings = services.objects, services.scenarios, services.sessions, services.rankings
+    updates = services.updates
     reads, writes, heavy = services.reads, services.writes, services.heavy
     return {
         "object.create": _Method(_create_object, services.meshes),
@@ -210,13 +208,13 @@ def _methods(services: Services) -> Mapping[str, _Method]:
         "session.get": _Method(_get_session, reads),
         "session.list": _Method(_listing(sessions.list), reads),
         "session.delete": _Method(_delete_session, writes),
-        "belief.put": _Method(_write("belief", BeliefRequest, sessions.put_belief), writes),
-        "scan.apply": _Method(_write("scan", ScanRequest, sessions.apply_scan), writes),
-        "outcome.report": _Method(_write("outcome", OutcomeRequest, sessions.report_outcome), writes),
+        "belief.put": _Method(_write("belief", BeliefRequest, updates.put_belief), writes),
+        "scan.apply": _Method(_write("scan", ScanRequest, updates.apply_scan), writes),
+        "outcome.report": _Method(_write("outcome", OutcomeRequest, updates.report_outcome), writes),
         "voa.rank": _Method(_ranked(lambda call: rankings.of_session(call.session(), call.body(VoaRequest))), heavy),
         "grasp.rank": _Method(_rank_grasps, reads),
         "history.get": _Method(_history, reads),
-        "update.compute": _Method(_given(UpdateRequest, sessions.update_once), reads),
+        "update.compute": _Method(_given(UpdateRequest, updates.update_once), reads),
         "ranking.compute": _Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
         "service.health": _Method(_given(_Nothing, lambda _: services.health.ready()), services.probes),
         "robot.list": _Method(_given(_Nothing, lambda _: services.robots.reports()), reads),
@@ -260,10 +258,10 @@ def _ranked(ask: Callable[[Call], Question]) -> Work:
     return work
 
 
-def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], Answered]) -> Work:
+def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], StoredResponse]) -> Work:
     """A method that moves a session."""
 
-    def work(call: Call) -> Answered:
+    def work(call: Call) -> StoredResponse:
         id_ = call.session()
         if kind == "scan":
             place_in(call.fields, call.attached)
@@ -286,17 +284,17 @@ def _list_objects(call: Call) -> BaseModel:
     return call.services.objects.list(asked.limit, asked.after, *file)
 
 
-def _create_session(call: Call) -> Answered:
+def _create_session(call: Call) -> StoredResponse:
     received = call.received()
     request = call.body(SessionRequest)
     key = idempotency_key(call.attached.id, ANYONE, "create session", request)
     return call.services.sessions.create(request, write_of("prior", received, key))
 
 
-def _get_session(call: Call) -> Answered:
+def _get_session(call: Call) -> StoredResponse:
     id_ = call.session()
     call.body(_Nothing)
-    return call.services.sessions.answered(id_)
+    return call.services.sessions.response(id_)
 
 
 def _delete_session(call: Call) -> BaseModel:

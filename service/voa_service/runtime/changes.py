@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from voa_service.ports import SessionState
+from voa_store.records import SessionState
 
 Listener = Callable[[str, SessionState | None], None]
 """Called after a commit of this process: the session as it is then, None: it is gone. From any thread; quick."""

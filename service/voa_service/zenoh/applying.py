@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 from voa_ros.taken import Taken, look_name
 from voa_service.failures import Failure, IdempotencyKeyReused, LookCounted, NotAccepted
-from voa_service.ports import RobotLook
+from voa_service.guard import guarded
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.robots import LookOutcome
-from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.updates import Updates
 from voa_service.zenoh.ledger import LookLedger
+from voa_store.records import RobotLook
 
 _TRIES = 5
 
@@ -30,7 +31,7 @@ class DueLook:
     since: int
 
 
-def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
+def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
     """Apply a look unless its session has it.
 
     Another process may count a look between the reading and the writing here; it is then looked for once more.
@@ -45,7 +46,7 @@ def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
         number = due.ledger.next_number(due.taken, due.since)
         if number is None:
             return None
-        answer = _applied(sessions, due, number)
+        answer = _applied(updates, due, number)
         if answer is not None:
             if answer.update.accepted:
                 due.ledger.accepted(number, answer.version)
@@ -53,7 +54,7 @@ def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
     raise NotAccepted("the belief is unchanged: a look of this name was applied before, and not accepted")
 
 
-def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | None:
+def _applied(updates: Updates, due: DueLook, number: int) -> LookOutcome | None:
     """Apply a look under a number; None: another process was first, perhaps with a pose that differs by a hair."""
     request, session = due.taken.request, due.ledger.session
     named = look_name(due.robot, session, number, due.taken)
@@ -61,7 +62,8 @@ def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | Non
     body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
     counted = RobotLook(due.robot, number, due.taken.digest)
     try:
-        answered = sessions.apply_scan(session, request, write_of("scan", body, key, look=counted))
+        with guarded():
+            answered = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
     except Failure as failure:
         if failure.kind in (LookCounted.kind, IdempotencyKeyReused.kind):
             return None

@@ -15,6 +15,7 @@ from voa_ros.robots import AttachmentPlace, RobotMapping
 from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
+from voa_service.guard import guarded
 from voa_service.rpc.methods import attachment_of
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
@@ -95,7 +96,7 @@ class MappedRobot:
         """
         with self._lock:
             if sample.type == LASER_SCAN:
-                self._services.robots.heard(self.name, "ros2", sample.key, self._session)
+                self._services.robots.received(self.name, "ros2", sample.key, self._session)
             looks = self._following(sample.type)
             if looks is None:
                 return None
@@ -121,14 +122,15 @@ class MappedRobot:
         """
         looks = self._looks_or_fail()
         try:
-            session = self._settled()
-            ledger = self._ledger
-            if ledger is None or session != self._session:
-                ledger = self._enter(session)
-                if self._is_taken(ledger.newest, taken):
-                    return None
-                if self._same_stop is not None:
-                    looks.resume(taken.request)
+            with guarded():
+                session = self._settled()
+                ledger = self._ledger
+                if ledger is None or session != self._session:
+                    ledger = self._enter(session)
+                    if self._is_taken(ledger.newest, taken):
+                        return None
+                    if self._same_stop is not None:
+                        looks.resume(taken.request)
         except Failure as failure:
             looks.rejected(failure.kind, taken.request)
             raise
@@ -177,7 +179,8 @@ class MappedRobot:
         if now - self._followed >= FOLLOW_SECONDS:
             self._followed = now
             try:
-                self._follow()
+                with guarded():
+                    self._follow()
                 self._absent = None
             except Failure as failure:  # a database that fails for a moment stops no look from being gathered
                 self._absent = failure if self._looks is None or failure.kind in _ABSENT else None
@@ -195,14 +198,15 @@ class MappedRobot:
     def _follow(self) -> None:
         sessions, mapping = self._services.sessions, self.mapping
         try:
-            if mapping.session is not None:
-                scenario = sessions.state(mapping.session).scenario
-                session: str | None = mapping.session
-            else:
-                scenario = mapping.scenario or ""
-                session = self._services.claims.peek(self.name, scenario)
-            if scenario != self._scenario or self._looks is None:
-                self._look_at(scenario)
+            with guarded():
+                if mapping.session is not None:
+                    scenario = sessions.state(mapping.session).scenario
+                    session: str | None = mapping.session
+                else:
+                    scenario = mapping.scenario or ""
+                    session = self._services.claims.peek(self.name, scenario)
+                if scenario != self._scenario or self._looks is None:
+                    self._look_at(scenario)
         except Failure as failure:
             if failure.kind in _ABSENT or self._looks is None:
                 self._missing = f"what the mapping names: {failure.detail}"

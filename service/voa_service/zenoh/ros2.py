@@ -21,6 +21,7 @@ from zenoh.handlers import Callback
 from voa_ros.robots import RobotMapping, Subscription, load
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
 from voa_service.failures import Failure, InternalError, InvalidRequest, NotAccepted, Overloaded, TooLarge
+from voa_service.guard import guarded
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.latched import declare_latched_subscriber
@@ -161,30 +162,31 @@ class Ros2:
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
         robot, what = item
         try:
-            if isinstance(what, _Look):
-                self._apply(what)
-                return
-            due = robot.receive(what)
-            if due is None:
-                return
-            look = _Look(robot, what.key, due)
-            if self._replicas.owns(robot.name):
-                self._apply(look)
-            else:
-                for _ in range(self._later.put(look, 0)):
-                    self._services.metrics.zenoh("look forgotten")
+            with guarded():
+                self._take(robot, what)
         except Failure as failure:
             self._refuse(robot, what.key, failure)
-        except Exception as error:
-            structlog.get_logger().exception("unexpected error", exc_info=error)
-            defect = InternalError("this is a defect of the service; its log has the request id")
-            self._refuse(robot, what.key, defect)
+
+    def _take(self, robot: MappedRobot, what: Sample | _Look) -> None:
+        if isinstance(what, _Look):
+            self._apply(what)
+            return
+        due = robot.receive(what)
+        if due is None:
+            return
+        look = _Look(robot, what.key, due)
+        if self._replicas.owns(robot.name):
+            self._apply(look)
+        else:
+            for _ in range(self._later.put(look, 0)):
+                self._services.metrics.zenoh("look forgotten")
 
     def _apply(self, look: _Look) -> None:
         """Apply a look unless the session has it; a look that comes to nothing does not use up the robot's stop."""
         robot, due = look.robot, look.due
         try:
-            answer = apply_look(self._services.sessions, due)
+            with guarded():
+                answer = apply_look(self._services.updates, due)
         except BaseException as error:
             robot.rejected(due, error.kind if isinstance(error, Failure) else InternalError.kind)
             raise

@@ -22,7 +22,8 @@ from voa_ros.cdr import InvalidCdr, decode_laser_scan
 from voa_ros.messages import header_contradiction
 from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
-from voa_service.failures import BeamGridMismatch, Failure, InternalError, InvalidRequest, Overloaded, TooLarge
+from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge
+from voa_service.guard import guarded
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.requests.reading import json_object, message
 from voa_service.rpc.methods import attachment_of, place_in
@@ -91,7 +92,7 @@ class Scans:
             self._services.metrics.zenoh("scan refused: for nobody in particular")
             return
         session, robot = key.split("/")[-2:]
-        self._services.robots.heard(robot, "scan", key, session)
+        self._services.robots.received(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
             failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
@@ -118,13 +119,10 @@ class Scans:
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
         try:
-            self._apply(heard)
+            with guarded():
+                self._apply(heard)
         except Failure as failure:
             self._refuse(heard.session, heard.robot, heard.key, failure)
-        except Exception as error:
-            structlog.get_logger().exception("unexpected error", exc_info=error)
-            defect = InternalError("this is a defect of the service; its log has the request id")
-            self._refuse(heard.session, heard.robot, heard.key, defect)
 
     def _apply(self, heard: Heard) -> None:
         attached = attachment_of(heard.attachment)
@@ -132,10 +130,10 @@ class Scans:
         place_in(fields, attached)
         request = message(ScanRequest, fields, self._services.limits)
         key = idempotency_key(attached.id or heard.name, scope_of(heard.session), "scan", request)
-        sessions = self._services.sessions
-        if heard.second and key is not None and sessions.has_answered(key):
+        sessions, updates = self._services.sessions, self._services.updates
+        if heard.second and key is not None and sessions.has_response(key):
             return
-        answered = sessions.apply_scan(heard.session, request, write_of("scan", json.dumps(fields).encode(), key))
+        answered = updates.apply_scan(heard.session, request, write_of("scan", json.dumps(fields).encode(), key))
         outcome = LookOutcome.model_validate_json(answered.body)
         self._services.robots.looked(heard.robot, "scan", heard.key, heard.session, request, outcome)
         if not outcome.update.accepted:
