@@ -17,7 +17,7 @@ from tests.voa_meshes.files import (
     row,
 )
 from voa_meshes.ply import read_ply
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 TEXT = ascii_ply()
 HEAD, BODY = TEXT.partition("end_header\n")[::2]
@@ -180,6 +180,6 @@ REFUSED = {
 
 @pytest.mark.parametrize(("content", "says"), REFUSED.values(), ids=REFUSED)
 def test_what_is_not_as_the_header_says_is_refused(content: bytes, says: str) -> None:
-    with pytest.raises(Unreadable, match=says) as refused:
+    with pytest.raises(UnreadableMesh, match=says) as refused:
         read_ply(content)
     assert "\n" not in str(refused.value)

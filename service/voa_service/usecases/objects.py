@@ -7,10 +7,11 @@ from pathlib import PurePath
 from voa_core.errors import VoaError
 from voa_core.objects import Object as Mesh
 from voa_core.stable_poses import propose_stable_poses
+from voa_meshes import default_up
 from voa_msgs.objects import MeshType, Object, ObjectPage, StablePose, StablePoses, UpAxis
 from voa_service.failures import InvalidMesh, InvalidRequest, TooLarge, not_found
 from voa_service.mapping.scenarios import listed_object_message, object_message
-from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
+from voa_service.meshes.mistakes import extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store, StoredObject, Upload
 from voa_service.runtime.cache import Cache
 from voa_service.settings import Limits
@@ -123,7 +124,7 @@ def _uploaded(there: StoredObject, upload: Upload, *, stated: bool) -> Object:
         stated: whether the caller said which axis is up.
     """
     mesh = there.object
-    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + ([] if stated else up_mistakes(mesh, upload.up))
+    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + ([] if stated else up_mistakes(mesh.vertices, upload.up))
     return object_message(replace(there, up=upload.up)).model_copy(update={"warnings": doubts})
 
 
