@@ -15,7 +15,7 @@ from voa_msgs.lidars import LidarPreset
 from voa_service.mapping.models import Models
 from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.ports import Clock, IdSource
-from voa_service.requests.reading import Reader
+from voa_service.requests.bodies import Reader
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.changes import Changes
 from voa_service.runtime.feeds import Feeds

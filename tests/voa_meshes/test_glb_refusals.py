@@ -161,7 +161,7 @@ REFUSED: dict[str, tuple[Made, str]] = {
                 {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0, "SCALE": 2}}}}
             ]
         ),
-        "accessor 2, of 2",
+        "accessor 2, but has only 2",
     ),
     "words for numbers": (file(nodes=[{"mesh": "0"}]), "nodes.0.mesh: Input should be a valid integer"),
     "an index below 0": (file(nodes=[{"mesh": -1}]), "nodes.0.mesh: Input should be greater than or equal to 0"),

@@ -95,7 +95,7 @@ REFUSED = {
         PLAIN.replace("f 6 ", "f -13 "),
         r"refers to vertex -13, but only 12 stand before it \(line 13\)",
     ),
-    "a relative index beyond those before": ("f -1 -2 -3\n" + PLAIN, r"vertex -3, of 0 before it \(line 1\)"),
+    "a relative index beyond those before": ("f -1 -2 -3\n" + PLAIN, r"only 0 stand before it \(line 1\)"),
     "an index of 20 digits": (PLAIN.replace("f 6 ", f"f {'9' * 20} "), r"refers to vertex '9{20}' \(line 13\)"),
     "words for indices": (PLAIN.replace("f 6 ", "f six "), r"expected the vertices of a face, got 'six.*\(line 13\)"),
     "fractions for indices": (PLAIN.replace("f 6 ", "f 6.0 "), r"expected the vertices of a face.*\(line 13\)"),

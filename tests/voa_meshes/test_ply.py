@@ -165,7 +165,7 @@ REFUSED = {
     "no format": (changed(TEXT, ("format ascii 1.0\n", "")).encode(), "no line 'format'"),
     "another format": (changed(TEXT, ("format ascii 1.0", "format packed 1.0")).encode(), "'format packed 1.0'"),
     "another version": (changed(TEXT, ("format ascii 1.0", "format ascii 2.0")).encode(), "'format ascii 2.0'"),
-    "another type": (changed(TEXT, ("double x", "quad x")).encode(), "'property quad x', which is none"),
+    "another type": (changed(TEXT, ("double x", "quad x")).encode(), "'property quad x', which PLY"),
     "a list of fractions": (changed(TEXT, ("uchar int", "uchar float")).encode(), "a list of whole numbers"),
     "a list counted in fractions": (changed(TEXT, ("uchar int", "float int")).encode(), "property list float int"),
     "no faces": (changed(TEXT, ("element face", "element hexagon")).encode(), "the elements 'vertex' and 'face'"),

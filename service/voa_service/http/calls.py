@@ -11,7 +11,7 @@ from starlette.datastructures import Headers, QueryParams
 from voa_msgs.reading import models_of
 from voa_service.failures import Failure, InvalidRequest, UnsupportedMediaType
 from voa_service.http.problems import RefusedBody
-from voa_service.requests.reading import Reader
+from voa_service.requests.bodies import Reader
 
 _JSON, _FORM = "application/json", "multipart/form-data"
 _MOST_NAMED = 20

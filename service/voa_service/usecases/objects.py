@@ -124,7 +124,9 @@ def _uploaded(there: StoredObject, upload: Upload, *, stated: bool) -> Object:
         stated: whether the caller said which axis is up.
     """
     mesh = there.object
-    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + ([] if stated else up_mistakes(mesh.vertices, upload.up))
+    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + (
+        [] if stated else up_mistakes(mesh.vertices, upload.up)
+    )
     return object_message(replace(there, up=upload.up)).model_copy(update={"warnings": doubts})
 
 

@@ -17,7 +17,7 @@ from voa_service.failures import TooLarge, not_found, of_core
 from voa_service.mapping.models import Model, Models
 from voa_service.mapping.scenarios import candidates, filled_in, warning_messages
 from voa_service.ports import Clock, ListedScenario, Store, StoredScenario
-from voa_service.requests import large
+from voa_service.requests import large_json
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 
@@ -43,7 +43,7 @@ class Scenarios:
         """Store a scenario under the digest of its content, defaults filled in; and whether it is new."""
         try:
             filled = filled_in(request, dict(self.presets))
-            body, id_ = large.text(large.plain(filled)), _digest(filled)
+            body, id_ = large_json.text(large_json.plain(filled)), _digest(filled)
             model = self.models.build(id_, filled)
         except VoaError as error:
             raise of_core(error) from error
@@ -68,7 +68,7 @@ class Scenarios:
         return ScenarioPage(**page(self.store.list_scenarios, _summary, limit, after))
 
     def _message(self, stored: StoredScenario) -> Scenario:
-        return self._answered(ScenarioRequest.model_validate(large.loads(stored.body)), stored)
+        return self._answered(ScenarioRequest.model_validate(large_json.loads(stored.body)), stored)
 
     def _answered(self, filled: ScenarioRequest, stored: StoredScenario) -> Scenario:
         """Answer a stored scenario; its content is valid already."""
@@ -108,13 +108,13 @@ def _digest(filled: ScenarioRequest) -> str:
 
     A field that came after the first release is left out while it has its default, so that older ids stay.
     """
-    content = large.plain(filled)
+    content = large_json.plain(filled)
     for name in _still_default(filled, _LATER_FIELDS):
         del content[name]
     for name in _still_default(filled.update, _LATER_UPDATE_FIELDS):
         del content["update"][name]
     digest = hashlib.sha256()
-    for block in large.blocks(content):
+    for block in large_json.blocks(content):
         digest.update(block)
     return digest.hexdigest()
 

@@ -5,7 +5,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from voa_msgs.keys import Keys
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 from voa_service.services import Services
 from voa_service.settings import ZenohSettings
 from voa_service.zenoh.link import Part, ZenohLink

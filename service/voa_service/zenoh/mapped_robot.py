@@ -15,7 +15,7 @@ from voa_ros.robots import AttachmentPlace, RobotMapping
 from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
-from voa_service.rpc.methods import attachment_of
+from voa_service.requests.attachments import read_attachment
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
@@ -99,7 +99,7 @@ class MappedRobot:
             looks = self._following(sample.type)
             if looks is None:
                 return None
-            attached = attachment_of(sample.attachment) if isinstance(self.mapping.place, AttachmentPlace) else None
+            attached = read_attachment(sample.attachment) if isinstance(self.mapping.place, AttachmentPlace) else None
             try:
                 found = looks.receive(Received(sample.type, sample.payload, sample.received_s, attached))
             except ContradictoryHeader as error:

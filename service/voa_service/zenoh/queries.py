@@ -13,7 +13,7 @@ from zenoh.handlers import Callback
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Keys
 from voa_service.failures import Failure, NotReady, Overloaded, TooLarge, document
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 from voa_service.runtime.metrics import Metrics
 
 _END_SECONDS = 0.4

@@ -23,9 +23,9 @@ from voa_ros.messages import header_contradiction
 from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
 from voa_service.failures import BeamGridMismatch, Failure, InternalError, InvalidRequest, Overloaded, TooLarge
+from voa_service.requests.attachments import add_place, read_attachment
+from voa_service.requests.bodies import json_object, message
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
-from voa_service.requests.reading import json_object, message
-from voa_service.rpc.methods import attachment_of, place_in
 from voa_service.services import Services
 from voa_service.usecases.robots import LookOutcome
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
@@ -127,9 +127,9 @@ class Scans:
             self._refuse(heard.session, heard.robot, heard.key, defect)
 
     def _apply(self, heard: Heard) -> None:
-        attached = attachment_of(heard.attachment)
+        attached = read_attachment(heard.attachment)
         fields = _fields(heard, self._services)
-        place_in(fields, attached)
+        add_place(fields, attached)
         request = message(ScanRequest, fields, self._services.limits)
         key = idempotency_key(attached.id or heard.name, scope_of(heard.session), "scan", request)
         sessions = self._services.sessions

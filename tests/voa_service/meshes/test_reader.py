@@ -97,7 +97,7 @@ def test_a_service_that_ends_ends_the_processes_that_read(monkeypatch: pytest.Mo
         with pytest.raises(Failure) as refused:
             call.result(30)
     assert (refused.value.kind, refused.value.status) == ("not-ready", 503)
-    with pytest.raises(Failure, match="ending"):
+    with pytest.raises(Failure, match="stopping"):
         own(BOX, "obj", 1.0, "+Z")
 
 

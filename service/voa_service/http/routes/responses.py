@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from voa_service.http.headers import etag
 from voa_service.ports import Answered
-from voa_service.requests.large import dumped
+from voa_service.requests.large_json import dumped
 from voa_service.runtime.queues import WorkQueue
 
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Most items of the page.")]
