@@ -23,7 +23,7 @@ from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
-from voa_service.http.connections.guard import Guard
+from voa_service.http.connections.supervisor import ConnectionSupervisor
 from voa_service.runtime import logs
 from voa_service.runtime.stopping import Deadline, Server
 from voa_service.settings import Settings, ZenohSettings
@@ -88,7 +88,7 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
         services = stack.enter_context(bootstrap.services(settings))
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        guard = Guard(settings.connections, services.metrics, files)
+        guard = ConnectionSupervisor(settings.connections, services.metrics, files)
         config = uvicorn.Config(
             create_app(services, guard.budget),
             http=cast(type[asyncio.Protocol], guard.protocol),  # called, never subclassed
