@@ -78,6 +78,8 @@ def _of_mathematics(error: VoaError) -> Failure:
 
 def _of_store(error: StoreError) -> Failure:
     match error:
+        case store.SessionMissing():
+            return failures.NotFound(str(error))
         case store.VersionMismatch():
             return failures.StaleVersion(str(error), version=error.version)
         case store.KeyReused():

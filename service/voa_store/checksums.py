@@ -1,9 +1,9 @@
-"""Checksums of sessions: a row is not believed as read.
+"""Checksums of sessions, by which damaged, swapped, repeated and lost rows are detected.
 
-SQLite has none of its own, and a disk that flips a bit says nothing. Each row of a history has a checksum over its
-columns and the checksum of the version before, so that a row that was changed, swapped, repeated or lost is noticed.
-The session's row holds the newest of them and a checksum over its own columns. What these functions compute stands in
-every database: it may only ever change together with a migration that fills it in anew.
+SQLite has no checksums of its own, and a disk that flips a bit does not report it. Each row of a history has a checksum
+over its columns and the checksum of the version before. The session's row holds the newest of them, and a checksum over
+its own columns. Every database contains the results of these functions: change them only together with a migration that
+computes all checksums again.
 """
 
 import hashlib
@@ -12,18 +12,18 @@ from typing import Any
 
 from sqlalchemy import Row
 
-from voa_service.failures import Damaged, Failure
+from voa_store.errors import DamagedData
 
 NOTHING = b""
-"""Stands for the checksum before the first version."""
+"""Placeholder for the checksum of the version before version 0."""
 
 _BYTES = 16
 
 
 def of_blob(blob: bytes | str | None) -> str:
-    """Digest an array or a text once, for every checksum that covers it: its kind, length and CRC-32.
+    """Digest an array or a text by its type, length and CRC-32; one digest serves every checksum that covers it.
 
-    A CRC notices every flipped bit, and every burst of up to 32; it costs a quarter of what SHA-256 does.
+    A CRC-32 detects every flipped bit and every burst of up to 32 bits, at a quarter of the cost of SHA-256.
     """
     if blob is None:
         return "none"
@@ -36,7 +36,7 @@ def of_entry(before: bytes, entry: Any, belief: str) -> bytes:
 
     Args:
         before: the checksum of the version before; of version 0: `NOTHING`.
-        entry: its columns, `session` to `report` and `last_fit_rmsd_mm`.
+        entry: an object with its columns `session` to `report` and `last_fit_rmsd_mm` as attributes.
         belief: the digest of its belief.
 
     Returns:
@@ -51,7 +51,8 @@ def of_session(session: Any, newest: bytes, belief: str, prior: str) -> bytes:
     """Compute the checksum of a session's row.
 
     Args:
-        session: its columns, `id`, `scenario`, `version`, `last_fit_rmsd_mm`, `created_at`, `updated_at`, `summary`.
+        session: an object with the columns `id`, `scenario`, `version`, `last_fit_rmsd_mm`, `created_at`, `updated_at`
+            and `summary` as attributes.
         newest: the checksum of the newest version of its history.
         belief: the digest of its belief.
         prior: the digest of its prior.
@@ -68,7 +69,7 @@ def check_session(row: Row[Any]) -> str:
     """Verify a session's row; returns the digest of its prior, which never changes.
 
     Raises:
-        Failure: the row is not as it was written.
+        DamagedData: the row differs from what was written.
     """
     prior = of_blob(row.prior)
     if row.newest is None or row.checksum != of_session(row, row.newest, of_blob(row.belief), prior):
@@ -76,12 +77,12 @@ def check_session(row: Row[Any]) -> str:
     return prior
 
 
-def damaged(session: str, version: int) -> Failure:
-    """Report that a version of a session is not as it was written."""
-    return Damaged(
-        f"version {version} of session {session!r} is not as it was written: check the disk and all sessions with "
-        "`voa doctor --database-url URL`, and restore a backup, or delete the session",
-        version=version,
+def damaged(session: str, version: int) -> DamagedData:
+    """Build the error that reports a damaged version of a session."""
+    return DamagedData(
+        f"version {version} of session {session!r} differs from what was written: check the disk and all sessions with "
+        "`voa doctor --database-url URL`, then restore a backup or delete the session",
+        version,
     )
 
 

@@ -1,10 +1,10 @@
-"""Whose session a mapped robot's scans are for: one row for each robot that ever had one.
+"""Claims of mapped robots: a row for each robot says which session its scans belong to.
 
-A row holds while its session exists, or while it says that the scans are for nobody. A robot without a row takes the
-newest session on its scenario; one whose session was deleted takes the newest that was opened after it. Which one
-that is becomes a row, and is the same for all processes from then on, when `settle` is called.
+A row is valid while its session exists, or while it says that the robot was released from every session. A robot
+without a row belongs to the newest session on its scenario; one whose session was deleted belongs to the newest session
+that was opened after that one. `settle` writes this choice into a row, which all processes follow from then on.
 
-Every function here works on the caller's connection, within the caller's transaction.
+Every function works on the caller's connection, within the caller's transaction.
 """
 
 from typing import Any, NamedTuple
@@ -41,12 +41,12 @@ _NEXT_ORDER = select(
 )
 
 
-class Found(NamedTuple):
-    """The session that a robot's next look is for.
+class Assignment(NamedTuple):
+    """The session that a robot's next look belongs to.
 
     Attributes:
-        session: its row, with `id`, `scenario` and `seq`; None: there is none.
-        settled: whether the robot's own row says so; `settle` then changes nothing.
+        session: the session's row, with `id`, `scenario` and `seq`; None: there is none.
+        settled: True if the robot's own row states it; `settle` then changes nothing.
     """
 
     session: Row[Any] | None
@@ -54,30 +54,30 @@ class Found(NamedTuple):
 
     @property
     def id(self) -> str | None:
-        """The session's id."""
+        """Id of the session; None: there is none."""
         return None if self.session is None else str(self.session.id)
 
 
-def find(connection: Connection, robot: str, scenario: str) -> Found:
-    """Find the session that a look of a robot, mapped to a scenario, would be for now."""
-    return _found(connection, connection.execute(_CLAIM, {"by_robot": robot}).one_or_none(), scenario)
+def find(connection: Connection, robot: str, scenario: str) -> Assignment:
+    """Find the session that the next look of a robot, mapped to a scenario, belongs to."""
+    return _assignment(connection, connection.execute(_CLAIM, {"by_robot": robot}).one_or_none(), scenario)
 
 
 def settle(connection: Connection, robot: str, scenario: str) -> str | None:
-    """Make the session that `find` finds the robot's own; of processes that do so at once the first one decides."""
+    """Claim a robot for the session that `find` returns; if several processes do so at once, the first one decides."""
     row = connection.execute(_LOCK_CLAIM, {"by_robot": robot}).one_or_none()
-    found = _found(connection, row, scenario)
-    if found.session is None or found.settled:
-        return found.id
+    assignment = _assignment(connection, row, scenario)
+    if assignment.session is None or assignment.settled:
+        return assignment.id
     if row is not None:
-        connection.execute(_MOVE, {"by_robot": robot, **_columns(found.session)})
-        return found.id
-    connection.execute(_insert(connection).on_conflict_do_nothing(), {"robot": robot, **_columns(found.session)})
+        connection.execute(_MOVE, {"by_robot": robot, **_columns(assignment.session)})
+        return assignment.id
+    connection.execute(_insert(connection).on_conflict_do_nothing(), {"robot": robot, **_columns(assignment.session)})
     return find(connection, robot, scenario).id  # another process may have been first
 
 
 def put(connection: Connection, robot: str, session: str | None) -> bool:
-    """Say whose session a robot's scans are for, None: nobody's; returns False where there is no such session."""
+    """Claim a robot for a session, or release it from every session (None); False: there is no such session."""
     claimed = None if session is None else connection.execute(_SESSION, {"by_id": session}).one_or_none()
     if claimed is None and session is not None:
         return False
@@ -89,35 +89,35 @@ def put(connection: Connection, robot: str, session: str | None) -> bool:
 
 
 def next_order(connection: Connection) -> dict[str, int]:
-    """Give the `seq` of a new session, where the database itself would give one a second time.
+    """Return the `seq` column of a new session for SQLite, and no column for PostgreSQL.
 
-    SQLite gives the number of a deleted session again if it was the newest; a claim on that one must still tell what
-    was opened after it. PostgreSQL never does.
+    SQLite would reuse the number of a deleted session that was the newest, but claims compare sessions by `seq` even
+    with deleted ones. PostgreSQL never reuses a number.
     """
     return {"seq": connection.execute(_NEXT_ORDER).scalar_one()} if connection.dialect.name == "sqlite" else {}
 
 
-def _found(connection: Connection, row: Row[Any] | None, scenario: str) -> Found:
-    """Apply the rules to a robot's row; None: it has none."""
+def _assignment(connection: Connection, row: Row[Any] | None, scenario: str) -> Assignment:
+    """Apply the rules to a robot's row; None: it has no row."""
     after = _BEFORE_ALL
     if row is not None and row.session is None:
-        return Found(None, settled=True)
-    if row is not None and row.scenario == scenario:  # else its mapping names another scenario since
+        return Assignment(None, settled=True)
+    if row is not None and row.scenario == scenario:  # otherwise the mapping names another scenario by now
         session = connection.execute(_SESSION, {"by_id": row.session}).one_or_none()
         if session is not None:
-            return Found(session, settled=True)
+            return Assignment(session, settled=True)
         after = row.after
     newest = connection.execute(_NEWEST_AFTER, {"by_scenario": scenario, "by_seq": after}).one_or_none()
-    return Found(newest, settled=False)
+    return Assignment(newest, settled=False)
 
 
 def _columns(session: Row[Any] | None) -> dict[str, Any]:
-    """The columns of a claim beside the robot; None: the robot's scans are for nobody."""
+    """Return the columns of a claim except the robot; None: the robot is released from every session."""
     if session is None:
         return {"session": None, "scenario": None, "after": _BEFORE_ALL}
     return {"session": session.id, "scenario": session.scenario, "after": session.seq}
 
 
 def _insert(connection: Connection) -> "sqlite.Insert | postgresql.Insert":
-    """An insertion that can say what to do about a row that is there; each database has its own."""
+    """Build an insertion with a conflict clause, which each database spells in its own dialect."""
     return sqlite.insert(claims) if connection.dialect.name == "sqlite" else postgresql.insert(claims)

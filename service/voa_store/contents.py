@@ -1,4 +1,4 @@
-"""Content that is named by its digest and never changes: meshes, the files that became them, scenarios."""
+"""Stores meshes, uploaded files and scenarios: content that is named by its digest and never changes."""
 
 from contextlib import suppress
 from dataclasses import asdict
@@ -7,13 +7,13 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, Table, bindparam, insert, select
 from sqlalchemy.exc import IntegrityError
 
-from voa_service.ports import Listed, ListedObject, ListedScenario, StoredObject, StoredScenario, Upload
 from voa_store.engines import Engines, statement, transaction
+from voa_store.records import Listed, ListedObject, ListedScenario, StoredObject, StoredScenario, Upload
 from voa_store.rows import object_of, scenario_of
-from voa_store.summaries import list_objects, list_scenarios, of_object
+from voa_store.summaries import list_objects, list_scenarios, object_summary
 from voa_store.tables import objects, scenarios, summaries, uploads
 
-# Built once: SQLAlchemy then finds their compiled form without looking at them anew.
+# Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (objects, scenarios, summaries, uploads)}
 _BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios)}
 _UPLOADED = (
@@ -24,13 +24,17 @@ _UPLOADED = (
 
 
 class Contents:
-    """The part of `ports.Store` for objects and scenarios."""
+    """Storage of objects, uploads and scenarios.
+
+    Args:
+        engines: of the database.
+    """
 
     def __init__(self, engines: Engines) -> None:
         self._writer, self._single = engines.writer, engines.single
 
     def put_object(self, stored: StoredObject) -> tuple[StoredObject, bool]:
-        """See `ports.Store`."""
+        """Store a mesh unless an equal one is stored; returns the stored one, and True if it is new."""
         row = {
             "id": stored.object.digest,
             "name": stored.name,
@@ -39,51 +43,51 @@ class Contents:
             "faces": stored.object.faces.astype("<i4").tobytes(),
             "up": stored.up,
         }
-        there, new = self._put(objects, row, of_object(stored.object))
+        there, new = self._put(objects, row, object_summary(stored.object))
         return object_of(there), new
 
     def get_object(self, id_: str) -> StoredObject | None:
-        """See `ports.Store`."""
+        """Read the mesh with a digest; None: there is none."""
         row = self._get(objects, id_)
         return None if row is None else object_of(row)
 
     def list_objects(self, limit: int, after: str | None) -> Listed[ListedObject]:
-        """See `ports.Store`."""
+        """List at most `limit` meshes after a cursor, oldest first."""
         with statement(self._single) as connection:
             return list_objects(connection, limit, after)
 
     def put_upload(self, upload: Upload, object_: str) -> None:
-        """See `ports.Store`."""
+        """Store that a file became the mesh with the digest `object_`, which is stored already."""
         if self.find_upload(upload) is not None:
             return
         with suppress(IntegrityError), transaction(self._writer) as connection:  # another process was first
             connection.execute(_INSERT[uploads], {**asdict(upload), "object": object_})
 
     def find_upload(self, upload: Upload) -> StoredObject | None:
-        """See `ports.Store`."""
+        """Find the mesh that a file became when it was uploaded; None: it was never uploaded."""
         with statement(self._single) as connection:
             named = {f"by_{name}": value for name, value in asdict(upload).items()}
             row = connection.execute(_UPLOADED, named).one_or_none()
         return None if row is None else object_of(row)
 
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
-        """See `ports.Store`."""
+        """Store a scenario unless an equal one is stored; returns the stored one, and True if it is new."""
         row = {"id": stored.id, "name": stored.name, "created_at": stored.created_at.isoformat(), "body": stored.body}
         there, new = self._put(scenarios, row, stored.summary)
         return scenario_of(there), new
 
     def get_scenario(self, id_: str) -> StoredScenario | None:
-        """See `ports.Store`."""
+        """Read the scenario with a digest; None: there is none."""
         row = self._get(scenarios, id_)
         return None if row is None else scenario_of(row)
 
     def list_scenarios(self, limit: int, after: str | None) -> Listed[ListedScenario]:
-        """See `ports.Store`."""
+        """List at most `limit` scenarios after a cursor, oldest first."""
         with statement(self._single) as connection:
             return list_scenarios(connection, limit, after)
 
     def _put(self, table: Table, row: dict[str, Any], summary: str) -> tuple[Row[Any], bool]:
-        """Insert a row named by its content, unless it is there; the row that is there then, and if it is new."""
+        """Insert a row that is named by its content unless it exists; returns the stored row, and True if it is new."""
         named = {"by_id": row["id"]}
         try:
             with transaction(self._writer) as connection:
@@ -103,5 +107,5 @@ class Contents:
 
 
 def named_row(connection: Connection, query: Select[Any], id_: str) -> Row[Any] | None:
-    """Read the row of an id. PostgreSQL has no text with a NUL in it, so nothing is named so."""
+    """Read the row with an id; None: there is none. PostgreSQL cannot store a NUL in a text, so no id contains one."""
     return None if "\0" in id_ else connection.execute(query, {"by_id": id_}).one_or_none()

@@ -1,4 +1,4 @@
-"""Connections: how each kind of database is opened."""
+"""Opens databases of each kind, and turns their errors into errors of the store."""
 
 import time
 from collections.abc import Iterator
@@ -13,37 +13,40 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedEr
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.sql.compiler import SQLCompiler
 
-from voa_service.failures import Damaged, NotReady, Overloaded
 from voa_store import patience
 from voa_store.drivers import alone, database_file, loses_commits, sqlite_driver, version_of
+from voa_store.errors import Busy, DamagedData, Unavailable
 
 _READERS = 8
 _CONNECTIONS = 16
 _BUSY_MS = 10_000
 _SWITCH_AGAIN_SECONDS = 0.01
 _WAIT_SECONDS = 10
-_TRY_AGAIN = {"Retry-After": "1"}
-_OURS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
-"""What a statement of ours did; every other error of a database is that of the database."""
+_STATEMENT_ERRORS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
+"""Errors caused by a statement of this package; every other error is a fault of the database."""
 _MALFORMED = ("malformed", "not a database")
-"""Words of SQLite for a file whose pages are not as they should be."""
+"""Words in the errors of SQLite for a damaged file."""
 
 
 @dataclass(eq=False)
 class Troubles:
-    """How often a database has failed so far."""
+    """Counter of the calls that a database has failed."""
 
     count: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Engines:
-    """An engine to write with, one to read with in one state of the database, and one for reads of one statement.
-
-    The last needs no transaction: of what a read costs, beginning and ending one is the larger part.
+    """Engines of one database for each kind of access.
 
     Attributes:
+        writer: for transactions that write.
+        readers: for transactions that read several rows in one state of the database.
+        single: for a single statement that reads, without a transaction: beginning and ending one would take longer
+            than the statement.
         parameters: of a PostgreSQL connection, as libpq takes them; empty for SQLite.
+        held: resources that are released when the engines are disposed.
+        troubles: counter of failed calls.
     """
 
     writer: Engine
@@ -55,7 +58,7 @@ class Engines:
 
     @property
     def software(self) -> str:
-        """Name the database's software and version; PostgreSQL's is known once a connection was opened."""
+        """Name of the database's software with its version, which PostgreSQL states at the first connection."""
         if self.writer.dialect.name == "sqlite":
             return f"SQLite {sqlite_driver().sqlite_version}"
         version = self.writer.dialect.server_version_info or ()
@@ -71,30 +74,43 @@ class Engines:
 
 @contextmanager
 def transaction(engine: Engine) -> Iterator[Connection]:
-    """One transaction, committed on leaving.
+    """Open a transaction that is committed when the `with` block ends, and rolled back if that raises.
 
     Raises:
-        Failure: see `_told`. Where the connection broke during the commit nobody knows if it happened: hence the
-            idempotency keys.
+        Unavailable, Busy, DamagedData: the database failed. If the connection broke during the commit, the transaction
+            may or may not have been committed; idempotency keys make it safe to try again.
     """
-    with _told(engine), engine.begin() as connection:
+    with _database_errors(engine), engine.begin() as connection:
         yield connection
 
 
 @contextmanager
 def statement(engine: Engine) -> Iterator[Connection]:
-    """For one statement that reads; raises as `transaction`."""
-    with _told(engine), engine.connect() as connection:
+    """Open a connection for a single statement that reads.
+
+    Raises:
+        Unavailable, Busy, DamagedData: the database failed.
+    """
+    with _database_errors(engine), engine.connect() as connection:
         yield connection
 
 
 def first(engine: Engine, query: SQLCompiler, name: str, value: str) -> tuple[Any, ...] | None:
-    """The first row of a query with one parameter, None if there is none; raises as `transaction`.
+    """Read the first row of a query with one parameter; None: there is no row.
 
-    By the driver itself: for the smallest question, which is asked most often, SQLAlchemy takes three quarters of the
-    time. `query` is compiled for the engine; `name` is that of its parameter.
+    The query goes to the driver directly: for the smallest query, which is also the most frequent one, SQLAlchemy would
+    take three quarters of the time.
+
+    Args:
+        engine: to connect with.
+        query: compiled for the engine.
+        name: of the query's parameter.
+        value: of the query's parameter.
+
+    Raises:
+        Unavailable, Busy, DamagedData: the database failed.
     """
-    with _told(engine):
+    with _database_errors(engine):
         connection = engine.raw_connection()
         try:
             cursor = connection.cursor()
@@ -106,40 +122,43 @@ def first(engine: Engine, query: SQLCompiler, name: str, value: str) -> tuple[An
 
 
 @contextmanager
-def _told(engine: Engine) -> Iterator[None]:
-    """What a database does wrong, as a failure.
+def _database_errors(engine: Engine) -> Iterator[None]:
+    """Turn faults of a database into errors of the store.
 
     Raises:
-        Failure: the database is gone, silent, full, locked or broken: not the caller's fault, and it may pass. Or its
-            file is damaged, which does not.
+        Unavailable: the database is gone, silent, full, locked or broken, which may pass.
+        DamagedData: its file is damaged, which does not pass.
+        Busy: all connections are in use.
     """
     outage: patience.Outage | None = engine.get_execution_options().get("outage")
     if outage is not None and outage.present:
-        raise NotReady("the database does not answer: try again", _TRY_AGAIN)
+        raise Unavailable("the database does not answer: try again")
     try:
         yield
-    except _OURS:
+    except _STATEMENT_ERRORS:
         raise
     except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error
         engine.get_execution_options()["troubles"].count += 1
         structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
         if engine.dialect.name == "sqlite" and any(sign in str(cause) for sign in _MALFORMED):
-            raise Damaged(f"the database's file is damaged ({cause}): restore a backup") from error
-        why = said(cause)
-        detail = f"the database does not work at the moment{why}: try again, writes with the same Idempotency-Key"
-        raise NotReady(detail, _TRY_AGAIN) from error
+            raise DamagedData(f"the database's file is damaged ({cause}): restore a backup") from error
+        message = diagnosis(cause)
+        raise Unavailable(
+            f"the database does not work at the moment{message}: try again, and repeat writes with the same "
+            "Idempotency-Key"
+        ) from error
     except NoConnection as error:
         structlog.get_logger().error("the database is too slow", waited_seconds=_WAIT_SECONDS)
-        raise Overloaded("too many requests wait for the database: try again", _TRY_AGAIN) from error
+        raise Busy("too many requests wait for the database: try again") from error
 
 
-def said(cause: BaseException | None) -> str:
-    """Quote what the database itself said, in brackets; nothing of a driver's, which may name hosts and users."""
-    diagnosis = getattr(getattr(cause, "diag", None), "message_primary", None)
-    if diagnosis is None and type(cause).__module__.split(".")[0] in ("sqlite3", "pysqlite3"):
-        diagnosis = str(cause)
-    return "" if diagnosis is None else f" ({diagnosis})"
+def diagnosis(cause: BaseException | None) -> str:
+    """Quote the database's own message, in brackets; a driver's message is left out, as it may name hosts and users."""
+    message = getattr(getattr(cause, "diag", None), "message_primary", None)
+    if message is None and type(cause).__module__.split(".")[0] in ("sqlite3", "pysqlite3"):
+        message = str(cause)
+    return "" if message is None else f" ({message})"
 
 
 def connect(url: str, patience_s: float = 4.0) -> Engines:
@@ -147,37 +166,37 @@ def connect(url: str, patience_s: float = 4.0) -> Engines:
 
     Args:
         url: of the database.
-        patience_s: how long PostgreSQL may be silent before a call fails.
+        patience_s: seconds for which PostgreSQL may be silent before a call fails.
 
     Raises:
-        InUse: SQLite's file is open elsewhere, and this SQLite could lose what is committed.
+        FileInUse: another process has the SQLite file open, and this SQLite could lose committed transactions.
     """
     parsed = make_url(url)
     return _sqlite(parsed) if parsed.get_backend_name() == "sqlite" else _postgres(parsed, patience_s)
 
 
 def _postgres(url: URL, patience_s: float) -> Engines:
-    wanted = patience.parameters(url, patience_s)
+    limits = patience.parameters(url, patience_s)
     engine = create_engine(
         url,
         pool_size=_CONNECTIONS,
         max_overflow=0,
         pool_timeout=_WAIT_SECONDS,
-        pool_pre_ping=True,  # a database that went and came back costs one query, not an error
-        connect_args=wanted,
+        pool_pre_ping=True,  # a database that was restarted costs a query instead of an error
+        connect_args=limits,
     )
-    given = dict(engine.dialect.create_connect_args(url)[1]) | wanted
-    outage = patience.Outage(partial(patience.ask, given))
+    parameters = dict(engine.dialect.create_connect_args(url)[1]) | limits
+    outage = patience.Outage(partial(patience.try_to_connect, parameters))
     impatient = patience.connection_type(patience_s, outage)
-    event.listen(
-        engine, "do_connect", lambda _dialect, _record, _args, given: patience.connected(impatient, given, outage)
-    )
+    event.listen(engine, "do_connect", lambda _dialect, _record, _args, own: patience.connected(impatient, own, outage))
     troubles = Troubles()
     engine = engine.execution_options(outage=outage, troubles=troubles)
     held = ExitStack()
     held.callback(outage.close)
     single = engine.execution_options(isolation_level="AUTOCOMMIT")
-    return Engines(engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, given, held, troubles)
+    return Engines(
+        engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, parameters, held, troubles
+    )
 
 
 def _sqlite(url: URL) -> Engines:
@@ -186,18 +205,18 @@ def _sqlite(url: URL) -> Engines:
     if file is not None and loses_commits(version):
         held.enter_context(alone(file, version))
 
-    def opened(begin: str | None, connections: int) -> Engine:
+    def engine(begin: str | None, connections: int) -> Engine:
         return _sqlite_engine(url, driver, begin, connections).execution_options(troubles=troubles)
 
-    return Engines(opened("BEGIN IMMEDIATE", 1), opened("BEGIN", _READERS), opened(None, _READERS), {}, held, troubles)
+    return Engines(engine("BEGIN IMMEDIATE", 1), engine("BEGIN", _READERS), engine(None, _READERS), {}, held, troubles)
 
 
 def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:
-    """WAL and synchronous=FULL: every commit is on the disk before it is answered."""
+    """Create an engine in WAL mode with synchronous=FULL: every commit is on the disk before its call returns."""
     engine = create_engine(url, module=driver, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
 
     def prepare(connection: Any, _record: Any) -> None:
-        connection.isolation_level = None  # transactions begin where SQLAlchemy says so, below
+        connection.isolation_level = None  # transactions are begun by the event below, not by the driver
         connection.text_factory = _text
         for pragma in (f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
@@ -210,12 +229,12 @@ def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -
 
 
 def _write_ahead(connection: Any) -> None:
-    """Switch a file to its write-ahead log; of several connections that do so at once, SQLite lets only one wait."""
+    """Switch a file to WAL mode, again and again: SQLite refuses at once where several connections try together."""
     end = time.monotonic() + _BUSY_MS / 1000.0
     while True:
         try:
             connection.execute("PRAGMA journal_mode=WAL")
-        except Exception as error:  # of whichever driver it is
+        except Exception as error:  # each driver has an error class of its own
             if "locked" not in str(error) or time.monotonic() >= end:
                 raise
             time.sleep(_SWITCH_AGAIN_SECONDS)
@@ -224,5 +243,5 @@ def _write_ahead(connection: Any) -> None:
 
 
 def _text(stored: bytes) -> str:
-    """Read a text; a byte that belongs to none stays, so that the checksum can tell whose it was."""
+    """Decode a text; damaged bytes become surrogates, so that the checksum reports them, not the decoder."""
     return stored.decode("utf-8", "surrogateescape")

@@ -1,6 +1,7 @@
 """Errors of the store: each says in its message what is wrong and what to do; none knows a protocol.
 
 StoreError
+|-- SessionMissing      there is no session with this id
 |-- VersionMismatch     a write was meant for another version of the session; has `version`
 |-- KeyReused           an idempotency key was used for another request before
 |-- LookRepeated        the session has accepted a look of this robot under this number
@@ -15,6 +16,17 @@ StoreError
 
 class StoreError(Exception):
     """Base class of every error that the store raises on purpose."""
+
+
+class SessionMissing(StoreError):
+    """An id that names no session.
+
+    Args:
+        id_: the id.
+    """
+
+    def __init__(self, id_: str) -> None:
+        super().__init__(f"there is no session {id_!r}")
 
 
 class VersionMismatch(StoreError):

@@ -1,6 +1,6 @@
-"""Values that migration 0006 fills in for the rows that are there: checksums of sessions, summaries for lists.
+"""Values that migration 0006 computes for existing rows: checksums of sessions, and summaries for lists.
 
-The statements are written out with the columns of that migration: tables of later versions have others.
+The statements name the columns that the tables have at that migration; tables of newer versions have others.
 """
 
 import json
@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Row, text
 
 from voa_core.objects import Object
 from voa_store import checksums
-from voa_store.summaries import of_object
+from voa_store.summaries import object_summary
 
 _AT_ONCE = 100
 _SESSIONS = text(
@@ -29,27 +29,27 @@ _SUMMARY = text("INSERT INTO summaries (id, summary) VALUES (:id, :summary)")
 
 
 def fill_checksums(connection: Connection) -> None:
-    """Give every version and every session the checksum that it would have been written with."""
+    """Write the checksum of every version and of every session."""
     for (id_,) in connection.execute(text("SELECT id FROM sessions ORDER BY seq")).all():
         newest = checksums.NOTHING
         for page in _pages(connection, id_):
-            done = []
+            filled = []
             for entry in page:
                 newest = checksums.of_entry(newest, entry, checksums.of_blob(entry.belief))
-                done.append({"checksum": newest, "id": id_, "version": entry.version})
-            connection.execute(_SET_ENTRY, done)
+                filled.append({"checksum": newest, "id": id_, "version": entry.version})
+            connection.execute(_SET_ENTRY, filled)
         row = connection.execute(_SESSIONS, {"id": id_}).one()
         checksum = checksums.of_session(row, newest, checksums.of_blob(row.belief), checksums.of_blob(row.prior))
         connection.execute(_SET_SESSION, {"newest": newest, "checksum": checksum, "id": id_})
 
 
 def fill_summaries(connection: Connection) -> None:
-    """Write what lists show of every object and scenario, one at a time: each may be megabytes."""
+    """Write the summary of every object and scenario, reading one at a time because each may hold megabytes."""
     for (id_,) in connection.execute(text("SELECT id FROM objects ORDER BY seq")).all():
-        found = connection.execute(text("SELECT vertices, faces FROM objects WHERE id = :id"), {"id": id_}).one()
-        vertices = np.frombuffer(found.vertices, dtype="<f8").reshape(-1, 3)
-        faces = np.frombuffer(found.faces, dtype="<i4").reshape(-1, 3)
-        connection.execute(_SUMMARY, {"id": id_, "summary": of_object(Object(vertices, faces))})
+        mesh = connection.execute(text("SELECT vertices, faces FROM objects WHERE id = :id"), {"id": id_}).one()
+        vertices = np.frombuffer(mesh.vertices, dtype="<f8").reshape(-1, 3)
+        faces = np.frombuffer(mesh.faces, dtype="<i4").reshape(-1, 3)
+        connection.execute(_SUMMARY, {"id": id_, "summary": object_summary(Object(vertices, faces))})
     for (id_,) in connection.execute(text("SELECT id FROM scenarios ORDER BY seq")).all():
         body = connection.execute(text("SELECT body FROM scenarios WHERE id = :id"), {"id": id_}).scalar_one()
         connection.execute(_SUMMARY, {"id": id_, "summary": json.dumps(_of_scenario(json.loads(body)))})
@@ -63,7 +63,7 @@ def _pages(connection: Connection, id_: str) -> Iterator[list[Row[Any]]]:
 
 
 def _of_scenario(body: dict[str, Any]) -> dict[str, Any]:
-    """Summarise a scenario's body as `usecases.scenarios` did when this migration was written."""
+    """Summarise a scenario's body as the service did when this migration was written."""
     return {
         "object": body.get("object"),
         "poses": len(body.get("poses", [])),

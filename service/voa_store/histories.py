@@ -1,11 +1,11 @@
-"""Reading the history of a session, in pages bounded in bytes, each verified from the version before it."""
+"""Reads the history of a session in pages bounded in bytes; each version is verified against the one before it."""
 
 from typing import Any
 
 from sqlalchemy import Connection, Row, bindparam, select
 
-from voa_service.ports import HistoryEntry
 from voa_store import checksums
+from voa_store.records import HistoryEntry
 from voa_store.rows import entry_of, session_of
 from voa_store.tables import history as table
 
@@ -32,42 +32,43 @@ def read_history(
         connection: of the transaction.
         session: the session's row, verified.
         after: a version; -1 or less begins with the prior.
-        limit: at most so many versions.
-        most_bytes: no more once requests, reports and beliefs have so many; at least one version comes. None: no bound.
+        limit: most versions to read.
+        most_bytes: reading stops, after at least one version, once requests, reports and beliefs add up to so many
+            bytes; None: no bound.
 
     Raises:
-        Failure: a version is not as it was written, or is missing.
+        DamagedData: a version differs from what was written, or is missing.
     """
     seen = max(after, _START)
-    state, found = session_of(session), list[HistoryEntry]()
+    state, entries = session_of(session), list[HistoryEntry]()
     before, held, rows = checksums.NOTHING, 0, _FIRST_ROWS
     if _START < seen < session.version:
         before = _checksum(connection, session.id, seen)
-    while seen < session.version and len(found) < limit:
-        named = {"by_id": session.id, "by_version": seen, "by_limit": min(rows, limit - len(found))}
+    while seen < session.version and len(entries) < limit:
+        named = {"by_id": session.id, "by_version": seen, "by_limit": min(rows, limit - len(entries))}
         for row in connection.execute(_ROWS, named).all():
             before = verified(row, seen, before, session)
             seen, held = row.version, held + _size(row)
-            found.append(entry_of(state, row))
+            entries.append(entry_of(state, row))
             if most_bytes is not None and held >= most_bytes:
-                return found
+                return entries
         if seen < named["by_version"] + named["by_limit"] and seen < session.version:
             raise checksums.damaged(session.id, seen + 1)
-        rows = min(2 * rows, _MOST_ROWS) if most_bytes is None else _next_rows(rows, held, len(found), most_bytes)
-    return found
+        rows = min(2 * rows, _MOST_ROWS) if most_bytes is None else _next_rows(rows, held, len(entries), most_bytes)
+    return entries
 
 
 def verified(row: Row[Any], before: int, checksum: bytes, session: Row[Any]) -> bytes:
-    """Verify one version of a history; returns its checksum.
+    """Verify a version of a history; returns its checksum.
 
     Args:
-        row: of the history.
-        before: the version before it.
-        checksum: that version's.
+        row: the version's row.
+        before: number of the version before it.
+        checksum: checksum of the version before it.
         session: the session's row, verified.
 
     Raises:
-        Failure: the row is not as it was written, or one is missing before it.
+        DamagedData: the row differs from what was written, or one before it is missing.
     """
     if row.version != before + 1:
         raise checksums.damaged(session.id, before + 1)
@@ -78,10 +79,10 @@ def verified(row: Row[Any], before: int, checksum: bytes, session: Row[Any]) -> 
 
 
 def _checksum(connection: Connection, id_: str, version: int) -> bytes:
-    found: bytes | None = connection.execute(_CHECKSUM, {"by_id": id_, "by_version": version}).scalar_one_or_none()
-    if found is None:
+    checksum: bytes | None = connection.execute(_CHECKSUM, {"by_id": id_, "by_version": version}).scalar_one_or_none()
+    if checksum is None:
         raise checksums.damaged(id_, version)
-    return found
+    return checksum
 
 
 def _size(row: Row[Any]) -> int:
@@ -89,5 +90,5 @@ def _size(row: Row[Any]) -> int:
 
 
 def _next_rows(rows: int, held: int, read: int, most_bytes: int) -> int:
-    """Ask for as many rows as probably fit, and not for many more than were asked for before."""
+    """Return how many rows to read next: as many as probably fit, and at most twice as many as before."""
     return max(1, min(2 * rows, _MOST_ROWS, (most_bytes - held) * read // max(held, 1) + 1))

@@ -1,4 +1,4 @@
-"""Hears from PostgreSQL which sessions other processes moved (LISTEN), so that nobody has to wait for a look."""
+"""Receives from PostgreSQL (LISTEN) which sessions other processes changed, so that followers need not poll."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -8,13 +8,18 @@ import structlog
 
 CHANNEL = "voa_sessions"
 
-_LOOK_SECONDS = 0.5  # how late the end is noticed
-_AGAIN_SECONDS = 1.0  # after the database went
-_END_SECONDS = 1.0  # a host that is silent is not waited for
+_POLL_SECONDS = 0.5  # delay until the thread sees that it should end
+_RETRY_SECONDS = 1.0  # pause after a connection failed
+_END_SECONDS = 1.0  # longest wait for the thread, which may hang on a host that does not answer
 
 
 class Listener:
-    """A thread with a connection of its own; it comes back when the database does."""
+    """Thread with a connection of its own that receives notifications; it reconnects after an outage.
+
+    Args:
+        parameters: of the PostgreSQL connection, as libpq takes them.
+        moved: called in this thread with the id of each session that another process changed.
+    """
 
     def __init__(self, parameters: Mapping[str, Any], moved: Callable[[str], None]) -> None:
         self._parameters = dict(parameters)
@@ -24,7 +29,7 @@ class Listener:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread."""
+        """Stop the thread."""
         self._ended.set()
         self._thread.join(_END_SECONDS)
 
@@ -36,8 +41,10 @@ class Listener:
                 with psycopg.connect(**self._parameters, autocommit=True) as connection:
                     connection.execute(f"LISTEN {CHANNEL}")
                     while not self._ended.is_set():
-                        for notice in connection.notifies(timeout=_LOOK_SECONDS):
+                        for notice in connection.notifies(timeout=_POLL_SECONDS):
                             self._moved(notice.payload)
             except psycopg.Error as error:
-                structlog.get_logger().warning("not listening", error=f"{type(error).__name__}: {error}")
-                self._ended.wait(_AGAIN_SECONDS)
+                structlog.get_logger().warning(
+                    "cannot receive changes of other processes, trying again", error=f"{type(error).__name__}: {error}"
+                )
+                self._ended.wait(_RETRY_SECONDS)

@@ -1,4 +1,4 @@
-"""Brings a database to the tables that this version of the service knows."""
+"""Migrates a database to the tables that this version of the service uses."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,34 +12,27 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
 
 from voa_store.engines import Engines
-
-
-class NewerTables(Exception):
-    """The tables are those of a later version of the service."""
-
-    def __init__(self, found: str, newest: str) -> None:
-        super().__init__(f"its tables are of revision {found}, this version knows those up to {newest}")
-
+from voa_store.errors import NewerTables
 
 _ONE_AT_A_TIME = 0x766F61  # "voa": the name of PostgreSQL's advisory lock
 _REVISIONS = Path(__file__).parent / "migrations"
 
 
 def migrate(engines: Engines) -> None:
-    """Run what is missing, in one transaction; processes that start at the same time wait for each other.
+    """Run the missing migrations in one transaction; processes that start at the same time wait for each other.
 
-    Where nothing is missing nothing is written.
+    Nothing is written where no migration is missing.
 
     Raises:
-        NewerTables: a later version of the service has used this database.
+        NewerTables: a newer version of the service has migrated this database.
     """
     with engines.single.connect() as connection:
         if _current(connection) == _newest():
             return
     with engines.writer.begin() as connection, _patient(connection):
-        found = _current(connection)
-        if found is not None and found not in _known():
-            raise NewerTables(found, _newest())
+        revision = _current(connection)
+        if revision is not None and revision not in _known():
+            raise NewerTables(revision, _newest())
         config = Config()
         config.set_main_option("script_location", str(_REVISIONS))
         config.attributes["connection"] = connection
@@ -48,7 +41,7 @@ def migrate(engines: Engines) -> None:
 
 @contextmanager
 def _patient(connection: Connection) -> Iterator[None]:
-    """Wait for another process that migrates, and for slow steps, as long as they take."""
+    """Wait without time-outs for another process that migrates, and for slow migrations."""
     if connection.dialect.name != "postgresql":
         yield
         return
@@ -64,7 +57,7 @@ def _patient(connection: Connection) -> Iterator[None]:
 
 
 def is_current(connection: Connection) -> bool:
-    """Whether the tables are those of this version."""
+    """Return True if the tables are those of this version of the service."""
     return _current(connection) == _newest()
 
 

@@ -1,8 +1,8 @@
-"""How long PostgreSQL is waited for: a server that is silent is a failure within seconds, whatever it is asked.
+"""Bounds the time that calls wait for PostgreSQL: a silent server is an error within seconds.
 
-A server's own time-outs are of no use where the server has been stopped, and those of TCP see nothing wrong: the kernel
-goes on acknowledging. So every wait of the driver ends here. A call that waited in vain makes an outage of it: nobody
-else waits then, until a thread that tries once a second has been answered.
+The server's own time-outs do not help where its process was stopped, nor do those of TCP, because the kernel still
+acknowledges packets. So this module bounds every wait of the driver. The first call that waits in vain begins an
+outage: all other calls fail at once, until a thread that tries once a second reaches the server again.
 """
 
 import threading
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     import psycopg
 
 CONNECT_SECONDS = 4
-_LEAST_SECONDS = 2  # libpq takes less for more
-_SHARE = 0.8  # of the patience: how long a lock is waited for
+_LEAST_SECONDS = 2  # libpq turns a time-out of 1 s into 2 s
+_SHARE = 0.8  # of the patience: longest wait for a lock
 _IDLE_MS = 10_000
-_AGAIN_SECONDS = 1.0
+_RETRY_SECONDS = 1.0
 _WAKE_SECONDS = 0.1
-_HOPELESS_SECONDS = 0.5
+_OUTAGE_SECONDS = 0.5
 
 T = TypeVar("T")
 
 
 class Outage:
-    """Whether the server is known not to answer; ends by itself when it does.
+    """State of a server that may not answer; an outage ends by itself when the server answers again.
 
     Args:
-        attempt: connects, asks something and leaves; raises whatever is wrong.
+        attempt: connects, runs a query and disconnects; raises an error if the server does not answer.
     """
 
     def __init__(self, attempt: Callable[[], None]) -> None:
@@ -41,24 +41,24 @@ class Outage:
 
     @property
     def present(self) -> bool:
-        """Whether the last call that waited, waited in vain."""
+        """True while the server is known not to answer."""
         return self._present
 
     def begin(self) -> None:
-        """Note that a call waited in vain; from any thread."""
+        """Begin an outage, from any thread, after a call has waited in vain."""
         with self._lock:
             if self._present or self._closed.is_set():
                 return
             self._present = True
-        structlog.get_logger().error("the database does not answer", trying_again_every_seconds=_AGAIN_SECONDS)
+        structlog.get_logger().error("the database does not answer", trying_again_every_seconds=_RETRY_SECONDS)
         threading.Thread(target=self._run, name="voa-outage", daemon=True).start()
 
     def close(self) -> None:
-        """End the attempts."""
+        """Stop trying to reach the server."""
         self._closed.set()
 
     def _run(self) -> None:
-        while not self._closed.wait(_AGAIN_SECONDS):
+        while not self._closed.wait(_RETRY_SECONDS):
             try:
                 self._attempt()
             except Exception as error:
@@ -70,26 +70,30 @@ class Outage:
 
 
 def connection_type(seconds: float, outage: Outage | None = None) -> "type[psycopg.Connection[Any]]":
-    """Make the type of connections that wait `seconds` for anything, and begin an outage where that was in vain.
+    """Create the class of connections that wait at most `seconds` for a result, and begin an outage after that.
 
-    A connection that waited in vain is closed: what comes later would be the answer to another question. During an
-    outage nothing that is begun waits for longer than a moment.
+    A connection that waited in vain is closed, because a late result would be taken for that of the next query. During
+    an outage every wait is cut to half a second.
+
+    Args:
+        seconds: longest wait.
+        outage: of the server; None: connections do not take part in one.
     """
     import psycopg  # noqa: PLC0415 - the extra `postgres`; without it there is no such database
 
     class Impatient(psycopg.Connection[Any]):
-        """A connection that does not wait for ever."""
+        """Connection with bounded waits."""
 
         patience_s: float | None = seconds
 
         def wait(self, gen: Any, interval: float = _WAKE_SECONDS, timeout: float | None = None) -> Any:
             if timeout is not None:
                 return super().wait(gen, interval=interval, timeout=timeout)
-            hopeless = outage is not None and outage.present
-            patience = _HOPELESS_SECONDS if hopeless else self.patience_s
+            is_out = outage is not None and outage.present
+            patience = _OUTAGE_SECONDS if is_out else self.patience_s
             try:
                 return super().wait(gen, interval=interval, timeout=patience)
-            except psycopg.errors._WaitTimeout as error:  # it has no other name
+            except psycopg.errors._WaitTimeout as error:  # psycopg has no public name for it
                 self.pgconn.finish()
                 if outage is not None:
                     outage.begin()
@@ -98,44 +102,44 @@ def connection_type(seconds: float, outage: Outage | None = None) -> "type[psyco
     return Impatient
 
 
-def connected(kind: "type[psycopg.Connection[Any]]", given: dict[str, Any], outage: Outage) -> Any:
-    """Open a connection of a type, unless the server is known not to answer.
+def connected(kind: "type[psycopg.Connection[Any]]", parameters: dict[str, Any], outage: Outage) -> Any:
+    """Open a connection of a class, unless the server is known not to answer.
 
     Raises:
         psycopg.OperationalError: the server does not answer, or refuses.
     """
-    import psycopg  # noqa: PLC0415 - as above
+    import psycopg  # noqa: PLC0415 - the extra `postgres`
 
     if outage.present:
         raise psycopg.OperationalError("the database does not answer")
     try:
-        return kind.connect(**given)
+        return kind.connect(**parameters)
     except psycopg.errors.ConnectionTimeout:
         outage.begin()
         raise
 
 
-def ask(given: dict[str, Any]) -> None:
-    """Connect, ask for nothing, and leave.
+def try_to_connect(parameters: dict[str, Any]) -> None:
+    """Connect, run an empty query, and disconnect.
 
     Raises:
         psycopg.Error: the server does not answer, or refuses.
     """
-    with connection_type(CONNECT_SECONDS).connect(**given) as connection:
+    with connection_type(CONNECT_SECONDS).connect(**parameters) as connection:
         connection.execute("SELECT 1")
 
 
 def parameters(url: URL, patience_s: float) -> dict[str, Any]:
-    """Build libpq's parameters for a URL: a server that is gone is noticed; what the URL says itself holds."""
-    usual: dict[str, Any] = {
+    """Build the parameters of libpq for a URL, with time-outs that notice a lost server; the URL's own ones win."""
+    defaults: dict[str, Any] = {
         "connect_timeout": max(_LEAST_SECONDS, min(CONNECT_SECONDS, int(patience_s))),
         "keepalives_idle": 10,
         "keepalives_interval": 5,
         "keepalives_count": 3,
         "tcp_user_timeout": 10_000,
     }
-    # A row that somebody holds, who may be frozen, must not hold up every worker for good.
-    # All of it ends before this side's patience does: an error that says why is better than silence.
+    # A client that holds a row's lock and hangs must not block every worker for good. The server's time-outs end before
+    # this side's patience does, because the server's error names the cause.
     patience_ms = int(1e3 * patience_s)
     limits = {
         "lock_timeout": int(_SHARE * patience_ms),
@@ -144,4 +148,6 @@ def parameters(url: URL, patience_s: float) -> dict[str, Any]:
     }
     options = " ".join(f"-c {name}={value}" for name, value in limits.items())
     own = url.query.get("options", "")
-    return usual | dict(url.query) | {"options": f"{options} {own if isinstance(own, str) else ' '.join(own)}".strip()}
+    return (
+        defaults | dict(url.query) | {"options": f"{options} {own if isinstance(own, str) else ' '.join(own)}".strip()}
+    )

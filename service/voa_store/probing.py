@@ -1,4 +1,4 @@
-"""Whether the database can be written: a small row, written and committed, as every answered write must be."""
+"""Tests that the database can be written, by committing a small row as every write must be."""
 
 import os
 import secrets
@@ -9,23 +9,27 @@ from voa_store.engines import Engines, transaction
 from voa_store.tables import probes
 
 _FILLER_BYTES = 16_384
-"""About a scan of 500 poses: a disk with no room for a write has none for this either."""
+"""Size of the row: about that of a scan of 500 poses, so that a disk too full for a write is too full for this."""
 _INSERT = insert(probes)
 _DELETE = delete(probes)
 
 
 class Probe:
-    """Writes one row per process, another one each time, so that pages must really be written."""
+    """Writer of a row with random content, so that the database must really write pages.
+
+    Args:
+        engines: of the database.
+    """
 
     def __init__(self, engines: Engines) -> None:
         self._engines = engines
         self._replica = secrets.token_hex(8)
 
     def write(self) -> None:
-        """Write a row and remove it again, in two commits: what is left behind is nothing.
+        """Write a row and remove it again, in two commits; nothing is left behind.
 
         Raises:
-            Failure: the database cannot be written.
+            StoreError: the database cannot be written.
         """
         filler = os.urandom(_FILLER_BYTES)
         with transaction(self._engines.writer) as connection:

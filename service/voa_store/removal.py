@@ -1,7 +1,7 @@
-"""Removes the rows of deleted sessions, a few at a time, so that nobody waits for a long history to go.
+"""Removes the rows of deleted sessions a few at a time, so that no writer waits while a long history is removed.
 
-A deleted session is marked (`tables.GONE`) in the transaction that answers the deletion; from then on nobody sees it.
-What a killed process left is removed by the next one that starts.
+The transaction of a deletion only marks the session (`tables.GONE`), and no query returns it from then on. Rows that a
+killed process has left are removed by the next process that starts.
 """
 
 import threading
@@ -11,17 +11,17 @@ from typing import Any
 import structlog
 from sqlalchemy import Connection, bindparam, delete, func, select
 
-from voa_service.failures import Failure
 from voa_store.engines import Engines, statement, transaction
+from voa_store.errors import StoreError
 from voa_store.tables import GONE, history, robot_looks, sessions
 
-_GOAL_SECONDS = 0.02  # that one transaction may keep others from writing
+_GOAL_SECONDS = 0.02  # longest time that one transaction should keep others from writing
 _FIRST_ROWS, _MOST_ROWS = 32, 1_000
-_AGAIN_SECONDS = 1.0  # after the database failed
+_RETRY_SECONDS = 1.0  # pause after the database failed
 _END_SECONDS = 5.0
 
 _GONE = select(sessions.c.id).where(sessions.c.version == GONE).order_by(sessions.c.seq).limit(1)
-_OF_ONE = _GONE.with_for_update(skip_locked=True)  # another replica removes that one: PostgreSQL
+_OF_ONE = _GONE.with_for_update(skip_locked=True)  # PostgreSQL: skips a session that another replica is removing
 _LOWEST = select(func.min(history.c.version)).where(history.c.session == bindparam("by_id"))
 _DELETE = delete(history).where(history.c.session == bindparam("by_id"), history.c.version < bindparam("by_version"))
 _LOOKS = robot_looks.c.session == bindparam("by_id")
@@ -38,7 +38,11 @@ _DELETE_SESSION = delete(sessions).where(sessions.c.id == bindparam("by_id"))
 
 
 class Remover:
-    """A thread that runs while there is something to remove."""
+    """Background thread that runs while there are rows to remove.
+
+    Args:
+        engines: of the database.
+    """
 
     def __init__(self, engines: Engines) -> None:
         self._engines = engines
@@ -48,7 +52,7 @@ class Remover:
         self._thread: threading.Thread | None = None
 
     def wake(self) -> None:
-        """Remove what is marked, from now on and in the background."""
+        """Start removing the rows of marked sessions in the background."""
         with self._lock:
             self._again = True
             if self._thread is None and not self._closed.is_set():
@@ -56,13 +60,13 @@ class Remover:
                 self._thread.start()
 
     def wake_if_needed(self) -> None:
-        """Remove what an earlier process marked and did not remove."""
+        """Start removing if an earlier process has left rows of marked sessions."""
         with statement(self._engines.single) as connection:
             if connection.execute(_GONE).first() is not None:
                 self.wake()
 
     def close(self) -> None:
-        """End the thread; what is left is removed at the next start."""
+        """Stop the thread; the remaining rows are removed at the next start."""
         with self._lock:
             self._closed.set()
             thread = self._thread
@@ -73,14 +77,14 @@ class Remover:
         while self._more():
             try:
                 self._remove_all()
-            except Failure as failure:
-                structlog.get_logger().warning("deleted sessions wait to be removed", error=failure.detail)
-                self._closed.wait(_AGAIN_SECONDS)
+            except StoreError as error:
+                structlog.get_logger().warning("rows of deleted sessions cannot be removed yet", error=str(error))
+                self._closed.wait(_RETRY_SECONDS)
                 with self._lock:
                     self._again = True
 
     def _more(self) -> bool:
-        """Whether anybody woke this thread since it looked last; if not, it has ended."""
+        """Return True if `wake` was called since the last round; otherwise the thread counts as ended."""
         with self._lock:
             if not self._again or self._closed.is_set():
                 self._thread = None
@@ -99,11 +103,11 @@ class Remover:
             rows = max(1, min(_MOST_ROWS, rows * 2 if took < _GOAL_SECONDS / 2 else rows))
             if took > _GOAL_SECONDS:
                 rows = max(1, int(rows * _GOAL_SECONDS / took))
-            self._closed.wait(time.monotonic() - began)  # others write for as long
+            self._closed.wait(time.monotonic() - began)  # leaves other writers as much time as this took
 
 
 def remove_some(connection: Connection, rows: int) -> bool:
-    """Remove at most `rows` rows of a deleted session; returns whether there was one."""
+    """Remove at most `rows` rows of a deleted session; False: there is no deleted session."""
     id_ = connection.execute(_OF_ONE).scalar_one_or_none()
     if id_ is None:
         return False
@@ -112,7 +116,7 @@ def remove_some(connection: Connection, rows: int) -> bool:
 
 
 def remove_rows(connection: Connection, id_: str, rows: int) -> None:
-    """Remove at most `rows` rows of one session, and the session itself after the last of them."""
+    """Remove at most `rows` rows of a session, and the session's own row once there are no others."""
     named: dict[str, Any] = {"by_id": id_}
     lowest = connection.execute(_LOWEST, named).scalar_one()
     if lowest is not None:

@@ -1,4 +1,4 @@
-"""Rows as what the ports speak of, and back."""
+"""Converts rows of the tables to records of the store, and back."""
 
 from dataclasses import replace
 from datetime import datetime
@@ -10,8 +10,8 @@ from sqlalchemy import Row
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
-from voa_service.ports import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
 from voa_store import checksums
+from voa_store.records import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
 
 Columns = dict[str, Any]
 
@@ -19,14 +19,14 @@ Columns = dict[str, Any]
 def written(
     state: SessionState, write: Write, report: str | None, before: bytes, prior: str
 ) -> tuple[Columns, Columns]:
-    """Write one version: the columns of the session's row that change with it, and the row of its history.
+    """Convert one version to columns: those of the session's row that change with it, and its row of the history.
 
     Args:
         state: the session at that version.
-        write: what made it.
-        report: what became of it.
-        before: the checksum of the version before; `checksums.NOTHING`: this is the first.
-        prior: the digest of the session's prior.
+        write: the request that made the version.
+        report: JSON of the update report; None: the version was not made by an observation.
+        before: checksum of the version before; `checksums.NOTHING` for version 0.
+        prior: digest of the session's prior.
     """
     belief = blob(state.belief)
     digest = checksums.of_blob(belief)
@@ -57,7 +57,7 @@ def written(
 
 
 def blob(belief: Belief) -> bytes:
-    """Write a belief and its logarithms as 2 x n little-endian float64."""
+    """Convert a belief over n poses and its logarithms to bytes: 2 x n little-endian float64."""
     return np.stack([belief.p, belief.log_p]).astype("<f8").tobytes()
 
 
@@ -67,19 +67,19 @@ def _belief(stored: bytes) -> Belief:
 
 
 def object_of(row: Row[Any]) -> StoredObject:
-    """Read a mesh."""
+    """Convert a row of the table `objects` to a mesh."""
     vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
     faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
     return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at), row.up)
 
 
 def scenario_of(row: Row[Any]) -> StoredScenario:
-    """Read a scenario."""
+    """Convert a row of the table `scenarios` to a scenario."""
     return StoredScenario(row.id, row.name, row.body, datetime.fromisoformat(row.created_at))
 
 
 def session_of(row: Row[Any]) -> SessionState:
-    """Read a session as it stands, from a row that `checksums.check_session` has passed."""
+    """Convert a row of the table `sessions`, verified by `checksums.check_session`, to a session."""
     return SessionState(
         row.id,
         row.scenario,
@@ -94,8 +94,8 @@ def session_of(row: Row[Any]) -> SessionState:
 
 
 def entry_of(session: SessionState, row: Row[Any]) -> HistoryEntry:
-    """Read one version of a session's history: the session as it was then, and what made it."""
-    then = replace(
+    """Convert a row of the table `history` to the session's state at that version and the request that made it."""
+    state = replace(
         session,
         version=row.version,
         belief=_belief(row.belief),
@@ -103,4 +103,4 @@ def entry_of(session: SessionState, row: Row[Any]) -> HistoryEntry:
         updated_at=datetime.fromisoformat(row.at),
         summary=None,
     )
-    return HistoryEntry(then, row.kind, row.request, row.report)
+    return HistoryEntry(state, row.kind, row.request, row.report)

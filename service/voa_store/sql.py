@@ -1,38 +1,38 @@
-"""The store on a relational database.
+"""Implements the service's port `Store` on a relational database.
 
-A write is one transaction: lock the session (SQLite: BEGIN IMMEDIATE, one writer; PostgreSQL: its row), look for the
-idempotency key, check the version, apply, append to the history, keep the answer. Writers wait for each other and
-never retry. What was answered is committed and synced.
+A write is one transaction: lock the session (SQLite: BEGIN IMMEDIATE, one writer; PostgreSQL: its row), look up the
+idempotency key, verify the checksum, check the version, apply, append to the history, store the response. Writers wait
+for each other and never retry. A response is sent only after its transaction is committed and on the disk.
 """
 
-from collections.abc import Callable, Hashable, Sequence
-from typing import Any
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 
-from sqlalchemy import Connection, Row, bindparam, delete, insert, literal_column, select, text, update
+from sqlalchemy import Connection, bindparam, delete, insert, literal_column, select, text, update
 from sqlalchemy.exc import IntegrityError
 
-from voa_service.failures import StaleVersion
-from voa_service.ports import (
-    Answered,
+from voa_store import checksums, claims
+from voa_store.contents import Contents, named_row
+from voa_store.engines import connect, first, statement, transaction
+from voa_store.errors import SessionMissing, VersionMismatch
+from voa_store.histories import read_history
+from voa_store.listening import CHANNEL, Listener
+from voa_store.looks import count_look, newest_looks
+from voa_store.migrate import is_current, migrate
+from voa_store.probing import Probe
+from voa_store.records import (
     HistoryEntry,
     IdempotencyKey,
     Listed,
     ListedSession,
     RobotLook,
+    SessionChange,
     SessionState,
-    Step,
+    StoredResponse,
     Write,
 )
-from voa_store import checksums, claims
-from voa_store.contents import Contents, named_row
-from voa_store.engines import connect, first, statement, transaction
-from voa_store.histories import read_history
-from voa_store.keys import answered, remember
-from voa_store.listening import CHANNEL, Listener
-from voa_store.looks import count_look, newest_looks
-from voa_store.migrate import is_current, migrate
-from voa_store.probing import Probe
 from voa_store.removal import Remover
+from voa_store.responses import keep_response, stored_response
 from voa_store.rows import blob, session_of, written
 from voa_store.summaries import list_sessions
 from voa_store.tables import GONE, history, sessions
@@ -40,7 +40,7 @@ from voa_store.tables import GONE, history, sessions
 PATIENCE_SECONDS = 4.0
 _AT_ONCE = 64  # versions of a session that are removed in the transaction that deletes it
 
-# Built once: SQLAlchemy then finds their compiled form without looking at them anew.
+# Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (sessions, history)}
 _BY_ID = select(sessions).where(sessions.c.id == bindparam("by_id"), sessions.c.version > GONE)
 _LOCK = _BY_ID.with_for_update()
@@ -53,11 +53,14 @@ _NOTIFY = text("SELECT pg_notify(:channel, :session)")
 
 
 class SqlStore(Contents):
-    """`ports.Store` on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`.
+    """Store on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`.
 
     Args:
         url: of the database.
-        patience_s: how long PostgreSQL may be silent before a call fails.
+        patience_s: seconds for which PostgreSQL may be silent before a call fails.
+
+    Raises:
+        StoreError: the database cannot be used; `starting.open_store` explains errors of drivers too.
     """
 
     def __init__(self, url: str, patience_s: float = PATIENCE_SECONDS) -> None:
@@ -65,7 +68,7 @@ class SqlStore(Contents):
         super().__init__(self._engines)
         self._readers = self._engines.readers
         self._mark = _MARK.compile(dialect=self._single.dialect)
-        self._tells = self._writer.dialect.name == "postgresql"
+        self._notifies = self._writer.dialect.name == "postgresql"
         self._listener: Listener | None = None
         self._probe = Probe(self._engines)
         self._remover = Remover(self._engines)
@@ -78,66 +81,83 @@ class SqlStore(Contents):
 
     @property
     def software(self) -> str:
-        """See `ports.Store`."""
+        """Name of the database's software with its version ("SQLite 3.53.4")."""
         return self._engines.software
 
     @property
     def troubles(self) -> int:
-        """See `ports.Store`."""
+        """Number of calls that the database has failed so far."""
         return self._engines.troubles.count
 
     def ping(self) -> None:
-        """Read, write, and see whether the tables are this version's."""
+        """Return if the tables are those of this version, and a row can be written.
+
+        Raises:
+            StoreError: the database cannot be read or written.
+            RuntimeError: the tables are those of another version of the service.
+        """
         with statement(self._single) as connection:
             if not is_current(connection):
                 raise RuntimeError("the tables are those of another version of the service")
         self._probe.write()
 
     def close(self) -> None:
-        """Close every connection."""
+        """Close all connections and end all threads."""
         if self._listener is not None:
             self._listener.close()
         self._remover.close()
         self._engines.dispose()
 
     def listen(self, moved: Callable[[str], None]) -> None:
-        """See `ports.Store`."""
-        if self._tells:
+        """Call `moved`, from any thread, with the id of each session that another process changes (PostgreSQL)."""
+        if self._notifies:
             self._listener = Listener(self._engines.parameters, moved)
 
-    def get_answer(self, key: IdempotencyKey) -> Answered | None:
-        """See `ports.Store`."""
+    def get_response(self, key: IdempotencyKey) -> StoredResponse | None:
+        """Read the response stored under an idempotency key; None: the key has not been used.
+
+        Raises:
+            KeyReused: the key was used for another request.
+        """
         with statement(self._single) as connection:
-            return answered(connection, key)
+            return stored_response(connection, key)
 
     def create_session(
-        self, state: SessionState, write: Write, answer: Answered, robots: Sequence[str] = ()
-    ) -> Answered:
-        """See `ports.Store`."""
+        self, state: SessionState, write: Write, response: StoredResponse, robots: Sequence[str] = ()
+    ) -> StoredResponse:
+        """Store a new session with its prior as version 0 of its history, and claim `robots` for it, all or nothing.
+
+        Returns:
+            `response` itself; or, where the write's key was used before, the response stored then, and nothing is
+            changed.
+
+        Raises:
+            KeyReused: the key was used for another request.
+        """
         prior = blob(state.prior)
         columns, entry = written(state, write, None, checksums.NOTHING, checksums.of_blob(prior))
         columns |= {"id": state.id, "scenario": state.scenario, "prior": prior}
         columns["created_at"] = state.created_at.isoformat()
         try:
             with transaction(self._writer) as connection:
-                before = answered(connection, write.key)
+                before = stored_response(connection, write.key)
                 if before is not None:
                     return before
                 connection.execute(_INSERT[sessions], columns | claims.next_order(connection))
                 connection.execute(_INSERT[history], entry)
-                for robot in sorted(robots):  # in one order, so that nobody waits for each other
+                for robot in sorted(robots):  # in one order, so that two calls cannot wait for each other
                     claims.put(connection, robot, state.id)
-                remember(connection, write.key, answer)
-            return answer
-        except IntegrityError:  # another process took the same key at the same instant, and was first
+                keep_response(connection, write.key, response)
+            return response
+        except IntegrityError:  # another process used the same key at the same instant, and was first
             with statement(self._single) as connection:
-                was = answered(connection, write.key)
-            if was is None:
+                before = stored_response(connection, write.key)
+            if before is None:
                 raise
-            return was
+            return before
 
     def get_session(self, id_: str) -> SessionState | None:
-        """See `ports.Store`."""
+        """Read the newest version of a session; None: there is no such session."""
         with statement(self._single) as connection:
             row = named_row(connection, _BY_ID, id_)
         if row is None:
@@ -146,61 +166,82 @@ class SqlStore(Contents):
         return session_of(row)
 
     def session_mark(self, id_: str) -> Hashable | None:
-        """See `ports.Store`."""
-        # PostgreSQL has no text with a NUL in it, so nothing is named so.
+        """Return a value that differs after every change of a session, read cheaply; None: there is no such session."""
+        # PostgreSQL cannot store a NUL in a text, so no id contains one.
         return None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
 
     def robot_session(self, robot: str, scenario: str) -> str | None:
-        """See `ports.Store`."""
+        """Find the session that the next look of a robot, mapped to a scenario, belongs to; None: there is none."""
         with statement(self._single) as connection:
             return claims.find(connection, robot, scenario).id
 
     def settle_robot(self, robot: str, scenario: str) -> str | None:
-        """See `ports.Store`."""
+        """Claim a robot for the session that `robot_session` finds; returns that session, None: there is none."""
         with statement(self._single) as connection:
-            found = claims.find(connection, robot, scenario)
-        if found.settled or found.session is None:  # nothing to write: the usual case
-            return found.id
+            assignment = claims.find(connection, robot, scenario)
+        if assignment.settled or assignment.session is None:  # nothing to write: the usual case
+            return assignment.id
         with transaction(self._writer) as connection:
             return claims.settle(connection, robot, scenario)
 
     def claim_robot(self, robot: str, session: str | None) -> bool:
-        """See `ports.Store`."""
+        """Claim a robot for a session, or release it from every session (None); False: there is no such session."""
         with transaction(self._writer) as connection:
             return claims.put(connection, robot, session)
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
-        """See `ports.Store`."""
+        """List at most `limit` sessions after a cursor, oldest first."""
         with statement(self._single) as connection:
             return list_sessions(connection, limit, after)
 
-    def change_session(self, id_: str, write: Write, step: Callable[[SessionState], Step]) -> Answered | None:
-        """See `ports.Store`."""
+    @contextmanager
+    def change(self, id_: str, write: Write) -> Iterator[SessionChange]:
+        """Change a session within one transaction, which is committed when the `with` block ends.
+
+        The block computes the new state from `SessionChange.state` and calls `SessionChange.respond`. It has no state
+        where the write was answered before under its key. An error within the block leaves everything unchanged.
+
+        Raises:
+            KeyReused: the key was used for another request.
+            SessionMissing: there is no such session.
+            VersionMismatch: the caller expects another version.
+            LookRepeated: a look of this number was counted before; nothing is changed.
+        """
         with transaction(self._writer) as connection:
             row = named_row(connection, _LOCK, id_)
-            before = answered(connection, write.key)
-            if before is not None or row is None:
-                return before
+            before = stored_response(connection, write.key)
+            if before is not None:
+                yield SessionChange.answered(before)
+                return
+            if row is None:
+                raise SessionMissing(id_)
             prior = checksums.check_session(row)
-            _check_version(row, write.if_match)
-            change = step(session_of(row))
+            _check_version(row.version, write.if_match)
+            change = SessionChange(session_of(row))
+            yield change
             if change.after is not None:
                 columns, entry = written(change.after, write, change.report, row.newest, prior)
                 connection.execute(_UPDATE, {"by_id": id_, **columns})
                 connection.execute(_INSERT[history], entry)
                 if write.look is not None:
                     count_look(connection, id_, write.look)
-                self._tell(connection, id_)
-            remember(connection, write.key, change.answer)
-        return change.answer
+                self._notify(connection, id_)
+            keep_response(connection, write.key, change.response)
 
     def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
-        """See `ports.Store`."""
+        """Read at most `limit` looks of a robot that a session has accepted, the newest first."""
         with statement(self._single) as connection:
             return newest_looks(connection, id_, robot, limit)
 
     def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
-        """See `ports.Store`."""
+        """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
+
+        Stops early, after at least one version, once requests, reports and beliefs add up to `most_bytes` bytes (None:
+        no bound). Empty where there is no such session.
+
+        Raises:
+            DamagedData: a version differs from what was written.
+        """
         with transaction(self._readers) as connection:
             row = named_row(connection, _BY_ID, id_)
             if row is None:
@@ -209,34 +250,36 @@ class SqlStore(Contents):
             return read_history(connection, row, after, limit, most_bytes)
 
     def delete_session(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> bool:
-        """See `ports.Store`."""
+        """Delete a session with its history; True if it was there, or was deleted under this key before.
+
+        Raises:
+            KeyReused: the key was used for another request.
+            VersionMismatch: the caller expects another version.
+        """
         with transaction(self._writer) as connection:
             row = named_row(connection, _LOCK, id_)
-            if answered(connection, key) is not None:
+            if stored_response(connection, key) is not None:
                 return True
             if row is None:
                 return False
-            _check_version(row, if_match)
-            later = row.version > _AT_ONCE
-            if later:
+            _check_version(row.version, if_match)
+            is_long = row.version > _AT_ONCE
+            if is_long:
                 connection.execute(_UPDATE, {"by_id": id_, "version": GONE})
             else:
                 connection.execute(_DELETE, {"by_id": id_})
-            self._tell(connection, id_)
-            remember(connection, key, Answered("", row.version))
-        if later:
+            self._notify(connection, id_)
+            keep_response(connection, key, StoredResponse("", row.version))
+        if is_long:
             self._remover.wake()
         return True
 
-    def _tell(self, connection: Connection, id_: str) -> None:
-        """Let other processes know when this is committed."""
-        if self._tells:
+    def _notify(self, connection: Connection, id_: str) -> None:
+        """Notify other processes of a change when this transaction is committed."""
+        if self._notifies:
             connection.execute(_NOTIFY, {"channel": CHANNEL, "session": id_})
 
 
-def _check_version(row: Row[Any], seen: frozenset[int] | None) -> None:
-    if seen is not None and row.version not in seen:
-        wanted = ", ".join(f"v{version}" for version in sorted(seen)) or "none that exists"
-        raise StaleVersion(
-            f"If-Match asks for {wanted}, the session is at v{row.version}: read it again", version=row.version
-        )
+def _check_version(version: int, expected: frozenset[int] | None) -> None:
+    if expected is not None and version not in expected:
+        raise VersionMismatch(expected, version)

@@ -1,4 +1,4 @@
-"""Opening the store when the service starts: what is wrong is one line that says what to do."""
+"""Opens the store when the service starts; an error is one line that says what to do."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -7,24 +7,15 @@ import structlog
 from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
 
-from voa_service.failures import Failure
-from voa_store.drivers import InUse, database_file
-from voa_store.engines import said
-from voa_store.migrate import NewerTables
+from voa_store.drivers import database_file
+from voa_store.engines import diagnosis
+from voa_store.errors import CannotOpen, FileInUse, NewerTables, StoreError
 from voa_store.sql import PATIENCE_SECONDS, SqlStore
 
 _EXPECTED = "expected sqlite:///FILE or postgresql://USER@HOST/DATABASE"
-_AGAIN_SECONDS = 0.5
+_RETRY_SECONDS = 0.5
 _REFUSED = ("28", "3D", "42")
-"""Classes of SQLSTATE that time does not mend: who asks, for which database, and what they may do."""
-
-
-class CannotOpen(Exception):
-    """The database cannot be used; the message is one line that says what to do."""
-
-    def __init__(self, line: str, *, may_pass: bool) -> None:
-        super().__init__(line)
-        self.may_pass = may_pass
+"""Classes of SQLSTATE that waiting does not cure: authentication, the name of the database, and privileges."""
 
 
 def open_store(
@@ -34,17 +25,17 @@ def open_store(
     pause: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> SqlStore:
-    """Open the store, bring its tables up to date, and wait for a database that is not there yet.
+    """Open the store, migrate its tables, and wait for a server that has not started yet.
 
     Args:
         url: of the database.
-        patience_s: how long PostgreSQL may be silent before a call fails.
-        wait_s: how long a database that nobody serves yet is waited for.
-        pause: waits between two attempts.
-        clock: in seconds.
+        patience_s: seconds for which PostgreSQL may be silent before a call fails.
+        wait_s: seconds to wait for a server that does not answer yet.
+        pause: sleeps for so many seconds between two attempts.
+        clock: returns the time in seconds.
 
     Raises:
-        CannotOpen: it cannot be used.
+        CannotOpen: the database cannot be used.
     """
     end = clock() + wait_s
     while True:
@@ -55,21 +46,21 @@ def open_store(
             if not error.may_pass or left <= 0.0:
                 raise
             structlog.get_logger("voa").warning("waiting for the database", seconds_left=round(left, 1), why=str(error))
-            pause(min(_AGAIN_SECONDS, left))
+            pause(min(_RETRY_SECONDS, left))
 
 
 def _opened(url: str, patience_s: float) -> SqlStore:
     try:
         return SqlStore(url, patience_s)
-    except (SQLAlchemyError, OSError, ImportError, InUse, NewerTables, Failure, ValueError) as error:
+    except (SQLAlchemyError, OSError, ImportError, StoreError, ValueError) as error:
         raise CannotOpen(explain(error, url), may_pass=_may_pass(error)) from error
 
 
 def explain(error: Exception, url: str) -> str:
-    """Say in one line what is wrong with a database, and what to do.
+    """Explain in one line why a database cannot be opened, and what to do.
 
     Args:
-        error: what opening it raised.
+        error: raised by opening it.
         url: of the database; its password is not shown.
     """
     try:
@@ -78,7 +69,7 @@ def explain(error: Exception, url: str) -> str:
         return f"--database-url: {_EXPECTED}, got something else"
     where = parsed.render_as_string(hide_password=True)
     match error:
-        case InUse():
+        case FileInUse():
             line = str(error)
         case NewerTables():
             line = (
@@ -96,6 +87,15 @@ def explain(error: Exception, url: str) -> str:
         case _:
             line = _explain_server(error, parsed, where)
     return " ".join(line.split())
+
+
+def url_without_password(url: str) -> str:
+    """Return a database URL for logs: its password is replaced by asterisks.
+
+    Args:
+        url: that `open_store` has accepted.
+    """
+    return make_url(url).render_as_string(hide_password=True)
 
 
 def _explain_file(error: Exception, url: URL) -> str:
@@ -116,7 +116,7 @@ def _explain_file(error: Exception, url: URL) -> str:
             f"{path} cannot be written by this user: SQLite needs to write the file and its folder {folder} (or the "
             "file system is read-only)"
         ),
-        ("full", "disk I/O"): f"{path} cannot be written ({text}): is the disk full?",
+        ("full", "disk I/O"): f"{path} cannot be written ({text}): check whether the disk is full",
         ("locked",): f"{path} is locked by another program that has been writing for long: end it, and start again",
     }
     return _by_sign(text, signs) or f"{path} cannot be used: {text}"
@@ -126,36 +126,36 @@ def _explain_server(error: Exception, url: URL, where: str) -> str:
     cause = _cause(error)
     user, text = url.username, str(cause)
     signs = {
-        ('role "',): f"{where}: there is no role {user!r}: create it with `createuser {user}`, or name another",
+        ('role "',): f"{where}: there is no role {user!r}: create it with `createuser {user}`, or name another one",
         ('database "',): f"{where}: there is no such database: create it with `createdb -O {user} {url.database}`",
         ("authentication failed", "no password supplied", "pg_hba.conf"): (
-            f"{where}: PostgreSQL does not let {user!r} in: check the password, or pg_hba.conf"
+            f"{where}: PostgreSQL refuses user {user!r}: check the password, or pg_hba.conf"
         ),
         ("permission denied",): (
             f"{where}: {user!r} may not create tables there: GRANT CREATE, USAGE ON SCHEMA public TO {user}"
         ),
         ("read-only",): f"{where} is read-only, a standby perhaps: name the primary server",
         ("timeout", "silent", "does not answer"): (
-            f"{where} does not answer: is the server running, and is there a firewall in between?"
+            f"{where} does not answer: check that the server runs and that no firewall is in between"
         ),
         ("refused", "resolve", "translate host", "No such file"): (
-            f"{where}: nobody is there: start PostgreSQL, or check host and port"
+            f"{where}: no server answers there: start PostgreSQL, or check host and port"
         ),
     }
-    return _by_sign(text, signs) or f"{where} cannot be used: {said(cause).strip(' ()') or text}"
+    return _by_sign(text, signs) or f"{where} cannot be used: {diagnosis(cause).strip(' ()') or text}"
 
 
 def _by_sign(text: str, signs: Mapping[tuple[str, ...], str]) -> str | None:
-    """The first line one of whose signs stands in a text."""
+    """Return the first message one of whose signs occurs in a text; None: no sign occurs."""
     return next((line for words, line in signs.items() if any(word in text for word in words)), None)
 
 
 def _may_pass(error: Exception) -> bool:
-    """Whether waiting can help: a server that is not there yet, and nothing else."""
+    """Return True if waiting may help, as it may for a server that has not started yet."""
     cause = _cause(error)
     state = getattr(cause, "sqlstate", None)
-    if isinstance(error, Failure):
-        return True
+    if isinstance(error, StoreError):
+        return not isinstance(error, CannotOpen)
     if not isinstance(error, DBAPIError) or type(cause).__module__.split(".")[0] != "psycopg":
         return False
     wrong = any(sign in str(cause) for sign in ("does not exist", "authentication", "pg_hba", "permission", "password"))
@@ -165,7 +165,7 @@ def _may_pass(error: Exception) -> bool:
 def _cause(error: Exception) -> BaseException:
     if isinstance(error, DBAPIError) and error.orig is not None:
         return error.orig
-    if isinstance(error, Failure) and error.__cause__ is not None:
+    if isinstance(error, StoreError) and error.__cause__ is not None:
         under = error.__cause__
         return under.orig if isinstance(under, DBAPIError) and under.orig is not None else under
     return error

@@ -1,4 +1,4 @@
-"""Lists of objects, scenarios and sessions, read without their meshes, bodies and beliefs."""
+"""Reads lists of objects, scenarios and sessions without their meshes, bodies and beliefs."""
 
 import json
 from datetime import datetime
@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import BigInteger, Connection, Row, Select, Table, bindparam, select
 
 from voa_core.objects import Object
-from voa_service.ports import Listed, ListedObject, ListedScenario, ListedSession
+from voa_store.records import Listed, ListedObject, ListedScenario, ListedSession
 from voa_store.tables import GONE, objects, scenarios, sessions, summaries
 
 _START = -1
@@ -50,8 +50,8 @@ _SESSIONS = _page(
 )
 
 
-def of_object(mesh: Object) -> str:
-    """Write what lists show of a mesh, as JSON."""
+def object_summary(mesh: Object) -> str:
+    """Write the facts that lists show about a mesh, as JSON."""
     extents = [float(extent) for extent in mesh.extents]
     return json.dumps({"extents": extents, "faces": len(mesh.faces), "watertight": mesh.watertight})
 
@@ -69,7 +69,7 @@ def list_scenarios(connection: Connection, limit: int, after: str | None) -> Lis
 
 
 def list_sessions(connection: Connection, limit: int, after: str | None) -> Listed[ListedSession]:
-    """List at most `limit` sessions after a cursor, oldest first; those that were deleted are not among them."""
+    """List at most `limit` sessions after a cursor, oldest first, without deleted ones."""
     rows, more = _rows(connection, _SESSIONS, limit, after)
     return Listed([_session(row) for row in rows], more)
 
@@ -77,7 +77,7 @@ def list_sessions(connection: Connection, limit: int, after: str | None) -> List
 def _rows(
     connection: Connection, query: Select[Any], limit: int, after: str | None
 ) -> tuple[list[Row[Any]], str | None]:
-    """Read one page, and the cursor of the next one where there is more."""
+    """Read a page of rows; returns it with the cursor of the next page, None: this is the last one."""
     start = _START if after is None else int(after)
     rows = list(connection.execute(query, {"by_seq": start, "by_limit": limit + 1}).all())
     return rows[:limit], str(rows[limit - 1].seq) if len(rows) > limit else None

@@ -1,4 +1,4 @@
-"""The tables. Times are ISO 8601 in UTC; float arrays are little-endian float64 blobs."""
+"""Tables of the database. Times are ISO 8601 texts in UTC; float arrays are little-endian float64 blobs."""
 
 from sqlalchemy import (
     BigInteger,
@@ -17,7 +17,7 @@ from sqlalchemy import (
 metadata = MetaData()
 
 Sequence = BigInteger().with_variant(Integer, "sqlite")
-"""SQLite counts up in INTEGER alone, of 64 bits."""
+"""Type of numbers that the database counts up; SQLite does so only for INTEGER, which has 64 bits there."""
 
 objects = Table(
     "objects",
@@ -42,7 +42,7 @@ scenarios = Table(
 )
 
 GONE = -1
-"""The version of a session that was deleted and whose rows are still being removed: nobody may see it."""
+"""Version that marks a deleted session whose rows are still being removed: no query may return it."""
 
 sessions = Table(
     "sessions",
@@ -60,8 +60,8 @@ sessions = Table(
     Column("newest", LargeBinary),
     Column("checksum", LargeBinary),
 )
-"""`summary` is what lists show of the belief, null in rows from before it was kept; `newest` is the checksum of the
-newest row of the history, `checksum` that of this row (`store.checksums`)."""
+"""Sessions at their newest version. `summary` holds the facts about the belief that lists show, null in rows from
+before it was stored; `newest` is the checksum of the newest row of the history, `checksum` that of this row."""
 
 history = Table(
     "history",
@@ -87,7 +87,7 @@ robot_looks = Table(
     Column("digest", String(64), nullable=False),
 )
 
-answers = Table(
+responses = Table(
     "answers",
     metadata,
     Column("scope", String(128), primary_key=True),
@@ -96,6 +96,7 @@ answers = Table(
     Column("body", Text, nullable=False),
     Column("version", Integer, nullable=False),
 )
+"""Responses that are stored under an idempotency key."""
 
 claims = Table(
     "claims",
@@ -105,8 +106,9 @@ claims = Table(
     Column("scenario", String(64)),
     Column("after", Sequence, nullable=False),
 )
-"""A mapped robot's session, by id alone: it may be deleted, and what was opened before it (`after`: its `seq`) is then
-never taken up again. `scenario` is the session's; both are null where the robot's scans are for nobody."""
+"""Claims of mapped robots. A session is named by its id without a foreign key, because it may be deleted; the robot
+then moves only to sessions that were opened after it (`after` is its `seq`). `scenario` is the session's scenario;
+`session` and `scenario` are null where the robot was released from every session."""
 
 uploads = Table(
     "uploads",
@@ -117,7 +119,7 @@ uploads = Table(
     Column("up", String(2), primary_key=True),
     Column("object", String(64), ForeignKey("objects.id", ondelete="CASCADE"), nullable=False),
 )
-"""The mesh that a file became: its bytes, its type, and how it was read."""
+"""Meshes by the uploaded file that they were read from: the file's digest, its type, and the options of reading."""
 
 summaries = Table(
     "summaries",
@@ -125,7 +127,7 @@ summaries = Table(
     Column("id", String(64), primary_key=True),
     Column("summary", Text, nullable=False),
 )
-"""Facts that lists show of an object or a scenario, by its digest, as JSON: its own row holds megabytes."""
+"""Facts that lists show about an object or a scenario, as JSON, by its digest; its own row may hold megabytes."""
 
 probes = Table(
     "probes",
@@ -133,4 +135,4 @@ probes = Table(
     Column("replica", String(64), primary_key=True),
     Column("filler", LargeBinary, nullable=False),
 )
-"""A row of each process, written again and again to see whether writes work."""
+"""Rows that each process writes and removes to test that the database can be written."""

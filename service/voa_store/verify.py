@@ -1,21 +1,22 @@
-"""Verify every session of a database: `python -m voa_store.verify URL` prints what it found as JSON.
+"""Verifies every session of a database: `python -m voa_store.verify URL` prints the result as JSON.
 
-The URL "-" is read from stdin. It reads only, one session at a time, and beside a service that runs. Exit code 0:
-nothing is damaged; 1: something is; 2: the database could not be read, and `error` says why.
+With "-" the URL is read from stdin. The program only reads, one session at a time, and may run beside the service. Exit
+code 0: nothing is damaged; 1: sessions or pages are damaged; 2: the database cannot be read, and `error` says why.
 """
 
 import json
+import logging
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 
+import structlog
 from sqlalchemy import Connection, make_url, select
 
-from voa_service.failures import Failure
-from voa_service.runtime import logs
 from voa_store import checksums
 from voa_store.drivers import database_file
 from voa_store.engines import Engines, connect, statement, transaction
+from voa_store.errors import DamagedData
 from voa_store.histories import read_history
 from voa_store.migrate import is_current
 from voa_store.starting import explain
@@ -23,17 +24,17 @@ from voa_store.tables import GONE, sessions
 
 _PAGE_BYTES = 8_000_000
 _PAGE_VERSIONS = 1_000
-_NOT_CURRENT = "its tables are those of another version of voa: start `voa serve` of this version on it once"
+_NOT_CURRENT = "the database has tables of another version of voa: start `voa serve` of this version on it once"
 
 
 @dataclass(frozen=True)
 class Damage:
-    """One session that is not as it was written.
+    """Damage of a session.
 
     Attributes:
         session: its id.
-        version: the first version that is wrong or missing.
-        detail: what to do.
+        version: the first version that is damaged or missing; -1: it is not known.
+        detail: explanation, and what to do.
     """
 
     session: str
@@ -46,11 +47,11 @@ class Verified:
     """Result of verifying a database.
 
     Attributes:
-        database: its software and version.
-        sessions: how many were read.
-        versions: how many versions of them were right.
-        damaged: sessions that are not as they were written.
-        pages: what SQLite finds wrong with the structure of its file; empty: nothing.
+        database: name and version of the database's software.
+        sessions: number of sessions that were read.
+        versions: number of undamaged versions of these sessions.
+        damaged: sessions that differ from what was written.
+        pages: faults that SQLite reports in the structure of its file.
     """
 
     database: str = ""
@@ -61,7 +62,7 @@ class Verified:
 
     @property
     def well(self) -> bool:
-        """Whether everything is as it was written."""
+        """True if nothing is damaged."""
         return not self.damaged and not self.pages
 
 
@@ -69,29 +70,27 @@ def verify_all(engines: Engines) -> Verified:
     """Read every version of every session, and compare all checksums.
 
     Raises:
-        Failure: the database cannot be read.
-        ValueError: its tables are those of another version.
+        StoreError: the database cannot be read.
+        ValueError: its tables are those of another version of the service.
     """
     with statement(engines.single) as connection:
         if not is_current(connection):
             raise ValueError(_NOT_CURRENT)
-        found = Verified(engines.software, pages=list(_wrong_pages(connection)))
+        verified = Verified(engines.software, pages=list(_wrong_pages(connection)))
         ids = connection.execute(select(sessions.c.id).where(sessions.c.version > GONE).order_by(sessions.c.seq)).all()
     for (id_,) in ids:
         try:
             with transaction(engines.readers) as connection:
-                found.versions += _verified_versions(connection, id_)
-        except Failure as failure:
-            if failure.kind != "damaged":
-                raise
-            found.damaged.append(Damage(id_, failure.more.get("version", GONE), failure.detail))
-        found.sessions += 1
-    return found
+                verified.versions += _verified_versions(connection, id_)
+        except DamagedData as error:
+            verified.damaged.append(Damage(id_, GONE if error.version is None else error.version, str(error)))
+        verified.sessions += 1
+    return verified
 
 
 def _verified_versions(connection: Connection, id_: str) -> int:
     row = connection.execute(select(sessions).where(sessions.c.id == id_, sessions.c.version > GONE)).one_or_none()
-    if row is None:  # deleted meanwhile
+    if row is None:  # the session was deleted meanwhile
         return 0
     checksums.check_session(row)
     seen = -1
@@ -109,17 +108,18 @@ def _wrong_pages(connection: Connection) -> Iterator[str]:
 
 def main(arguments: Sequence[str]) -> int:
     """Verify the database at a URL, print JSON, and return the exit code."""
-    logs.configure("CRITICAL")
-    (given,) = arguments
-    url = sys.stdin.read().strip() if given == "-" else given  # a password is not for the list of processes
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
+    (argument,) = arguments
+    # Standard input keeps a password out of the list of processes.
+    url = sys.stdin.read().strip() if argument == "-" else argument
     try:
-        found = _verify(url)
-    except Exception as error:  # whatever it is, it is one line for a person
+        verified = _verify(url)
+    except Exception as error:  # a person reads one line, whatever went wrong
         line = str(error) if isinstance(error, ValueError) else explain(error, url)
         print(json.dumps({"error": line}))
         return 2
-    print(json.dumps(asdict(found)))
-    return int(not found.well)
+    print(json.dumps(asdict(verified)))
+    return int(not verified.well)
 
 
 def _verify(url: str) -> Verified:

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from threading import Barrier
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from sqlalchemy import Engine, create_engine
@@ -14,18 +14,18 @@ from sqlalchemy import Engine, create_engine
 from tests.voa_core.worlds import BOX_FACES
 from voa_core.filtering import Belief
 from voa_core.objects import Object
-from voa_service.ports import (
-    Answered,
+from voa_service.ports import Store
+from voa_store.drivers import sqlite_driver
+from voa_store.errors import SessionMissing
+from voa_store.records import (
     HistoryKind,
     IdempotencyKey,
     SessionState,
-    Step,
-    Store,
     StoredObject,
+    StoredResponse,
     StoredScenario,
     Write,
 )
-from voa_store.drivers import sqlite_driver
 
 T = TypeVar("T")
 Open = Callable[[], Store]
@@ -81,25 +81,44 @@ def create(
     named: IdempotencyKey | None = None,
     robots: Sequence[str] = (),
     of: str = "A",
-) -> Answered:
+) -> StoredResponse:
     """Open a session on the scenario `of`, for robots."""
     state = replace(session(id_), scenario=of)
-    return store.create_session(state, write(named, kind="prior"), Answered(f"created {id_}", 0), robots)
+    return store.create_session(state, write(named, kind="prior"), StoredResponse(f"created {id_}", 0), robots)
 
 
-def next_version(state: SessionState) -> Step:
-    """Accepts: one version more."""
+class Result(NamedTuple):
+    """Result of a step, the body of a write: the arguments of `SessionChange.respond`."""
+
+    response: StoredResponse
+    after: SessionState | None = None
+    report: str | None = None
+
+
+def change(store: Store, id_: str, write: Write, step: Callable[[SessionState], Result]) -> StoredResponse | None:
+    """Apply a write by a step; None: there is no such session."""
+    try:
+        with store.change(id_, write) as change:
+            if change.state is not None:
+                change.respond(*step(change.state))
+    except SessionMissing:
+        return None
+    return change.response
+
+
+def next_version(state: SessionState) -> Result:
+    """Accept: the session gets its next version."""
     version = state.version + 1
     after = replace(state, version=version, updated_at=NOON + timedelta(seconds=version))
-    return Step(after, Answered(f"v{version}", version), f'"report {version}"')
+    return Result(StoredResponse(f"v{version}", version), after, f'"report {version}"')
 
 
-def refuse(state: SessionState) -> Step:
-    """Answers that nothing changed."""
-    return Step(None, Answered(f"refused at v{state.version}", state.version), '"refused"')
+def refuse(state: SessionState) -> Result:
+    """Respond without changing the session."""
+    return Result(StoredResponse(f"refused at v{state.version}", state.version), report='"refused"')
 
 
-def never(state: SessionState) -> Step:
+def never(state: SessionState) -> Result:
     raise AssertionError("the step must not run")
 
 

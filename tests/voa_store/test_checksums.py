@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from sqlalchemy import text
 
-from tests.voa_store.samples import create, engine_of, next_version, scenario, write
-from voa_service.failures import Failure
+from tests.voa_store.samples import change, create, engine_of, next_version, scenario, write
 from voa_service.ports import Store
 from voa_store.engines import connect
+from voa_store.errors import DamagedData
 from voa_store.sql import SqlStore
 from voa_store.verify import Verified, main, verify_all
 
@@ -24,7 +24,7 @@ def long(store: Store) -> Store:
     for id_ in ("S", "T"):
         create(store, id_)
         for number in range(VERSIONS):
-            store.change_session(id_, write(request=f'"{id_}{number}"'), next_version)
+            change(store, id_, write(request=f'"{id_}{number}"'), next_version)
     return store
 
 
@@ -46,10 +46,10 @@ def flipped(url: str, query: str) -> bytes:
     return bytes(blob)
 
 
-def refusal(call: Callable[[], object]) -> tuple[str, int, int | None]:
-    with pytest.raises(Failure) as refused:
+def damaged_version(call: Callable[[], object]) -> int | None:
+    with pytest.raises(DamagedData) as refused:
         call()
-    return refused.value.kind, refused.value.status, refused.value.more.get("version")
+    return refused.value.version
 
 
 def verified(url: str) -> Verified:
@@ -67,9 +67,9 @@ def test_a_bit_of_a_sessions_own_row_is_noticed_and_others_go_on(long: Store, da
     for call in (
         lambda: long.get_session("S"),
         lambda: long.history("S", -1, 5),
-        lambda: long.change_session("S", write(), next_version),
+        lambda: change(long, "S", write(), next_version),
     ):
-        assert refusal(call) == ("damaged", 500, VERSIONS)
+        assert damaged_version(call) == VERSIONS
     assert long.get_session("T") is not None
     assert len(long.history("T", -1, 99)) == VERSIONS + 1
     assert [item.id for item in long.list_sessions(9, None).items] == ["S", "T"]
@@ -79,7 +79,7 @@ def test_a_bit_of_a_sessions_own_row_is_noticed_and_others_go_on(long: Store, da
 
 
 @pytest.mark.parametrize(
-    "change",
+    "assignment",
     [
         "scenario = 'A', version = version + 1",
         "last_fit_rmsd_mm = 1.5",
@@ -90,13 +90,13 @@ def test_a_bit_of_a_sessions_own_row_is_noticed_and_others_go_on(long: Store, da
         "checksum = NULL",
     ],
 )
-def test_every_column_of_a_session_is_covered(long: Store, database_url: str, change: str) -> None:
-    spoil(database_url, f"UPDATE sessions SET {change} WHERE id = 'S'")  # noqa: S608 - our names
-    assert refusal(lambda: long.get_session("S"))[:2] == ("damaged", 500)
+def test_every_column_of_a_session_is_covered(long: Store, database_url: str, assignment: str) -> None:
+    spoil(database_url, f"UPDATE sessions SET {assignment} WHERE id = 'S'")  # noqa: S608 - our names
+    assert damaged_version(lambda: long.get_session("S")) is not None
 
 
 @pytest.mark.parametrize(
-    "change",
+    "assignment",
     [
         "kind = 'belief'",
         "at = '2026-01-02T12:00:00.000001+00:00'",
@@ -107,27 +107,27 @@ def test_every_column_of_a_session_is_covered(long: Store, database_url: str, ch
     ],
 )
 def test_every_column_of_a_version_is_covered_and_the_version_named(
-    long: Store, database_url: str, change: str
+    long: Store, database_url: str, assignment: str
 ) -> None:
-    spoil(database_url, f"UPDATE history SET {change} WHERE session = 'S' AND version = 4")  # noqa: S608
-    assert refusal(lambda: long.history("S", -1, 99)) == ("damaged", 500, 4)
+    spoil(database_url, f"UPDATE history SET {assignment} WHERE session = 'S' AND version = 4")  # noqa: S608
+    assert damaged_version(lambda: long.history("S", -1, 99)) == 4
     assert len(long.history("S", -1, 4)) == 4, "what comes before is right"
     assert long.get_session("S") is not None
-    assert long.change_session("S", write(), next_version) is not None
+    assert change(long, "S", write(), next_version) is not None
     assert [(each.session, each.version) for each in verified(database_url).damaged] == [("S", 4)]
 
 
 def test_a_flipped_bit_of_a_belief_in_the_history_is_noticed(long: Store, database_url: str) -> None:
     changed = flipped(database_url, "SELECT belief FROM history WHERE session = 'S' AND version = 6")
     spoil(database_url, "UPDATE history SET belief = :changed WHERE session = 'S' AND version = 6", changed=changed)
-    assert refusal(lambda: long.history("S", 5, 1)) == ("damaged", 500, 6)
+    assert damaged_version(lambda: long.history("S", 5, 1)) == 6
     assert [entry.state.version for entry in long.history("S", 7, 9)] == [8, 9]
 
 
 @pytest.mark.parametrize("missing", [0, 4, VERSIONS])
 def test_a_version_that_is_missing_is_named(long: Store, database_url: str, missing: int) -> None:
     spoil(database_url, "DELETE FROM history WHERE session = 'S' AND version = :missing", missing=missing)
-    assert refusal(lambda: long.history("S", -1, 99)) == ("damaged", 500, missing)
+    assert damaged_version(lambda: long.history("S", -1, 99)) == missing
     assert [each.version for each in verified(database_url).damaged] == [missing]
 
 
@@ -138,7 +138,7 @@ def test_versions_of_two_sessions_cannot_be_exchanged(long: Store, database_url:
         "(SELECT request, checksum FROM history WHERE session = 'T' AND version = 3) "
         "WHERE session = 'S' AND version = 3",
     )
-    assert refusal(lambda: long.history("S", -1, 99)) == ("damaged", 500, 3)
+    assert damaged_version(lambda: long.history("S", -1, 99)) == 3
 
 
 def test_text_that_is_none_any_more_is_damage(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_text_that_is_none_any_more_is_damage(tmp_path: Path) -> None:
     store.put_scenario(scenario("A"))
     create(store)
     spoil(url, "UPDATE history SET request = CAST(x'7bff7d' AS TEXT) WHERE version = 0")
-    assert refusal(lambda: store.history("S", -1, 9)) == ("damaged", 500, 0)
+    assert damaged_version(lambda: store.history("S", -1, 9)) == 0
     store.close()
 
 

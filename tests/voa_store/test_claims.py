@@ -9,9 +9,10 @@ from sqlalchemy import create_engine, text
 
 from tests.support.postgres import Server
 from tests.support.waiting import wait_for
-from tests.voa_store.samples import THREADS, Open, at_once, create, key, next_version, scenario, write
-from voa_service.failures import Failure
-from voa_service.ports import IdempotencyKey, Store
+from tests.voa_store.samples import THREADS, Open, at_once, change, create, key, next_version, scenario, write
+from voa_service.ports import Store
+from voa_store.errors import StoreError
+from voa_store.records import IdempotencyKey
 from voa_store.sql import SqlStore
 
 ROBOT = "tb3_1"
@@ -54,7 +55,7 @@ def test_a_settled_robot_stays_where_it_is(pair: tuple[Store, Store]) -> None:
     create(other, "second")
     assert peeks(pair) == "first"
     assert [store.settle_robot(ROBOT, "A") for store in pair] == ["first", "first"]
-    assert one.change_session("first", write(), next_version)
+    assert change(one, "first", write(), next_version)
     assert peeks(pair) == "first"
     assert peeks(pair, "another robot") == "second"
 
@@ -172,7 +173,7 @@ def test_a_creation_again_under_its_key_claims_nothing(pair: tuple[Store, Store]
     create(one, "second", robots=[ROBOT])
     assert create(other, "third", key(scope="caller"), [ROBOT]).body == "created first"
     assert peeks(pair) == "second"
-    with pytest.raises(Failure, match="another request"):
+    with pytest.raises(StoreError, match="another request"):
         create(other, "third", key(scope="caller", fingerprint="G"), [ROBOT])
     assert peeks(pair) == "second"
 

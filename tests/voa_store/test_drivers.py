@@ -9,9 +9,10 @@ import pytest
 from sqlalchemy import make_url
 
 from voa_store import drivers
-from voa_store.drivers import InUse, alone, database_file, loses_commits, sqlite_driver, version_of
+from voa_store.drivers import alone, database_file, loses_commits, sqlite_driver, version_of
+from voa_store.errors import CannotOpen, FileInUse
 from voa_store.sql import SqlStore
-from voa_store.starting import CannotOpen, open_store
+from voa_store.starting import open_store
 
 OLD = (3, 40, 1)
 HOLD = """
@@ -74,7 +75,7 @@ def test_a_file_is_held_by_one_process_and_free_when_that_is_killed(tmp_path: Pa
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "held\n"
-        with pytest.raises(InUse, match=r"open in another process, and SQLite 3\.40\.1 .*pip install pysqlite3"):
+        with pytest.raises(FileInUse, match=r"open in another process, and SQLite 3\.40\.1 .*pip install pysqlite3"):
             alone(file, OLD).__enter__()
         other.kill()
     with alone(file, OLD):

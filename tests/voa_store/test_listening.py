@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import create_engine, text
 
 from tests.support.postgres import Server
-from tests.voa_store.samples import create, next_version, refuse, scenario, write
+from tests.voa_store.samples import change, create, next_version, refuse, scenario, write
 from voa_store.sql import SqlStore
 
 SECONDS = 30.0
@@ -34,7 +34,7 @@ def heard(url: str, writer: SqlStore) -> Iterator["Queue[str]"]:
     store.listen(told.put)
     create(writer, "first")
     while told.empty():  # until it listens: what was said before that is not heard
-        writer.change_session("first", write(), next_version)
+        change(writer, "first", write(), next_version)
         if not told.empty() or _wait(told):
             break
     yield told
@@ -54,7 +54,7 @@ def _next(told: "Queue[str]", besides: str = "first") -> str:
 
 def test_a_new_version_is_heard_by_the_other_process(writer: SqlStore, heard: "Queue[str]") -> None:
     create(writer)
-    writer.change_session("S", write(), next_version)
+    change(writer, "S", write(), next_version)
     assert _next(heard) == "S"
 
 
@@ -67,8 +67,8 @@ def test_a_deleted_session_is_heard_of(writer: SqlStore, heard: "Queue[str]") ->
 def test_what_changes_nothing_is_not_said(writer: SqlStore, heard: "Queue[str]") -> None:
     create(writer, "S")
     create(writer, "T")
-    writer.change_session("S", write(), refuse)
-    writer.change_session("T", write(), next_version)
+    change(writer, "S", write(), refuse)
+    change(writer, "T", write(), next_version)
     assert _next(heard) == "T"
 
 
@@ -82,7 +82,7 @@ def test_it_listens_again_after_its_connection_was_cut(url: str, writer: SqlStor
         assert connection.execute(cut, {"db": engine.url.database}).all() == [(True,)]
     engine.dispose()
     while not _wait(heard):
-        writer.change_session("S", write(), next_version)
+        change(writer, "S", write(), next_version)
     assert _next(heard) == "S"
 
 
@@ -92,6 +92,6 @@ def test_sqlite_says_nothing_and_is_looked_at(tmp_path: object) -> None:
     store.listen(told.append)
     store.put_scenario(scenario("A"))
     create(store)
-    store.change_session("S", write(), next_version)
+    change(store, "S", write(), next_version)
     store.close()
     assert told == []

@@ -5,9 +5,10 @@ from functools import partial
 
 import pytest
 
-from tests.voa_store.samples import THREADS, Open, at_once, create, key, next_version, refuse, write
-from voa_service.failures import Failure, LookCounted
-from voa_service.ports import Answered, IdempotencyKey, RobotLook, Store, Write
+from tests.voa_store.samples import THREADS, Open, at_once, change, create, key, next_version, refuse, write
+from voa_service.ports import Store
+from voa_store.errors import LookRepeated
+from voa_store.records import IdempotencyKey, RobotLook, StoredResponse, Write
 
 ROBOT = "tb3_1"
 
@@ -21,8 +22,10 @@ def looked(counted: RobotLook, named: IdempotencyKey | None = None) -> Write:
     return replace(write(named), look=counted)
 
 
-def count(store: Store, counted: RobotLook, id_: str = "S", named: IdempotencyKey | None = None) -> Answered | None:
-    return store.change_session(id_, looked(counted, named), next_version)
+def count(
+    store: Store, counted: RobotLook, id_: str = "S", named: IdempotencyKey | None = None
+) -> StoredResponse | None:
+    return change(store, id_, looked(counted, named), next_version)
 
 
 def version(store: Store, id_: str = "S") -> int:
@@ -59,23 +62,22 @@ def test_a_number_that_is_counted_is_refused_and_nothing_is_changed(pair: tuple[
     create(one)
     count(one, look(1))
     before = one.get_session("S")
-    with pytest.raises(Failure) as caught:
+    with pytest.raises(LookRepeated) as caught:
         count(other, look(1, digest), named=key("again"))
-    assert caught.value.kind == LookCounted.kind
-    assert "look 1 of robot 'tb3_1'" in caught.value.detail
+    assert "look 1 of robot 'tb3_1'" in str(caught.value)
     after = other.get_session("S")
     assert before is not None
     assert after is not None
     assert (after.version, after.updated_at) == (before.version, before.updated_at)
     assert [entry.state.version for entry in other.history("S", -1, 9)] == [0, 1]
     assert one.robot_looks("S", ROBOT, 9) == [look(1)]
-    assert one.get_answer(key("again")) is None, "its key stays free"
+    assert one.get_response(key("again")) is None, "its key stays free"
 
 
 def test_a_look_that_changes_nothing_is_not_counted(store: Store) -> None:
     create(store)
-    answered = store.change_session("S", looked(look(1), key()), refuse)
-    assert answered == Answered("refused at v0", 0)
+    answered = change(store, "S", looked(look(1), key()), refuse)
+    assert answered == StoredResponse("refused at v0", 0)
     assert store.robot_looks("S", ROBOT, 9) == []
     count(store, look(1, "later"))
     assert store.robot_looks("S", ROBOT, 9) == [look(1, "later")]
@@ -91,7 +93,7 @@ def test_a_look_again_under_its_key_is_answered_and_counted_once(pair: tuple[Sto
 
 def test_a_write_that_is_no_look_counts_none(store: Store) -> None:
     create(store)
-    store.change_session("S", write(), next_version)
+    change(store, "S", write(), next_version)
     assert store.robot_looks("S", ROBOT, 9) == []
 
 
@@ -117,8 +119,8 @@ def test_looks_are_there_after_reopening(opened: Open, store: Store) -> None:
 def outcome(store: Store, counted: RobotLook) -> str:
     try:
         count(store, counted)
-    except Failure as failure:
-        return failure.kind
+    except LookRepeated:
+        return "repeated"
     return "accepted"
 
 
@@ -127,7 +129,7 @@ def test_of_processes_that_count_one_number_at_once_one_gets_through(pair: tuple
     for number in range(1, 6):
         calls = [partial(outcome, store, look(number, f"{n}-")) for n, store in enumerate(pair * THREADS)]
         outcomes = at_once(calls)
-        assert sorted(outcomes) == ["accepted"] + [LookCounted.kind] * (2 * THREADS - 1)
+        assert sorted(outcomes) == ["accepted"] + ["repeated"] * (2 * THREADS - 1)
         assert version(pair[0]) == number
         winner = outcomes.index("accepted")
         assert pair[1].robot_looks("S", ROBOT, 1) == [look(number, f"{winner}-")]

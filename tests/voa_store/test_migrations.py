@@ -10,10 +10,10 @@ from alembic.config import Config
 from sqlalchemy import Engine, text
 
 from tests.voa_core.worlds import box
-from tests.voa_store.samples import engine_of, next_version, write
+from tests.voa_store.samples import change, engine_of, next_version, write
 from voa_core.objects import Object
-from voa_service.ports import Answered, RobotLook, Upload, Write
 from voa_store import migrate
+from voa_store.records import RobotLook, StoredResponse, Upload, Write
 from voa_store.sql import SqlStore
 
 INSERT_OBJECT = text(
@@ -97,7 +97,7 @@ def test_a_session_from_before_looks_were_counted_counts_its_next_one(database_u
     engine.dispose()
     store, counted = SqlStore(database_url), RobotLook("tb3_1", 1, "digest")
     assert store.robot_looks("S", "tb3_1", 9) == []
-    store.change_session("S", Write("scan", "{}", None, None, counted), next_version)
+    change(store, "S", Write("scan", "{}", None, None, counted), next_version)
     assert store.robot_looks("S", "tb3_1", 9) == [counted]
     store.close()
 
@@ -129,7 +129,7 @@ def test_sessions_and_lists_from_before_checksums_are_filled_in(database_url: st
     engine.dispose()
     store = SqlStore(database_url)
     assert [entry.state.version for entry in store.history("S", -1, 999)] == list(range(251))
-    assert store.change_session("S", write(), next_version) == Answered("v251", 251)
+    assert change(store, "S", write(), next_version) == StoredResponse("v251", 251)
     assert len(store.history("S", 249, 9)) == 2
     (scenario,) = store.list_scenarios(9, None).items
     assert json.loads(scenario.summary) == {"object": None, "poses": 2, "grasps": 1, "sensors": 1, "rule": "beam"}

@@ -10,10 +10,10 @@ from sqlalchemy import make_url
 from tests.support.postgres import Server
 from tests.support.proxy import Wire, wire
 from tests.support.waiting import wait_for
-from tests.voa_store.samples import create, next_version, scenario, write
-from voa_service.failures import Failure
-from voa_service.ports import Answered
+from tests.voa_store.samples import change, create, next_version, scenario, write
+from voa_store.errors import Unavailable
 from voa_store.patience import Outage, parameters
+from voa_store.records import StoredResponse
 from voa_store.sql import SqlStore
 
 PATIENCE_S = 1.0
@@ -39,9 +39,8 @@ def store(postgres: Server, between: Wire) -> Iterator[SqlStore]:
 def refused(store: SqlStore) -> float:
     """How long a write takes to be refused."""
     began = time.monotonic()
-    with pytest.raises(Failure) as failure:
-        store.change_session("S", write(), next_version)
-    assert (failure.value.kind, failure.value.status) == ("not-ready", 503)
+    with pytest.raises(Unavailable):
+        change(store, "S", write(), next_version)
     return time.monotonic() - began
 
 
@@ -53,13 +52,13 @@ def test_a_silent_server_is_given_up_and_comes_back(store: SqlStore, between: Wi
     assert refused(store) < 0.5 * PATIENCE_S, "during an outage nobody waits"
     between.mend()
 
-    def answered() -> Answered | None:
+    def answered() -> StoredResponse | None:
         try:
-            return store.change_session("S", write(), next_version)
-        except Failure:
+            return change(store, "S", write(), next_version)
+        except Unavailable:
             return None
 
-    assert wait_for(answered, "the database to be back") == Answered("v1", 1)
+    assert wait_for(answered, "the database to be back") == StoredResponse("v1", 1)
     assert [entry.state.version for entry in store.history("S", -1, 9)] == [0, 1]
 
 

@@ -6,9 +6,10 @@ import pytest
 from sqlalchemy import text
 
 from tests.support.waiting import wait_for
-from tests.voa_store.samples import Open, create, engine_of, key, next_version, scenario, write
-from voa_service.ports import RobotLook, Store, Write
+from tests.voa_store.samples import Open, change, create, engine_of, key, next_version, scenario, write
+from voa_service.ports import Store
 from voa_store.engines import connect, transaction
+from voa_store.records import RobotLook, Write
 from voa_store.removal import Remover, remove_some
 
 VERSIONS = 150
@@ -18,7 +19,7 @@ def grown(store: Store, id_: str = "S", versions: int = VERSIONS) -> None:
     create(store, id_, robots=["r"])
     for number in range(1, versions + 1):
         look = RobotLook("r", number, "0" * 64)
-        store.change_session(id_, Write("scan", "{}", None, None, look), next_version)
+        change(store, id_, Write("scan", "{}", None, None, look), next_version)
 
 
 def rows(url: str) -> tuple[int, int, int]:
@@ -40,7 +41,7 @@ def test_a_long_session_is_gone_at_once_and_its_rows_soon(store: Store, database
     assert store.get_session("S") is None
     assert store.session_mark("S") is None
     assert store.history("S", -1, 9) == []
-    assert store.change_session("S", write(), next_version) is None
+    assert change(store, "S", write(), next_version) is None
     assert not store.delete_session("S", None, None)
     assert store.delete_session("S", key("D"), None), "its key is remembered"
     assert [item.id for item in store.list_sessions(9, None).items] == ["T"]

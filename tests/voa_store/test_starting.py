@@ -8,8 +8,9 @@ from sqlalchemy import text
 
 from tests.support.postgres import Server
 from tests.voa_store.samples import engine_of
+from voa_store.errors import CannotOpen
 from voa_store.sql import SqlStore
-from voa_store.starting import CannotOpen, open_store
+from voa_store.starting import open_store
 
 
 def refusal(url: str) -> CannotOpen:
@@ -69,7 +70,7 @@ def test_a_password_is_not_shown() -> None:
 
 def test_a_server_that_is_not_there_may_come() -> None:
     error = refusal("postgresql://voa@127.0.0.1:1/voa")
-    assert "nobody is there: start PostgreSQL, or check host and port" in str(error)
+    assert "no server answers there: start PostgreSQL, or check host and port" in str(error)
     assert error.may_pass
 
 
@@ -127,7 +128,7 @@ def test_a_database_that_comes_later_is_waited_for(postgres: Server) -> None:
 
 def test_one_that_never_comes_is_waited_for_no_longer_than_said() -> None:
     time = Time()
-    with pytest.raises(CannotOpen, match="nobody is there"):
+    with pytest.raises(CannotOpen, match="no server answers there"):
         open_store("postgresql://voa@127.0.0.1:1/voa", wait_s=2.2, pause=time.pause, clock=lambda: time.now)
     assert time.now == pytest.approx(2.2)
 

@@ -22,9 +22,11 @@ from hypothesis.stateful import (
 from sqlalchemy import create_engine
 
 from tests.support.scale import scaled
+from tests.voa_store.samples import Result, change
 from voa_core.filtering import Belief
-from voa_service.failures import Failure
-from voa_service.ports import Answered, IdempotencyKey, RobotLook, SessionState, Step, Store, StoredScenario, Write
+from voa_service.ports import Store
+from voa_store.errors import StoreError
+from voa_store.records import IdempotencyKey, RobotLook, SessionState, StoredResponse, StoredScenario, Write
 from voa_store.sql import SqlStore
 from voa_store.tables import metadata
 
@@ -66,7 +68,7 @@ class Model:
     """What the store must hold."""
 
     sessions: dict[str, list[Entry]] = field(default_factory=dict)
-    keys: dict[tuple[str, str], tuple[str, Answered]] = field(default_factory=dict)
+    keys: dict[tuple[str, str], tuple[str, StoredResponse]] = field(default_factory=dict)
     order: list[str] = field(default_factory=list)
     opened: dict[str, int] = field(default_factory=dict)
     """When each session was opened that there is now."""
@@ -129,14 +131,14 @@ class Histories(RuleBasedStateMachine):
     def _named(self, scope: str, key: str | None, fingerprint: str) -> IdempotencyKey | None:
         return None if key is None else IdempotencyKey(scope, key, fingerprint)
 
-    def _expected(self, named: IdempotencyKey | None) -> Answered | str | None:
+    def _expected(self, named: IdempotencyKey | None) -> StoredResponse | str | None:
         """By its key: an answer of before, that it was reused, or nothing."""
         if named is None or (named.scope, named.key) not in self.model.keys:
             return None
         fingerprint, answered = self.model.keys[named.scope, named.key]
-        return answered if fingerprint == named.fingerprint else "idempotency-key-reused"
+        return answered if fingerprint == named.fingerprint else "KeyReused"
 
-    def _remember(self, named: IdempotencyKey | None, answered: Answered) -> None:
+    def _remember(self, named: IdempotencyKey | None, answered: StoredResponse) -> None:
         if named is not None:
             self.model.keys[named.scope, named.key] = named.fingerprint, answered
 
@@ -165,11 +167,11 @@ class Histories(RuleBasedStateMachine):
             return  # ids are new: the service makes them
         prior = of(belief)
         state = SessionState(id_, "A", 0, prior, prior, None, START, START)
-        answer = Answered(f"created {id_} {request}", 0)
-        told = outcome(
+        answer = StoredResponse(f"created {id_} {request}", 0)
+        result = outcome(
             lambda: self.stores[store].create_session(state, Write("prior", request, named, None), answer, robots)
         )
-        assert told == (answer if expected is None else expected)
+        assert result == (answer if expected is None else expected)
         if expected is None:
             self._remember(named, answer)
             self.model.sessions[id_] = [Entry(0, bits(prior), "none", request, None)]
@@ -209,7 +211,7 @@ class Histories(RuleBasedStateMachine):
         after_belief = of(belief)
         ran: list[SessionState] = []
 
-        def step(state: SessionState) -> Step:
+        def step(state: SessionState) -> Result:
             ran.append(state)
             version = state.version + accepted
             after = replace(
@@ -219,23 +221,25 @@ class Histories(RuleBasedStateMachine):
                 last_fit_rmsd_mm=fit,
                 updated_at=START + timedelta(seconds=version),
             )
-            return Step(after if accepted else None, Answered(f"{request} {accepted}", version), f"report {request}")
+            return Result(
+                StoredResponse(f"{request} {accepted}", version), after if accepted else None, f"report {request}"
+            )
 
         write = Write("scan", request, named, seen, look)
-        told = outcome(lambda: self.stores[store].change_session(id_, write, step))
+        result = outcome(lambda: change(self.stores[store], id_, write, step))
         expected = self._expected(named)
         if expected is not None or log is None:
-            assert (told, ran) == (expected, [])
+            assert (result, ran) == (expected, [])
         elif seen is not None and log[-1].version not in seen:
-            assert (told, ran) == ("stale-version", [])
+            assert (result, ran) == ("VersionMismatch", [])
         else:
             (state,) = ran
             assert (state.version, bits(state.belief)) == (log[-1].version, log[-1].belief)
-            answer = Answered(f"{request} {accepted}", log[-1].version + accepted)
+            answer = StoredResponse(f"{request} {accepted}", log[-1].version + accepted)
             if accepted and self.model.has(id_, look):
-                assert told == "look-counted"
+                assert result == "LookRepeated"
                 return
-            assert told == answer
+            assert result == answer
             self._remember(named, answer)
             if accepted:
                 entry = Entry(log[-1].version + 1, bits(after_belief), exactly(fit), request, f"report {request}")
@@ -246,17 +250,17 @@ class Histories(RuleBasedStateMachine):
     def delete(self, store: int, id_: str, key: str | None, fingerprint: str, seen: frozenset[int] | None) -> None:
         named = self._named(f"session:{id_}", key, fingerprint)
         log = self.model.sessions.get(id_)
-        told = outcome(lambda: self.stores[store].delete_session(id_, named, seen))
+        result = outcome(lambda: self.stores[store].delete_session(id_, named, seen))
         expected = self._expected(named)
         if expected is not None:
-            assert told == (True if isinstance(expected, Answered) else expected)
+            assert result == (True if isinstance(expected, StoredResponse) else expected)
         elif log is None:
-            assert told is False
+            assert result is False
         elif seen is not None and log[-1].version not in seen:
-            assert told == "stale-version"
+            assert result == "VersionMismatch"
         else:
-            assert told is True
-            self._remember(named, Answered("", log[-1].version))
+            assert result is True
+            self._remember(named, StoredResponse("", log[-1].version))
             del self.model.sessions[id_]
             self.model.order.remove(id_)
             del self.model.opened[id_]
@@ -335,11 +339,11 @@ class Histories(RuleBasedStateMachine):
 
 
 def outcome(call: Callable[[], Any]) -> Any:
-    """What a call gave, or the kind of its failure."""
+    """Return the result of a call, or the name of the error's class."""
     try:
         return call()
-    except Failure as failure:
-        return failure.kind
+    except StoreError as error:
+        return type(error).__name__
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What Alembic runs: on the connection that `store.migrate` hands over."""
+"""Environment of Alembic: runs the migrations on the connection that `voa_store.migrate` hands over."""
 
 from alembic import context
 

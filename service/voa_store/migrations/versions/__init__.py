@@ -1,1 +1,1 @@
-"""One file per revision, numbered."""
+"""Migrations of the tables: a numbered file for each revision."""

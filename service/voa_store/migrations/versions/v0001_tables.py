@@ -1,4 +1,4 @@
-"""The tables as they were first."""
+"""Tables of the first release."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,8 +10,10 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back: what was answered stays readable."""
-    sequence = sa.BigInteger().with_variant(sa.Integer, "sqlite")  # SQLite counts up in INTEGER alone, of 64 bits
+    """Create the tables; there is no way back, because stored responses must stay readable."""
+    sequence = sa.BigInteger().with_variant(
+        sa.Integer, "sqlite"
+    )  # SQLite counts up only in INTEGER, which has 64 bits there
     op.create_table(
         "objects",
         sa.Column("seq", sequence, primary_key=True, autoincrement=True),

@@ -1,4 +1,4 @@
-"""Which axis of its file became an object's z; before, none was turned."""
+"""Adds the axis of an object's file that became z; before this revision no mesh was turned."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,5 +10,5 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back."""
+    """Migrate to this revision; there is no way back."""
     op.add_column("objects", sa.Column("up", sa.String(2), nullable=False, server_default="+Z"))

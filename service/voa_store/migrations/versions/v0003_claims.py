@@ -1,4 +1,4 @@
-"""Whose session each mapped robot's scans are for; before, every new session on its scenario took them."""
+"""Adds claims of mapped robots; before this revision the newest session on a robot's scenario received its scans."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back. No robot has a session at first: its next look settles on one."""
+    """Create the table, empty: the next look of a robot claims it for a session. There is no way back."""
     order = sa.BigInteger().with_variant(sa.Integer, "sqlite")
     op.create_table(
         "claims",

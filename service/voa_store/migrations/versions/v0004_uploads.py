@@ -1,4 +1,4 @@
-"""Which mesh files were uploaded, so that a client can ask before it uploads one again."""
+"""Adds uploaded mesh files, so that a client can find the mesh of a file that was uploaded before."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back. What was uploaded before is not known: it is uploaded once more."""
+    """Create the table, empty: files from before this revision are uploaded again. There is no way back."""
     op.create_table(
         "uploads",
         sa.Column("sha256", sa.String(64), primary_key=True),

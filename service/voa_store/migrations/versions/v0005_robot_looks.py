@@ -1,4 +1,4 @@
-"""Which looks of mapped robots each session has accepted."""
+"""Adds the looks of mapped robots that sessions have accepted."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back."""
+    """Migrate to this revision; there is no way back."""
     op.create_table(
         "robot_looks",
         sa.Column("session", sa.String(64), sa.ForeignKey("sessions.id", ondelete="CASCADE"), primary_key=True),

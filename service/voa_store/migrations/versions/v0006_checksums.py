@@ -1,4 +1,4 @@
-"""Checksums of sessions and their histories, summaries for lists, and rows to try writing with."""
+"""Adds checksums of sessions and histories, summaries for lists, and the table for test writes."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -12,7 +12,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back. What is there is taken as it is, and protected from now on."""
+    """Migrate to this revision; existing rows get the checksums of their present content. There is no way back."""
     op.add_column("sessions", sa.Column("summary", sa.Text))
     op.add_column("sessions", sa.Column("newest", sa.LargeBinary))
     op.add_column("sessions", sa.Column("checksum", sa.LargeBinary))
