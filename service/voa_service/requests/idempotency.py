@@ -4,7 +4,8 @@ import hashlib
 
 from pydantic import BaseModel
 
-from voa_service.ports import HistoryKind, IdempotencyKey, RobotLook, Write
+from voa_service.ports import IdempotencyKey, RobotLook, Write
+from voa_store.records import HistoryKind
 
 ANYONE = "caller:anonymous"
 """Scope of the keys of calls that do not concern a session yet."""

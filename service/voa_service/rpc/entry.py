@@ -9,7 +9,7 @@ import structlog
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import Failure, NotFound, document, wire_failure
 from voa_service.guard import guarded
-from voa_service.ports import Answered
+from voa_service.ports import StoredResponse
 from voa_service.requests.attachments import read_attachment
 from voa_service.requests.large_json import dumped
 from voa_service.rpc.calls import Call
@@ -82,7 +82,7 @@ class Rpc:
         if beside.wire not in (None, WIRE_VERSION):
             raise wire_failure(beside.wire)
         response = known.work(Call(self._services.reader.fields(payload), beside, self._services, len(payload)))
-        if isinstance(response, Answered):
+        if isinstance(response, StoredResponse):
             return RpcAnswer(response.body.encode(), is_problem=False, version=response.version)
         if isinstance(response, bytes):
             return RpcAnswer(response, is_problem=False)

@@ -17,7 +17,7 @@ from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
-from voa_service.ports import Answered, HistoryKind
+from voa_service.ports import StoredResponse
 from voa_service.requests.attachments import add_place
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.rpc.calls import Call
@@ -25,8 +25,9 @@ from voa_service.rpc.parameters import NoParameters, ObjectPage, Page, Reachable
 from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
+from voa_store.records import HistoryKind
 
-Work = Callable[[Call], BaseModel | Answered | bytes]
+Work = Callable[[Call], BaseModel | StoredResponse | bytes]
 """Work of a method: from a call to the response, as a message, a stored response, or JSON."""
 
 
@@ -110,10 +111,10 @@ def _ranked(question_of: Callable[[Call], Question]) -> Work:
     return work
 
 
-def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], Answered]) -> Work:
+def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], StoredResponse]) -> Work:
     """Make the work of a method that changes a session."""
 
-    def work(call: Call) -> Answered:
+    def work(call: Call) -> StoredResponse:
         id_ = call.session()
         if kind == "scan":
             add_place(call.fields, call.attachment)
@@ -135,14 +136,14 @@ def _list_objects(call: Call) -> BaseModel:
     return call.services.objects.list(page.limit, page.after, page.sha256, page.type, page.scale, page.up)
 
 
-def _create_session(call: Call) -> Answered:
+def _create_session(call: Call) -> StoredResponse:
     received = call.received()
     request = call.body(SessionRequest)
     key = idempotency_key(call.attachment.id, ANYONE, "create session", request)
     return call.services.sessions.create(request, write_of("prior", received, key))
 
 
-def _get_session(call: Call) -> Answered:
+def _get_session(call: Call) -> StoredResponse:
     id_ = call.session()
     call.body(NoParameters)
     return call.services.sessions.answered(id_)

@@ -17,7 +17,7 @@ Source = Literal["setting", "cgroup", "machine"]
 PROCESS_MEBIBYTES = 288
 """Memory of the process after its first ranking: interpreter, libraries, compiled kernels, the pages of its threads."""
 WORKER_MEBIBYTES = 96
-"""Memory of a worker in a ranking: a block of weights (16 MiB, or 32 MiB of a matrix that is kept) and what makes it."""
+"""Memory of a worker in a ranking: a block of weights (16 MiB, or 32 MiB of a kept matrix) and what computes it."""
 MESH_NEEDS_MEBIBYTES = 320
 """Address space that a mesh within the limits never exceeds (measured: 240 MiB for 200 000 faces, 20 MB)."""
 _MOST_CACHE, _MOST_MESH, _MOST_BODIES = 2_048, 2_048, 4_096
