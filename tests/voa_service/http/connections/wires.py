@@ -10,8 +10,8 @@ from uvicorn.server import ServerState
 
 from voa_service.http.asgi import Receive, Scope, Send
 from voa_service.http.connections.connection import Connection
-from voa_service.http.connections.supervisor import ConnectionSupervisor
 from voa_service.http.connections.in_flight import BytesInFlight
+from voa_service.http.connections.supervisor import ConnectionSupervisor
 from voa_service.runtime.metrics import Metrics
 from voa_service.settings import ConnectionSettings
 
