@@ -4,8 +4,7 @@ import hashlib
 
 from pydantic import BaseModel
 
-from voa_service.ports import IdempotencyKey, RobotLook, Write
-from voa_store.records import HistoryKind
+from voa_store.records import HistoryKind, IdempotencyKey, RobotLook, Write
 
 ANYONE = "caller:anonymous"
 """Scope of the keys of calls that do not concern a session yet."""

@@ -9,7 +9,6 @@ import structlog
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import Failure, NotFound, document, wire_failure
 from voa_service.guard import guarded
-from voa_service.ports import StoredResponse
 from voa_service.requests.attachments import read_attachment
 from voa_service.requests.large_json import dumped
 from voa_service.rpc.calls import Call
@@ -17,6 +16,7 @@ from voa_service.rpc.methods import methods_of
 from voa_service.runtime.logs import is_wanted
 from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
+from voa_store.records import StoredResponse
 
 
 @dataclass(frozen=True)

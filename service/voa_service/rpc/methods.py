@@ -17,7 +17,6 @@ from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
-from voa_service.ports import StoredResponse
 from voa_service.requests.attachments import add_place
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.rpc.calls import Call
@@ -25,7 +24,7 @@ from voa_service.rpc.parameters import NoParameters, ObjectPage, Page, Reachable
 from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
-from voa_store.records import HistoryKind
+from voa_store.records import HistoryKind, StoredResponse
 
 Work = Callable[[Call], BaseModel | StoredResponse | bytes]
 """Work of a method: from a call to the response, as a message, a stored response, or JSON."""
@@ -42,6 +41,7 @@ class Method:
 def methods_of(services: Services) -> Mapping[str, Method]:
     """Make the table of all methods, by name."""
     objects, scenarios, sessions, rankings = services.objects, services.scenarios, services.sessions, services.rankings
+    updates = services.updates
     reads, writes, heavy = services.reads, services.writes, services.heavy
     return {
         "object.create": Method(_create_object, services.meshes),
@@ -58,13 +58,13 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "session.get": Method(_get_session, reads),
         "session.list": Method(_listing(sessions.list), reads),
         "session.delete": Method(_delete_session, writes),
-        "belief.put": Method(_write("belief", BeliefRequest, sessions.put_belief), writes),
-        "scan.apply": Method(_write("scan", ScanRequest, sessions.apply_scan), writes),
-        "outcome.report": Method(_write("outcome", OutcomeRequest, sessions.report_outcome), writes),
+        "belief.put": Method(_write("belief", BeliefRequest, updates.put_belief), writes),
+        "scan.apply": Method(_write("scan", ScanRequest, updates.apply_scan), writes),
+        "outcome.report": Method(_write("outcome", OutcomeRequest, updates.report_outcome), writes),
         "voa.rank": Method(_ranked(lambda call: rankings.of_session(call.session(), call.body(VoaRequest))), heavy),
         "grasp.rank": Method(_rank_grasps, reads),
         "history.get": Method(_history, reads),
-        "update.compute": Method(_given(UpdateRequest, sessions.update_once), reads),
+        "update.compute": Method(_given(UpdateRequest, updates.update_once), reads),
         "ranking.compute": Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
         "service.health": Method(_given(NoParameters, lambda _: services.health.ready()), services.probes),
         "robot.list": Method(_given(NoParameters, lambda _: services.robots.reports()), reads),
@@ -146,7 +146,7 @@ def _create_session(call: Call) -> StoredResponse:
 def _get_session(call: Call) -> StoredResponse:
     id_ = call.session()
     call.body(NoParameters)
-    return call.services.sessions.answered(id_)
+    return call.services.sessions.response(id_)
 
 
 def _delete_session(call: Call) -> BaseModel:

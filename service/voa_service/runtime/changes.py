@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from voa_service.ports import SessionState
+from voa_store.records import SessionState
 
 Listener = Callable[[str, SessionState | None], None]
 """Called after each commit of this process with the session's id and its new state, None where it was deleted.

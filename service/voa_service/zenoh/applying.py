@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from voa_ros.taken import Taken, look_name
 from voa_service.failures import Failure, IdempotencyKeyReused, LookCounted, NotAccepted
 from voa_service.guard import guarded
-from voa_service.ports import RobotLook
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.robots import LookOutcome
-from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.updates import Updates
 from voa_service.zenoh.ledger import LookLedger
+from voa_store.records import RobotLook
 
 _TRIES = 5
 
@@ -31,7 +31,7 @@ class DueLook:
     since: int
 
 
-def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
+def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
     """Apply a look to its session, unless another replica has applied it.
 
     Another process may write a look of this robot after the ledger was read and before this one is written. The store
@@ -47,7 +47,7 @@ def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
         number = due.ledger.next_number(due.taken, due.since)
         if number is None:
             return None
-        outcome = _applied(sessions, due, number)
+        outcome = _applied(updates, due, number)
         if outcome is not None:
             if outcome.update.accepted:
                 due.ledger.accepted(number, outcome.version)
@@ -55,7 +55,7 @@ def apply_look(sessions: Sessions, due: DueLook) -> LookOutcome | None:
     raise NotAccepted("the belief is unchanged: this look was applied before, and was not accepted")
 
 
-def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | None:
+def _applied(updates: Updates, due: DueLook, number: int) -> LookOutcome | None:
     """Apply a look under a number; None where another process has used the number, perhaps for another look."""
     request, session = due.taken.request, due.ledger.session
     named = look_name(due.robot, session, number, due.taken)
@@ -64,7 +64,7 @@ def _applied(sessions: Sessions, due: DueLook, number: int) -> LookOutcome | Non
     counted = RobotLook(due.robot, number, due.taken.digest)
     try:
         with guarded():
-            response = sessions.apply_scan(session, request, write_of("scan", body, key, look=counted))
+            response = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
     except Failure as failure:
         if failure.kind in (LookCounted.kind, IdempotencyKeyReused.kind):
             return None

@@ -104,7 +104,7 @@ class MappedRobot:
         """
         with self._lock:
             if sample.type == LASER_SCAN:
-                self._services.robots.heard(self.name, "ros2", sample.key, self._session)
+                self._services.robots.received(self.name, "ros2", sample.key, self._session)
             looks = self._following(sample.type)
             if looks is None:
                 return None

@@ -19,9 +19,9 @@ from zenoh import CongestionControl, Encoding
 from voa_msgs.keys import Keys
 from voa_msgs.sessions import Session
 from voa_service.failures import Failure, document
-from voa_service.ports import SessionState
 from voa_service.runtime.metrics import Metrics
 from voa_service.usecases.health import Link
+from voa_store.records import SessionState
 
 _MOST_WAITING = 4096
 _MOST_ENDED = 4096

@@ -198,7 +198,7 @@ class Ros2:
         robot, due = look.robot, look.due
         try:
             with guarded():
-                outcome = apply_look(self._services.sessions, due)
+                outcome = apply_look(self._services.updates, due)
         except Failure as failure:
             robot.rejected(due, failure.kind)
             raise

@@ -114,7 +114,7 @@ class Scans:
             self._services.metrics.zenoh("scan refused: no single session and robot")
             return
         session, robot = key.split("/")[-2:]
-        self._services.robots.heard(robot, "scan", key, session)
+        self._services.robots.received(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
             failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
@@ -152,10 +152,10 @@ class Scans:
         add_place(fields, attachment)
         request = message(ScanRequest, fields, self._services.limits)
         key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
-        sessions = self._services.sessions
-        if scan.is_deferred and key is not None and sessions.has_answered(key):
+        sessions, updates = self._services.sessions, self._services.updates
+        if scan.is_deferred and key is not None and sessions.has_response(key):
             return
-        response = sessions.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
+        response = updates.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
         outcome = LookOutcome.model_validate_json(response.body)
         self._services.robots.looked(scan.robot, "scan", scan.key, scan.session, request, outcome)
         if not outcome.update.accepted:
