@@ -33,6 +33,7 @@ from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.updates import Updates
 from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
@@ -98,7 +99,6 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         ids,
         Cache(_RESPONSES_BYTES),
         changes.committed,
-        metrics.observation,
         claims.check,
         limits.history_bytes,
     )
@@ -120,6 +120,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
+                updates=Updates(sessions, metrics.observation),
                 rankings=Rankings(sessions, models, threads, Cache(_RANKINGS_BYTES), limits),
                 robots=robots,
                 claims=claims,

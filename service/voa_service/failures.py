@@ -1,4 +1,7 @@
-"""What can go wrong, as a caller sees it: one table from errors to kinds and statuses, for every entrypoint."""
+"""Failures: requests that cannot be answered, as callers of every entrypoint see them.
+
+`guard` turns other errors into failures; `described` lists their members in the OpenAPI document.
+"""
 
 import json
 from collections.abc import Sequence
@@ -7,28 +10,28 @@ from typing import Any, ClassVar
 import structlog
 from pydantic import BaseModel, ValidationError
 
-from voa_core import errors as core
-from voa_core.errors import InvalidInput, NoMesh, UnknownName, VoaError
 from voa_msgs import WIRE_VERSION
 from voa_msgs.bounds import MOST_ERRORS
 from voa_msgs.reading import by_weight, dotted, headline, json_problem, problem
 
 
 class Failure(Exception):
-    """A request that cannot be answered, with what a caller should know.
+    """A request that cannot be answered.
 
     Attributes:
-        kind: the last part of the problem document's `type`.
+        kind: last part of the problem document's `type`.
         status: of the HTTP response.
         title: the kind in words.
-        detail: what was expected, what came, and what to do.
+        members: names of the further members that a problem document of this kind may have.
+        detail: explanation for the caller: expected value, received value, and remedy.
         headers: of the HTTP response.
-        more: further members of the problem document.
+        more: further members of the problem document, by name.
     """
 
     kind: ClassVar[str]
     status: ClassVar[int]
     title: ClassVar[str]
+    members: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, detail: str, headers: dict[str, str] | None = None, **more: Any) -> None:
         super().__init__(detail)
@@ -56,13 +59,14 @@ class Forbidden(Failure):
 
 
 class NotFound(Failure):
-    """A path that names nothing."""
+    """An address that names no resource."""
 
     kind, status, title = "not-found", 404, "Not found"
+    members = ("known",)
 
 
 class MethodNotAllowed(Failure):
-    """A path without the method."""
+    """A path that does not have the requested method."""
 
     kind, status, title = "method-not-allowed", 405, "This path does not have that method"
 
@@ -74,13 +78,14 @@ class ClaimConflict(Failure):
 
 
 class StaleVersion(Failure):
-    """An `If-Match` that names another version than the session has."""
+    """An `If-Match` that does not name the session's version."""
 
     kind, status, title = "stale-version", 412, "The session has another version"
+    members = ("version",)
 
 
 class TooLarge(Failure):
-    """More than the service accepts at once."""
+    """A request or response that is larger than the service accepts."""
 
     kind, status, title = "too-large", 413, "Larger than this service accepts"
 
@@ -107,22 +112,24 @@ class InvalidRequest(Failure):
     """A request whose shape or values are not as expected."""
 
     kind, status, title = "invalid-request", 422, "Invalid request"
+    members = ("errors",)
 
 
 class UnknownReference(Failure):
     """A request that names something that does not exist."""
 
     kind, status, title = "unknown-name", 422, "Unknown name in the request"
+    members = ("known",)
 
 
 class MeshRequired(Failure):
-    """A prediction that needs a mesh where there is none."""
+    """A prediction that needs a mesh, in a scenario without one."""
 
     kind, status, title = "no-mesh", 422, "A mesh is required"
 
 
 class BeamGridMismatch(Failure):
-    """A scan whose beams are not those of the predictions."""
+    """A scan whose beams differ from those of the predictions."""
 
     kind, status, title = "beam-grid-mismatch", 422, "The scan's beams do not match"
 
@@ -143,10 +150,11 @@ class NotAccepted(Failure):
     """A look of a mapped robot that the session did not accept."""
 
     kind, status, title = "not-accepted", 422, "The look was not accepted"
+    members = ("reason",)
 
 
 class IdempotencyKeyReused(Failure):
-    """An idempotency key that came with another request before."""
+    """An idempotency key that was used for another request before."""
 
     kind, status, title = "idempotency-key-reused", 422, "Idempotency-Key was used for another request"
 
@@ -161,18 +169,21 @@ class Overloaded(Failure):
     """More requests than the service can handle at the moment."""
 
     kind, status, title = "overloaded", 503, "Overloaded"
+    members = ("retry_after_s",)
 
 
 class NotReady(Failure):
     """A service that cannot work at the moment."""
 
     kind, status, title = "not-ready", 503, "Not ready"
+    members = ("retry_after_s",)
 
 
 class Damaged(Failure):
-    """Stored data that is not as it was written."""
+    """Stored data that differs from what was written."""
 
     kind, status, title = "damaged", 500, "Stored data is damaged"
+    members = ("version",)
 
 
 class MalformedRequest(Failure):
@@ -200,7 +211,7 @@ class HttpError(Failure):
 
     def __init__(self, status: int, detail: str, headers: dict[str, str] | None = None) -> None:
         super().__init__(detail, headers)
-        self.status = status  # type: ignore[misc] # of each, not of the class
+        self.status = status  # type: ignore[misc] # differs between instances
 
 
 class InternalError(Failure):
@@ -210,45 +221,44 @@ class InternalError(Failure):
 
 
 def not_found(what: str, id_: str) -> Failure:
-    """For an id in the path that names nothing."""
+    """Build the failure of a path whose id does not exist.
+
+    Args:
+        what: kind of the resource, such as "session".
+        id_: that does not exist.
+    """
     return NotFound(f"there is no {what} {id_!r}")
 
 
 def wire_failure(theirs: object) -> Failure:
-    """For a caller that speaks another version of the messages."""
+    """Build the failure of a caller that uses another version of the messages.
+
+    Args:
+        theirs: version that the caller stated.
+    """
     return WireVersionMismatch(
-        f"this service speaks version {WIRE_VERSION} of the messages, the caller version {theirs}: "
-        "install the client that came with the service",
+        f"this service uses version {WIRE_VERSION} of the messages, the caller version {theirs}: "
+        "install the client of the service's version",
     )
 
 
-def of_core(error: VoaError) -> Failure:
-    """The failure that an error of the mathematics is to a caller."""
-    match error:
-        case UnknownName():
-            return UnknownReference(str(error), known=error.known[:100])
-        case NoMesh():
-            return MeshRequired(str(error))
-        case core.BeamGridMismatch():
-            return BeamGridMismatch(str(error))
-        case InvalidInput():
-            problem = f"expected {error.expected}, got {error.got}"
-            return InvalidRequest(str(error), errors=[{"field": error.field, "problem": problem}])
-        case _:
-            return InvalidRequest(str(error))
-
-
 def malformed(what: str, text: str, at: int) -> Failure:
-    """The failure that a body is in which a JSON parser found something wrong at a character."""
+    """Build the failure of a body that is not JSON.
+
+    Args:
+        what: the parser's message.
+        text: the body.
+        at: index of the first wrong character.
+    """
     return MalformedJson(f"{json_problem(what, text, at)} at character {at}")
 
 
 def of_validation(errors: Sequence[Any], kind: Any) -> Failure:
-    """The failure that a message of the wrong shape is.
+    """Build the failure of a message that does not have the expected shape.
 
     Args:
-        errors: as pydantic lists them; each place begins with where the message stands, "body" or "query".
-        kind: the type of the message.
+        errors: listed by pydantic; each location begins with "body" or "query".
+        kind: type of the message.
     """
     mistakes = [(dotted(error["loc"]), problem(kind, error | {"loc": error["loc"][1:]})) for error in by_weight(errors)]
     fields = [{"field": field, "problem": what} for field, what in mistakes[:MOST_ERRORS]]
@@ -256,13 +266,19 @@ def of_validation(errors: Sequence[Any], kind: Any) -> Failure:
 
 
 def of_message(kind: type[BaseModel], error: ValidationError, where: str) -> Failure:
-    """The failure that a message of the wrong shape is that was read here; `where` it stands leads the fields."""
+    """Build the failure of a message that pydantic refused.
+
+    Args:
+        kind: type of the message.
+        error: raised by pydantic.
+        where: part of the request that holds the message, such as "body"; the fields' names begin with it.
+    """
     errors = [dict(each) | {"loc": (where, *each["loc"])} for each in error.errors(include_url=False)]
     return of_validation(errors, kind)
 
 
 def document(failure: Failure) -> bytes:
-    """The problem document of a failure (RFC 9457), for any transport."""
+    """Return the problem document of a failure (RFC 9457) as JSON, for any transport."""
     request_id = structlog.contextvars.get_contextvars().get("request_id")
     fields = {
         "type": f"urn:voa:problem:{failure.kind}",

@@ -78,18 +78,20 @@ def _of_mathematics(error: VoaError) -> Failure:
 
 def _of_store(error: StoreError) -> Failure:
     match error:
-        case store.SessionMissing():
-            return failures.NotFound(str(error))
         case store.VersionMismatch():
             return failures.StaleVersion(str(error), version=error.version)
-        case store.KeyReused():
-            return failures.IdempotencyKeyReused(str(error))
-        case store.LookRepeated():
-            return failures.LookCounted(str(error))
-        case store.DamagedData():
-            members = {} if error.version is None else {"version": error.version}
-            return failures.Damaged(str(error), **members)
-        case store.Busy():
-            return failures.Overloaded(str(error), _RETRY_SOON)
+        case store.DamagedData() if error.version is not None:
+            return failures.Damaged(str(error), version=error.version)
+        case store.Unavailable() | store.Busy() | store.CannotOpen():
+            kind = failures.Overloaded if isinstance(error, store.Busy) else failures.NotReady
+            return kind(str(error), _RETRY_SOON)
         case _:
-            return failures.NotReady(str(error), _RETRY_SOON)
+            return _STORE_FAILURES[type(error)](str(error))
+
+
+_STORE_FAILURES: dict[type[StoreError], type[Failure]] = {
+    store.SessionMissing: failures.NotFound,
+    store.KeyReused: failures.IdempotencyKeyReused,
+    store.LookRepeated: failures.LookCounted,
+    store.DamagedData: failures.Damaged,
+}

@@ -1,4 +1,4 @@
-"""What an entrypoint is given: the use cases, and the queues that they run in."""
+"""Services: the use cases and work queues that every entrypoint is built with."""
 
 from dataclasses import dataclass
 
@@ -15,15 +15,41 @@ from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
+from voa_service.usecases.updates import Updates
 
 
 @dataclass(frozen=True)
 class Services:
-    """Built by `bootstrap`, handed to every entrypoint."""
+    """The use cases and the queues in which their work is done, built by `bootstrap`.
+
+    Attributes:
+        objects: use cases about meshes.
+        scenarios: use cases about scenarios.
+        sessions: use cases about whole sessions.
+        updates: use cases that change a session's belief.
+        rankings: use cases that rank looks and grasps.
+        robots: reports on robots.
+        claims: use cases about claims of robots.
+        health: use case that reports the health of this process.
+        changes: notifies followers of committed changes.
+        metrics: counters and gauges.
+        limits: of requests and responses.
+        reads: queue of calls that read, or compute quickly, and write nothing.
+        writes: queue of calls that may wait for a lock of the database, above all scans; separate, so that no read
+            waits for one.
+        probes: queue of readiness checks.
+        feeds: followers of sessions, whose reads have a queue of their own.
+        reader: reads messages from bytes.
+        names: host names under which the service may be called, besides those of the loopback; None: any name.
+        heavy: queue of rankings, predictions and new scenarios.
+        meshes: queue of mesh files, as many at a time as the memory allows.
+        rests: queue of stable poses of objects; separate, so that no ranking waits for one.
+    """
 
     objects: Objects
     scenarios: Scenarios
     sessions: Sessions
+    updates: Updates
     rankings: Rankings
     robots: Robots
     claims: Claims
@@ -32,20 +58,11 @@ class Services:
     metrics: Metrics
     limits: Limits
     reads: WorkQueue
-    """Calls that read, or compute quickly, and write nothing."""
     writes: WorkQueue
-    """Calls that may wait for a lock of the database, scans above all: apart, so that no read waits for one."""
     probes: WorkQueue
-    """Whether the service is ready."""
     feeds: Feeds
-    """Who follows sessions; their reads have a line of their own."""
     reader: Reader
-    """Reads messages from bytes."""
     names: frozenset[str] | None
-    """Names under which the service may be called, besides loopback's; None: any."""
     heavy: WorkQueue
-    """Rankings, predictions, scenarios."""
     meshes: WorkQueue
-    """Mesh files: only so many at a time as there is memory for."""
     rests: WorkQueue
-    """Stable poses of objects: apart, so that no ranking waits for one."""

@@ -24,10 +24,10 @@ from tests.support import postgres
 from voa_msgs.sessions import ScanRequest
 from voa_service import bootstrap
 from voa_service.http.app import create_app
-from voa_service.ports import Write
 from voa_service.runtime import logs
 from voa_service.settings import Settings
 from voa_store.drivers import sqlite_driver
+from voa_store.records import Write
 
 _POSES, _UPDATES, _ROUNDS, _WRITERS = 500, 40, 5, 16
 _REPORT = '{"accepted":true}' + 150 * " "
@@ -58,7 +58,7 @@ def _of(name: str, url: str, place: Path, bare: AbstractContextManager[Prepare])
         commit = stack.enter_context(bare)(np.zeros((2, _POSES)).tobytes(), received)
 
         def update(session: str) -> None:
-            services.sessions.apply_scan(session, scan, Write("scan", received, None, None))
+            services.updates.apply_scan(session, scan, Write("scan", received, None, None))
 
         cpu, wall = _each([lambda: update(sessions[0]), commit])
         return [

@@ -44,15 +44,15 @@ class Lab:
 
     def scan(self, body: Json = GOOD) -> None:
         request = ScanRequest.model_validate(body)
-        self.inside.sessions.apply_scan(self.id, request, write_of("scan", b"{}", None))
+        self.inside.updates.apply_scan(self.id, request, write_of("scan", b"{}", None))
 
     def outcome(self) -> None:
         request = OutcomeRequest.model_validate(OUTCOME)
-        self.inside.sessions.report_outcome(self.id, request, write_of("outcome", b"{}", None))
+        self.inside.updates.report_outcome(self.id, request, write_of("outcome", b"{}", None))
 
     def belief(self) -> None:
         request = BeliefRequest.model_validate(BELIEF)
-        self.inside.sessions.put_belief(self.id, request, write_of("belief", b"{}", None))
+        self.inside.updates.put_belief(self.id, request, write_of("belief", b"{}", None))
 
 
 @contextmanager

@@ -25,12 +25,13 @@ from tests.support.serving import Json, data_scenario, scan_of
 from voa_core.filtering import Belief
 from voa_core.grasps import log_outcome_weights
 from voa_core.scenario import Scenario
-from voa_core.updating import update, update_by_outcome
+from voa_core.updating import update_by_outcome
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest
 from voa_service.mapping.models import Models
-from voa_service.ports import HistoryEntry, Store
+from voa_service.mapping.observations import scan_observation
+from voa_service.ports import Store
 from voa_service.runtime.cache import Cache
-from voa_service.usecases.sessions import evidence_of
+from voa_store.records import HistoryEntry
 from voa_store.sql import SqlStore
 
 SESSIONS = scaled(10, 100)
@@ -149,8 +150,7 @@ def replayed(scenario: Scenario, entries: list[HistoryEntry]) -> Iterator[Belief
     for entry in entries:
         if entry.kind == "scan":
             request = ScanRequest.model_validate_json(entry.request)
-            evidence, _ = evidence_of(scenario, request)
-            belief = update(belief, evidence, scenario.policy).belief
+            belief = scan_observation(scenario, request).applied_to(belief).belief
         elif entry.kind == "outcome":
             outcome = OutcomeRequest.model_validate_json(entry.request)
             scores = scenario.table.scores[scenario.table.names.index(outcome.grasp)]

@@ -1,1 +1,1 @@
-"""Messages (`voa_msgs`) to mathematics (`voa_core`), and back."""
+"""Conversion between messages (`voa_msgs`) and mathematics (`voa_core`): no other package of the service knows both."""

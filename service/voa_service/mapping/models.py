@@ -1,4 +1,4 @@
-"""Stored scenarios as mathematics, with what is expensive about them kept in one bounded cache."""
+"""Builds the mathematics of stored scenarios, and keeps their cuts, predictions and weights in a bounded cache."""
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import structlog
 
 from voa_core.cutting import Contours, cut_poses
 from voa_core.lidars import SensorConfiguration
-from voa_core.mistakes.effort import QUICK, Effort
+from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
 from voa_core.mistakes.found import Mistake
 from voa_core.mistakes.heights import Mesh
 from voa_core.mistakes.scenarios import mistakes_of_scenario
@@ -29,50 +29,61 @@ from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
 
 Precision = Literal["float64", "float32"]
 
-
 _MISTAKES_BYTES = 8 * 2**20
-_SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that fills it to the brim would push its own weights out
+_SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that filled it completely would evict its own weights
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """One scenario as mathematics."""
+    """A stored scenario with its mathematics and its object.
+
+    Attributes:
+        scenario: the mathematics.
+        mesh: the object; None where all predictions are data.
+        weigher: returns the weights between the predictions of a sensor configuration. Its arguments are the sensor
+            configuration, the precision, True to keep the weights in the cache, and a check that ends the computation
+            by an exception.
+    """
 
     scenario: Scenario
     mesh: Mesh | None
-    """Its object; None where all predictions are data."""
     weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
-    """The weights of a sensor configuration, in a precision; True: kept; as long as they are wanted."""
 
     @property
     def nbytes(self) -> int:
-        """Memory held by its own tables, in bytes; what is derived from them has entries of its own."""
+        """Memory held by the scenario's own tables, in bytes, without the cache's separate entries."""
         data = sum(ranges.nbytes for ranges in self.scenario.predictor.data.values())
         return data + self.scenario.table.scores.nbytes + 512 * len(self.scenario.poses)
 
 
 @dataclass(frozen=True, eq=False)
 class _Mistakes:
-    """Probable mistakes in a scenario, as the cache keeps them."""
+    """Probable mistakes in a scenario, as an entry of the cache."""
 
-    found: tuple[Mistake, ...]
+    items: tuple[Mistake, ...]
 
     @property
     def nbytes(self) -> int:
-        return sum(512 + 64 * len(mistake.poses + mistake.sensors) for mistake in self.found)
+        return sum(512 + 64 * len(mistake.poses + mistake.sensors) for mistake in self.items)
 
 
 class Models:
-    """Scenarios by id; nothing here that the store could not rebuild."""
+    """Models of stored scenarios by id; all of it can be built again from the store.
+
+    Args:
+        store: with the scenarios and objects.
+        cache: keeps models, cuts, predictions and weights.
+        precision: of rankings, as the settings say.
+    """
 
     def __init__(self, store: Store, cache: Cache, precision: PrecisionSetting = "auto") -> None:
         self._store = store
         self._precision = precision
         self._cache = cache
-        self._mistakes = Cache(_MISTAKES_BYTES)  # of their own: a large ranking must not push them out
+        self._mistakes = Cache(_MISTAKES_BYTES)  # a cache of its own: a large ranking must not evict them
 
     def get(self, id_: str) -> Model | None:
-        """The model of a stored scenario; None: there is none."""
+        """Return the model of a stored scenario; None: there is no such scenario."""
 
         def make() -> Model:
             stored = self._store.get_scenario(id_)
@@ -86,15 +97,15 @@ class Models:
             return None
 
     def keep(self, id_: str, model: Model) -> None:
-        """Keep the model of a scenario that was just stored, instead of building it again from there."""
+        """Keep the model of a scenario that was just stored, so that it need not be built again."""
         self._cache.get(("model", id_), lambda: model)
 
     def build(self, id_: str, request: ScenarioRequest) -> Model:
-        """The model of a filled-in scenario.
+        """Build the model of a filled-in scenario.
 
         Raises:
-            Failure: its object does not exist.
-            VoaError: what it says cannot be.
+            UnknownReference: its object does not exist.
+            VoaError: the scenario contradicts itself.
         """
         mesh, contours_at = None, None
         if request.object is not None:
@@ -119,9 +130,9 @@ class Models:
         return Model(scenario, mesh, weigher)
 
     def mistakes(self, id_: str) -> tuple[Mistake, ...]:
-        """Find what is probably wrong with a stored scenario, by a search of bounded cost; the result is kept.
+        """Search for probable mistakes in a stored scenario, at a bounded cost; the result is kept.
 
-        A search that fails is logged and finds nothing: no answer about a scenario depends on it.
+        An error of the search is logged, and the result is then empty: no response depends on it.
         """
 
         def make() -> _Mistakes:
@@ -130,16 +141,16 @@ class Models:
             except Failure:
                 raise
             except Exception:
-                structlog.get_logger().exception("mistakes_not_found", scenario=id_)
+                structlog.get_logger().exception("the search for probable mistakes failed", scenario=id_)
                 return _Mistakes(())
 
-        return self._mistakes.get(id_, make).found
+        return self._mistakes.get(id_, make).items
 
-    def find_mistakes(self, id_: str, effort: Effort) -> tuple[Mistake, ...]:
-        """Find what is probably wrong with a stored scenario, by a search of the given effort.
+    def find_mistakes(self, id_: str, effort: Effort = THOROUGH) -> tuple[Mistake, ...]:
+        """Search for probable mistakes in a stored scenario, with the given effort.
 
         Raises:
-            Failure: there is no such scenario.
+            NotFound: there is no such scenario.
         """
         model = self.get(id_)
         if model is None:
@@ -153,9 +164,13 @@ class Models:
         return contours_at
 
     def precision(self, sensors: int, poses: int) -> tuple[Precision, bool]:
-        """In which precision the weights of so many sensors between so many poses are computed, and if kept.
+        """Choose the precision of a ranking's weights; the second value is True if the weights fit into the cache.
 
-        The precision is that of the settings, and depends on no machine's memory; whether weights are kept does.
+        The precision depends on the settings and the number of weights, never on the machine's memory.
+
+        Args:
+            sensors: number of sensor configurations.
+            poses: number of poses; each sensor configuration has `poses**2` weights.
         """
         weights = sensors * poses**2
         precision: Precision

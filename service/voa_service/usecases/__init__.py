@@ -1,1 +1,1 @@
-"""What the service does, for any entrypoint: requests and answers are messages, errors are failures."""
+"""Use cases of the service, for any entrypoint: requests and responses are messages of `voa_msgs`."""

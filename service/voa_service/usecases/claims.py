@@ -1,4 +1,4 @@
-"""Claims: which session each mapped robot's scans are for, once and for all processes."""
+"""Claims: the session that the scans of each mapped robot belong to, stored for all processes."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -11,41 +11,51 @@ from voa_service.usecases.robots import MappedTo, Robots
 
 @dataclass(frozen=True)
 class Claims:
-    """Claims of mapped robots: the session that each one's scans are for.
+    """Use cases about claims of mapped robots for sessions.
 
-    A robot stays with its session until that is deleted, or another one claims the robot. Nothing else moves it:
-    neither a new session on its scenario nor a ranking.
+    A robot stays with its session until the session is deleted, or the robot is claimed for another one. Nothing else
+    moves it: neither a new session on its scenario nor a ranking.
+
+    Attributes:
+        store: where claims are kept.
+        robots: the mapped robots.
     """
 
     store: Store
     robots: Robots
 
     def peek(self, robot: str, scenario: str) -> str | None:
-        """Find the session that a look of a robot, mapped to a scenario, would go to now; changes nothing.
+        """Find the session that the next look of a robot, mapped to a scenario, belongs to; changes nothing.
 
-        None: there is no session for it yet, or the robot was said to be nobody's.
+        Returns:
+            Id of the session; None: there is no session on the scenario, or the robot was released from every session.
         """
         return self.store.robot_session(robot, scenario)
 
     def settle(self, robot: str, scenario: str) -> str | None:
-        """Find the session as `peek` does, and make it the robot's own.
+        """Claim a robot, when its look is due, for the session that `peek` finds.
 
-        To be called when a look is due. Durable, and safe where several processes do so at once: the first decides,
-        and all return the same.
+        The claim is durable. If several processes settle a robot at once, the first one decides, and all return the
+        same session.
+
+        Returns:
+            Id of the session; None: there is none.
         """
         return self.store.settle_robot(robot, scenario)
 
     def claim(self, robot: str, session: str | None) -> None:
-        """Say whose session a mapped robot's scans are for from now on; None: nobody's until the next claim.
+        """Claim a mapped robot for a session, or release it from every session until the next claim (None).
 
         Raises:
-            Failure: no such robot is mapped (404), there is no such session (422), or the mapping contradicts it (409).
+            NotFound: no robot of this name is mapped.
+            UnknownReference: there is no such session.
+            ClaimConflict: the robot's mapping does not allow the claim.
         """
         mapped = self.robots.mapped_to(robot)
         if mapped is None:
             known = self.robots.names()
-            raise NotFound(_no_robot(robot, known), known=known)
-        _check_free(robot, mapped)
+            raise NotFound(_not_mapped(robot, known), known=known)
+        _check_claimable(robot, mapped)
         if session is None:
             self.store.claim_robot(robot, None)
             return
@@ -56,10 +66,12 @@ class Claims:
             raise UnknownReference(f"there is no session {session!r}: open it with POST /v1/sessions")
 
     def check(self, robots: Sequence[str], scenario: str) -> None:
-        """Refuse robots that a new session on a scenario cannot claim.
+        """Check that a new session on a scenario can claim robots.
 
         Raises:
-            Failure: one comes twice, or no such robot is mapped (422), or its mapping contradicts it (409).
+            InvalidRequest: a robot is named twice.
+            UnknownReference: no robot of this name is mapped.
+            ClaimConflict: a robot's mapping does not allow the claim.
         """
         for robot, count in Counter(robots).items():
             if count > 1:
@@ -67,31 +79,31 @@ class Claims:
             mapped = self.robots.mapped_to(robot)
             if mapped is None:
                 known = self.robots.names()
-                raise UnknownReference(f"body.robots: {_no_robot(robot, known)}", known=known)
-            _check_free(robot, mapped)
+                raise UnknownReference(f"body.robots: {_not_mapped(robot, known)}", known=known)
+            _check_claimable(robot, mapped)
             _check_scenario(robot, mapped, scenario)
 
 
-def _no_robot(robot: str, known: Sequence[str]) -> str:
-    """Say that a robot is not mapped, and which are."""
+def _not_mapped(robot: str, known: Sequence[str]) -> str:
+    """Explain that a robot is not mapped, and list those that are."""
     if not known:
-        return f"there is no mapped robot {robot!r}: this process maps none, see `voa serve --robots FILE`"
-    return f"there is no mapped robot {robot!r}: the mapping has {', '.join(map(repr, known))}"
+        return f"there is no mapped robot {robot!r}: this process maps no robots, see `voa serve --robots FILE`"
+    return f"there is no mapped robot {robot!r}: the mapped robots are {', '.join(map(repr, known))}"
 
 
-def _check_free(robot: str, mapped: MappedTo) -> None:
-    """Refuse a claim on a robot whose mapping names a session: it cannot be moved."""
+def _check_claimable(robot: str, mapped: MappedTo) -> None:
+    """Refuse a claim on a robot whose mapping names a fixed session."""
     if mapped.scenario is None:
         raise ClaimConflict(
-            f"the mapping of robot {robot!r} names its session ({mapped.session!r}): write `scenario` there instead of "
-            "`session`, so that it can be claimed",
+            f"the mapping of robot {robot!r} names a fixed session ({mapped.session!r}): write `scenario` instead of "
+            "`session` in the mapping, so that sessions can claim the robot",
         )
 
 
 def _check_scenario(robot: str, mapped: MappedTo, scenario: str) -> None:
-    """Refuse a session on another scenario than the mapping's."""
+    """Refuse a session on a scenario other than the mapping's."""
     if mapped.scenario != scenario:
         raise ClaimConflict(
-            f"robot {robot!r} is mapped to scenario {mapped.scenario!r}, the session is on {scenario!r}: claim it for "
-            "a session on its own scenario, or change the mapping",
+            f"robot {robot!r} is mapped to scenario {mapped.scenario!r}, the session is on scenario {scenario!r}: "
+            "claim the robot for a session on its own scenario, or change its mapping",
         )

@@ -1,5 +1,6 @@
-"""The versions of a session for whoever follows it, a bounded piece at a time."""
+"""Versions of a session for its followers, in bounded pieces."""
 
+from voa_service.guard import guarded
 from voa_service.runtime.feeds import Version
 from voa_service.usecases.sessions import Sessions
 
@@ -7,20 +8,24 @@ _MOST_VERSIONS = 32
 _MOST_BYTES = 2**18
 
 
+@guarded()
 def versions_since(sessions: Sessions, id_: str, seen: int | None) -> list[Version] | None:
-    """Read the versions of a session after `seen`, the oldest first, or the newest where `seen` is None.
+    """Read versions of a session after `seen`, the oldest first; without `seen`, the newest; None: no such session.
 
-    At least one where there is one, and at most 32 of at most 256 kB in all; None: the session is gone.
+    At most 32 versions of together at most 256 kB, and at least one where there is one.
+
+    Raises:
+        Failure: the store cannot be read.
     """
     states = sessions.states_since(id_, seen, _MOST_VERSIONS)
     if states is None:
         return None
-    found: list[Version] = []
+    versions: list[Version] = []
     held = 0
     for state in states:
         version = Version(state.version, sessions.message(state).model_dump_json())
         held += len(version.body)
-        if found and held > _MOST_BYTES:
+        if versions and held > _MOST_BYTES:
             break
-        found.append(version)
-    return found
+        versions.append(version)
+    return versions

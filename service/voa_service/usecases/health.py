@@ -1,4 +1,4 @@
-"""How the service is."""
+"""Health: liveness and readiness of this process."""
 
 import math
 import threading
@@ -10,34 +10,36 @@ from typing import Literal
 
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Health, Memory
-from voa_service.failures import Failure, NotReady
+from voa_service.failures import NotReady
+from voa_service.guard import failure_of
 from voa_service.ports import Clock, Store
+from voa_store.errors import StoreError
 
 Joined = Literal["off", "connecting", "connected"]
 
 _FRESH_SECONDS = 1.0
 _WAIT_SECONDS = 0.25
 _PATIENCE_SECONDS = 5.0
-"""A write that takes longer is one that fails."""
-_TRY_AGAIN = {"Retry-After": "1"}
+"""Longest time that a test write may take before the store counts as not working."""
+_RETRY_SOON = {"Retry-After": "1"}
 
 
 @dataclass
 class Link:
-    """Whether this process is joined to Zenoh; whoever joins it says so here."""
+    """State of this process's connection to Zenoh, set by the entrypoint that connects it."""
 
     state: Joined = "off"
 
 
 class StoreCheck:
-    """Whether the store can be read and written: tried at most once a second while all is well.
+    """Test that the store can be read and written, made at most once a second while it works.
 
-    Nobody waits for long: where an attempt is under way (the writer may be busy), the one before it counts for a while.
-    A failure of any other call, and a failed attempt, make the next one who asks try anew.
+    Callers wait only briefly: while a test is under way (the writer may be busy), the result before it counts for a
+    few seconds. After a failed test, or a failure of any other call to the store, the next caller starts a new test.
 
     Args:
-        store: whose `ping` is the attempt.
-        clock: in seconds.
+        store: whose `ping` is the test.
+        clock: returns the time in seconds.
     """
 
     def __init__(self, store: Store, clock: Callable[[], float] = time.monotonic) -> None:
@@ -50,10 +52,10 @@ class StoreCheck:
         self._error: Exception | None = None
 
     def check(self) -> None:
-        """Return if the store worked at the last attempt.
+        """Return if the last test succeeded.
 
         Raises:
-            Failure: it did not, or the last attempt has not ended for long.
+            Failure: it failed, or it has not ended for five seconds.
         """
         with self._lock:
             if self._running is None and not self._is_fresh():
@@ -66,9 +68,9 @@ class StoreCheck:
             late = self._clock() - self._began if self._running is not None else 0.0
             error = self._error
         if late > _PATIENCE_SECONDS:
-            raise NotReady(f"a write to the store has not ended for {late:.0f} s", _TRY_AGAIN)
-        if isinstance(error, Failure):
-            raise type(error)(error.detail, error.headers) from error
+            raise NotReady(f"a write to the store has not ended for {late:.0f} s", _RETRY_SOON)
+        if isinstance(error, StoreError):
+            raise failure_of(error) from error
         if error is not None:
             raise NotReady(f"the store does not answer: {type(error).__name__}") from error
 
@@ -80,7 +82,7 @@ class StoreCheck:
         error: Exception | None = None
         try:
             self._store.ping()
-        except Exception as caught:  # whatever it is, it is told whoever asks
+        except Exception as caught:  # any error is kept for the callers of `check`
             error = caught
         with self._lock:
             self._error, self._running = error, None
@@ -89,14 +91,21 @@ class StoreCheck:
 
 @dataclass(frozen=True)
 class HealthCheck:
-    """For whoever restarts processes, routes requests, or looks for what is wrong."""
+    """Use case that reports the health of this process, to supervisors, load balancers and people.
+
+    Attributes:
+        store: of the service.
+        now: clock.
+        replica: name of this process.
+        memory: bounds of the memory that its parts may hold.
+        link: connection to Zenoh.
+        checked: test of the store.
+    """
 
     store: Store
     now: Clock
     replica: str
-    """The name of this process."""
     memory: Memory | None = None
-    """Memory that its parts may hold."""
     link: Link = field(default_factory=Link)
     checked: StoreCheck = field(init=False)
 
@@ -104,7 +113,7 @@ class HealthCheck:
         object.__setattr__(self, "checked", StoreCheck(self.store))
 
     def ready(self) -> Health:
-        """The service can work. It can without a router, so `zenoh` only tells.
+        """Report that the service can work. The state of `zenoh` is shown only: the service works without a router.
 
         Raises:
             Failure: the store cannot be read or written.

@@ -1,21 +1,19 @@
-"""Objects: upload a mesh, look at it, ask how it can rest."""
+"""Objects: upload, read and list meshes, and propose the poses in which they can rest."""
 
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
-from voa_core.errors import VoaError
-from voa_core.objects import Object as Mesh
-from voa_core.stable_poses import propose_stable_poses
 from voa_meshes import default_up
-from voa_msgs.objects import MeshType, Object, ObjectPage, StablePose, StablePoses, UpAxis
-from voa_service.failures import InvalidMesh, InvalidRequest, TooLarge, not_found
-from voa_service.mapping.scenarios import listed_object_message, object_message
+from voa_msgs.objects import MeshType, Object, ObjectPage, StablePoses, UpAxis
+from voa_service.failures import InvalidRequest, TooLarge, not_found
+from voa_service.mapping.objects import listed_object_message, object_message, stable_poses_message
 from voa_service.meshes.mistakes import extent_mistakes, up_mistakes
-from voa_service.ports import Clock, MeshReader, Store, StoredObject, Upload
+from voa_service.ports import Clock, MeshReader, Store
 from voa_service.runtime.cache import Cache
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
+from voa_store.records import StoredObject, Upload
 
 _LONGEST_NAME = 128
 _BYTES_PER_POSE = 1_024
@@ -23,19 +21,27 @@ _BYTES_PER_POSE = 1_024
 
 @dataclass(frozen=True)
 class _Proposal:
-    """Stable poses as a `cache.Sized`."""
+    """Stable poses as an entry of the cache."""
 
     poses: StablePoses
 
     @property
     def nbytes(self) -> int:
-        """In bytes, roughly."""
+        """Approximate size in bytes."""
         return _BYTES_PER_POSE * (1 + len(self.poses.items))
 
 
 @dataclass(frozen=True)
 class Objects:
-    """Everything about meshes."""
+    """Use cases about objects.
+
+    Attributes:
+        store: where meshes are kept.
+        read: reads an untrusted mesh file.
+        cache: keeps stable poses.
+        now: clock.
+        limits: of requests.
+    """
 
     store: Store
     read: MeshReader
@@ -46,39 +52,54 @@ class Objects:
     def create(
         self, content: bytes, filename: str, name: str | None, scale: float, up: UpAxis | None = None
     ) -> tuple[Object, bool]:
-        """Store a mesh, called by its file's name if it has no other; and whether it is new."""
+        """Store a mesh; True if it is new.
+
+        Args:
+            content: of the mesh file.
+            filename: its ending is the type of the file; it names the object where `name` is None.
+            name: of the object.
+            scale: metres per unit of the file.
+            up: axis of the file that becomes z; None: the usual one of its type.
+
+        Raises:
+            Failure: the file is too large, or not a usable mesh.
+        """
         if len(content) > self.limits.upload_bytes:
-            raise TooLarge(f"expected a file of at most {self.limits.upload_bytes} bytes")
+            raise TooLarge(f"expected a file of at most {self.limits.upload_bytes} bytes, got {len(content)}")
         path = PurePath(filename)
-        called = name or path.stem[:_LONGEST_NAME] or "object"
+        object_name = name or path.stem[:_LONGEST_NAME] or "object"
         mesh_type = path.suffix.lower().removeprefix(".")
         upload = Upload(hashlib.sha256(content).hexdigest(), mesh_type, scale, up or default_up(mesh_type))
         mesh = self.read(content, mesh_type, scale, upload.up)
-        there, new = self.store.put_object(StoredObject(mesh, called, self.now(), upload.up))
-        self.store.put_upload(upload, there.object.digest)
-        return _uploaded(there, upload, stated=up is not None), new
+        stored, new = self.store.put_object(StoredObject(mesh, object_name, self.now(), upload.up))
+        self.store.put_upload(upload, stored.object.digest)
+        return _uploaded(stored, upload, stated=up is not None), new
 
     def find(self, sha256: str, mesh_type: MeshType, scale: float, up: UpAxis | None) -> ObjectPage:
-        """Find the mesh that a file became when it was uploaded, so that nobody needs to upload it again.
+        """Find the mesh that a file became when it was uploaded, so that it need not be uploaded again.
 
         Args:
             sha256: of the file's bytes.
-            mesh_type: the ending of its name.
+            mesh_type: ending of its name.
             scale: metres per unit of the file.
-            up: the axis of the file that is up; None: that of its type.
+            up: axis of the file that is up; None: the usual one of its type.
 
         Returns:
-            One mesh, with what its upload is answered and `sha256`; or none, where that was never uploaded.
+            One mesh, equal to the response to its upload, with `sha256`; or none, if the file was never uploaded.
         """
         upload = Upload(sha256, mesh_type, scale, up or default_up(mesh_type))
-        there = self.store.find_upload(upload)
-        if there is None:
+        stored = self.store.find_upload(upload)
+        if stored is None:
             return ObjectPage(items=[], next=None)
-        found = _uploaded(there, upload, stated=up is not None)
-        return ObjectPage(items=[found.model_copy(update={"sha256": sha256})], next=None)
+        uploaded = _uploaded(stored, upload, stated=up is not None)
+        return ObjectPage(items=[uploaded.model_copy(update={"sha256": sha256})], next=None)
 
     def get(self, id_: str) -> Object:
-        """One mesh."""
+        """Read an object.
+
+        Raises:
+            NotFound: there is no such object.
+        """
         return object_message(self._stored(id_))
 
     def list(
@@ -90,23 +111,28 @@ class Objects:
         scale: float | None = None,
         up: UpAxis | None = None,
     ) -> ObjectPage:
-        """List all meshes, oldest first; or with `sha256` the one that a file became, as `find` does.
+        """List objects, oldest first, in pages; or, given the `sha256` of a file, find its mesh as `find` does.
 
         Raises:
-            Failure: `after` is not a cursor, or the file is half described.
+            InvalidRequest: `after` is not a cursor, or the description of the file is incomplete.
         """
         if sha256 is None:
             if (mesh_type, scale, up) != (None, None, None):
                 raise InvalidRequest("type, scale and up describe a mesh file: expected its sha256 beside them")
             return ObjectPage(**page(self.store.list_objects, listed_object_message, limit, after))
         if mesh_type is None or after is not None:
-            raise InvalidRequest("sha256 asks for the mesh of one file: expected its type beside it, and no `after`")
+            raise InvalidRequest("sha256 selects the mesh of one file: expected its type beside it, and no `after`")
         return self.find(sha256, mesh_type, 1.0 if scale is None else scale, up)
 
     def stable_poses(self, id_: str) -> StablePoses:
-        """List how it can rest on the table, worked out once while the cache has room."""
+        """List the poses in which an object can rest on the table; they are computed once and kept.
+
+        Raises:
+            NotFound: there is no such object.
+            InvalidMesh: the mesh cannot rest.
+        """
         mesh = self._stored(id_).object
-        return self.cache.get(("stable-poses", id_), lambda: _Proposal(_proposed(mesh))).poses
+        return self.cache.get(("stable-poses", id_), lambda: _Proposal(stable_poses_message(mesh))).poses
 
     def _stored(self, id_: str) -> StoredObject:
         stored = self.store.get_object(id_)
@@ -115,33 +141,16 @@ class Objects:
         return stored
 
 
-def _uploaded(there: StoredObject, upload: Upload, *, stated: bool) -> Object:
-    """Answer an upload: the mesh that is there, and what is probably wrong with how the file was read.
+def _uploaded(stored: StoredObject, upload: Upload, *, stated: bool) -> Object:
+    """Build the response to an upload: the mesh, with warnings about probable mistakes in how the file was read.
 
     Args:
-        there: the mesh.
-        upload: the file, and how it was read.
-        stated: whether the caller said which axis is up.
+        stored: the mesh.
+        upload: the file and its options.
+        stated: True if the caller stated which axis is up.
     """
-    mesh = there.object
-    doubts = extent_mistakes(mesh.extents.tolist(), upload.scale) + (
+    mesh = stored.object
+    warnings = extent_mistakes(mesh.extents.tolist(), upload.scale) + (
         [] if stated else up_mistakes(mesh.vertices, upload.up)
     )
-    return object_message(replace(there, up=upload.up)).model_copy(update={"warnings": doubts})
-
-
-def _proposed(mesh: Mesh) -> StablePoses:
-    try:
-        proposed = propose_stable_poses(mesh)
-    except VoaError as error:
-        raise InvalidMesh(str(error)) from error
-    return StablePoses(
-        items=[
-            StablePose(
-                position=list(pose.position),
-                quaternion_wxyz=list(pose.quaternion_wxyz),
-                probability=pose.probability,
-            )
-            for pose in proposed
-        ]
-    )
+    return object_message(replace(stored, up=upload.up)).model_copy(update={"warnings": warnings})

@@ -1,4 +1,4 @@
-"""What was heard of robots, so that a scan that came to nothing can be seen."""
+"""Robots: reports of the scans and looks received from each, so that scans that were refused can be seen."""
 
 import threading
 from collections.abc import Callable
@@ -14,11 +14,11 @@ from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import InvalidRequest, not_found
 from voa_service.ports import Clock
 
-_MOST = 1_000  # anyone may put anything as a robot's name
+_MOST = 1_000  # reports; the bus lets anyone publish under any name
 
 
 class LookOutcome(BaseModel):
-    """Fields of the answer to a scan that a robot's report needs; the others are not read."""
+    """Fields of the response to a scan that a robot's report shows; the others are not parsed."""
 
     version: int
     update: UpdateReport
@@ -26,23 +26,27 @@ class LookOutcome(BaseModel):
 
 
 class LookSource(Protocol):
-    """A mapped robot, as far as its report needs it."""
+    """Port to a mapped robot: the facts that its report shows, and the request for a look."""
 
     @property
     def waiting_for(self) -> str | None:
-        """Condition for the next look that is not met yet; None: each scan is a look."""
+        """Condition for the next look that is not met yet; None: every scan is a look."""
 
     @property
     def warnings(self) -> list[ProbableMistake]:
         """Probable mistakes in how the robot is used."""
 
     def request(self) -> None:
-        """Ask for a look; raises ValueError where looks are not taken on request."""
+        """Request a look.
+
+        Raises:
+            ValueError: the robot's looks are not taken on request.
+        """
 
 
 @dataclass(frozen=True)
 class MappedTo:
-    """Session of a robot as its mapping says: the one that it names, or one on a scenario."""
+    """Target of a robot's mapping: a fixed session, or a scenario on whose sessions its scans are used."""
 
     scenario: str | None
     session: str | None
@@ -50,24 +54,24 @@ class MappedTo:
 
 @dataclass(frozen=True)
 class _Mapped:
-    """A mapped robot, and what its mapping names."""
+    """A mapped robot with the target of its mapping."""
 
     to: MappedTo
     source: LookSource
 
 
 class Robots:
-    """Reports by robot, as this process heard them; from any thread."""
+    """Reports on the robots from which this process has received scans; safe for use from several threads."""
 
     def __init__(self, now: Clock, session_of: Callable[[str, str], str | None]) -> None:
-        """Begin with nobody heard.
+        """Create an empty collection of reports.
 
         Args:
-            now: the time.
-            session_of: the session that a look of a robot, mapped to a scenario, would go to now.
+            now: clock.
+            session_of: returns the session that the next look of a robot, mapped to a scenario, belongs to.
         """
         self.mapping_error: str | None = None
-        """Why the mapping in force is not the one that its file has."""
+        """Error that keeps the mapping's file from being used, while the mapping before it is still used."""
         self._now = now
         self._session_of = session_of
         self._reports: dict[tuple[str, str], RobotReport] = {}
@@ -77,37 +81,37 @@ class Robots:
     def mapped(
         self, robot: str, key: str, source: LookSource, *, scenario: str | None = None, session: str | None = None
     ) -> None:
-        """Note that a robot's topic is subscribed to; its mapping names either a scenario or a session."""
+        """Add a robot whose topic is subscribed to; its mapping names either a scenario or a session."""
         with self._lock:
             self._mapped[robot] = _Mapped(MappedTo(scenario, session), source)
-            self._reports.setdefault((robot, "ros2"), _unheard(robot, "ros2", key))
+            self._reports.setdefault((robot, "ros2"), _empty_report(robot, "ros2", key))
 
     def mapped_to(self, robot: str) -> MappedTo | None:
-        """Return what the mapping says of a robot's session; None: there is no such robot in it."""
+        """Return the target of a robot's mapping; None: the robot is not mapped."""
         with self._lock:
             mapped = self._mapped.get(robot)
         return None if mapped is None else mapped.to
 
     def names(self) -> list[str]:
-        """List the mapped robots by name."""
+        """List the names of the mapped robots, sorted."""
         with self._lock:
             return sorted(self._mapped)
 
     def unmapped(self, robot: str) -> None:
-        """A robot's topic is no longer listened to."""
+        """Remove a robot whose topic is no longer subscribed to."""
         with self._lock:
             self._mapped.pop(robot, None)
             self._reports.pop((robot, "ros2"), None)
 
-    def heard(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
-        """A scan came in."""
+    def received(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
+        """Count a scan that was received."""
         with self._lock:
             if self._is_gone(robot, source):
                 return
             before = self._report(robot, source, key)
             session = before.session if session is None else session
-            heard = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
-            self._keep(before.model_copy(update=heard))
+            changes = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
+            self._keep(before.model_copy(update=changes))
 
     def looked(
         self,
@@ -118,7 +122,7 @@ class Robots:
         request: ScanRequest,
         outcome: LookOutcome,
     ) -> None:
-        """Note that a look was applied to a session, accepted or not."""
+        """Record a look that was applied to a session, accepted or not."""
         look = LookReport(
             at=self._now(),
             sensor=request.sensor,
@@ -135,7 +139,7 @@ class Robots:
             self._keep(before.model_copy(update=applied))
 
     def refused(self, robot: str, source: Literal["scan", "ros2"], key: str, why: str) -> bool:
-        """A scan could not be used; whether that is news, and not the same as for the one before."""
+        """Count a scan that could not be used; True if the reason differs from that of the refusal before."""
         with self._lock:
             if self._is_gone(robot, source):
                 return False
@@ -144,7 +148,7 @@ class Robots:
         return why != before.last_refusal
 
     def reports(self) -> RobotsMessage:
-        """All of them, by name."""
+        """List the reports on all robots, sorted by name."""
         with self._lock:
             reports, mapped = sorted(self._reports.items()), dict(self._mapped)
         return RobotsMessage(
@@ -156,18 +160,19 @@ class Robots:
         )
 
     def report(self, robot: str) -> RobotReport:
-        """Report one mapped robot.
+        """Return the report on a mapped robot.
 
         Raises:
-            Failure: no such robot is mapped.
+            NotFound: no robot of this name is mapped.
         """
         return self._shown(*self._one(robot))
 
     def request_look(self, robot: str) -> RobotReport:
-        """The robot's next scans are to be a look.
+        """Request that the next scans of a mapped robot become a look; returns the report on the robot.
 
         Raises:
-            Failure: no such robot is mapped, or its looks are not on request.
+            NotFound: no robot of this name is mapped.
+            InvalidRequest: its looks are not taken on request.
         """
         report, mapped = self._one(robot)
         try:
@@ -177,7 +182,7 @@ class Robots:
         return self._shown(report, mapped)
 
     def _one(self, robot: str) -> tuple[RobotReport, _Mapped]:
-        """Find a mapped robot; raises Failure where there is none."""
+        """Return a mapped robot and its report; raises NotFound if it is not mapped."""
         with self._lock:
             mapped, report = self._mapped.get(robot), self._reports.get((robot, "ros2"))
         if mapped is None or report is None:
@@ -185,7 +190,7 @@ class Robots:
         return report, mapped
 
     def _shown(self, report: RobotReport, mapped: _Mapped) -> RobotReport:
-        """Complete a mapped robot's report by what holds at this moment; without the lock, it reads the store."""
+        """Complete a report with the robot's present state; called without the lock because it reads the store."""
         session = mapped.to.session or report.session
         if mapped.to.scenario is not None:
             session = self._session_of(report.robot, mapped.to.scenario)
@@ -194,10 +199,10 @@ class Robots:
         return report.model_copy(update=state)
 
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
-        return self._reports.get((robot, source)) or _unheard(robot, source, key)
+        return self._reports.get((robot, source)) or _empty_report(robot, source, key)
 
     def _is_gone(self, robot: str, source: Literal["scan", "ros2"]) -> bool:
-        """Whether this was on its way when the robot's mapping went: a report of it would stay for ever."""
+        """Return True for a message of a robot that was unmapped meanwhile: its report would never be removed."""
         return source == "ros2" and robot not in self._mapped
 
     def _keep(self, report: RobotReport) -> None:
@@ -213,7 +218,7 @@ class Robots:
         self._reports[named] = report
 
 
-def _unheard(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
+def _empty_report(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
     return RobotReport(
         robot=robot,
         session=None,

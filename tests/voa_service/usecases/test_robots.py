@@ -21,7 +21,7 @@ def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkey
     robots = Robots(lambda: NOON + timedelta(seconds=next(seconds)), lambda robot, scenario: None)
     robots.mapped("mapped", "mapped/scan", QuietRobot(), session="S")
     for name in ("a", "b", "c", "a", "d", "e"):
-        robots.heard(name, "scan", f"scan/S/{name}", "S")
+        robots.received(name, "scan", f"scan/S/{name}", "S")
     assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
 
 
@@ -31,7 +31,7 @@ def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_befor
     robots.mapped("r", "scan", QuietRobot(), scenario="A")
     robots.mapped("fixed", "scan", QuietRobot(), session="S")
     assert [report.session for report in robots.reports().items] == ["S", "first"]
-    robots.heard("r", "ros2", "r/scan", "first")
+    robots.received("r", "ros2", "r/scan", "first")
     sessions["r", "A"] = "second"
     assert robots.report("r").session == robots.request_look("r").session == "second"
     sessions.clear()
@@ -56,7 +56,7 @@ def test_what_was_on_its_way_when_a_mapping_went_makes_no_report() -> None:
     request = ScanRequest.model_validate(scan_of([0.5]))
     update = {"accepted": True, "reason": None, "log_evidence": 0.0, "fit_rmsd_mm": 1.0}
     report = UpdateReport.model_validate(update | {"fit_hit_rmsd_mm": 1.0, "best_fit_pose": "A", "beams_compared": 1})
-    robots.heard("r", "ros2", "scan", "S")
+    robots.received("r", "ros2", "scan", "S")
     robots.looked("r", "ros2", "scan", "S", request, LookOutcome(version=1, update=report))
     assert not robots.refused("r", "ros2", "scan", "why")
     assert robots.reports().items == []

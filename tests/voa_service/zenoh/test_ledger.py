@@ -47,7 +47,7 @@ class Process:
         for _ in range(min(most, len(self.due))):
             due = self.due.pop(0)
             try:
-                answer = apply_look(self.service.inside.sessions, due)
+                answer = apply_look(self.service.inside.updates, due)
             except Failure as failure:
                 self.robot.rejected(due, failure.kind)
                 continue

@@ -21,9 +21,9 @@ from voa_msgs.links import session_config
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, rmw_key
-from voa_service.failures import Overloaded
 from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.replicas import Replicas
+from voa_store.errors import Busy
 
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 """As a lidar sends that spins up: no look of it is accepted."""
@@ -258,7 +258,7 @@ def failing_once(call: Callable[..., Any]) -> Callable[..., Any]:
 
     def called(*given: Any) -> Any:
         if next(calls, False):
-            raise Overloaded("the database does not answer")
+            raise Busy("the database does not answer")
         return call(*given)
 
     return called
@@ -270,7 +270,7 @@ def test_a_look_that_the_database_did_not_take_is_taken_again(
     own.map(robot(session, look="{ scans = 3 }"))
     heard = own.bus.hear(own.bus.keys.refused(session, "tb3_1"))
     store = own.service.inside.sessions.store
-    monkeypatch.setattr(store, "change_session", failing_once(store.change_session))
+    monkeypatch.setattr(store, "change", failing_once(store.change))
     own.revolutions(3)
     wait_for(lambda: problems(heard, "urn:voa:problem:overloaded"), "the refusal")
     assert "not accepted (overloaded)" in own.report()["waiting_for"]

@@ -14,11 +14,11 @@ from voa_core.filtering import Belief
 from voa_msgs.keys import Keys
 from voa_msgs.sessions import Session
 from voa_service.failures import InvalidRequest
-from voa_service.ports import SessionState
 from voa_service.runtime.metrics import Metrics
 from voa_service.usecases.health import Link
 from voa_service.zenoh import outbox as module
 from voa_service.zenoh.outbox import Outbox
+from voa_store.records import SessionState
 
 KEYS = Keys()
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)

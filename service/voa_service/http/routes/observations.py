@@ -15,9 +15,9 @@ from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import answer, versioned
-from voa_service.ports import Answered
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
+from voa_store.records import StoredResponse
 
 _WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
 
@@ -25,7 +25,7 @@ _WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
 def routes(services: Services) -> APIRouter:
     """Scans in, beliefs out."""
     router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
-    sessions = services.sessions
+    updates = services.updates
 
     @router.post(
         "/sessions/{id}/scans",
@@ -42,9 +42,9 @@ def routes(services: Services) -> APIRouter:
         """Update the belief by a raw scan; one that is not accepted changes nothing and says why."""
         body = await http.body()
 
-        def done() -> Answered:
+        def done() -> StoredResponse:
             named = idempotency_key(key, scope_of(id), "scan", request)
-            return sessions.apply_scan(id, request, write_of("scan", body, named, versions(if_match)))
+            return updates.apply_scan(id, request, write_of("scan", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
 
@@ -59,9 +59,9 @@ def routes(services: Services) -> APIRouter:
         """Replace the belief; null: back to the session's prior."""
         body = await http.body()
 
-        def done() -> Answered:
+        def done() -> StoredResponse:
             named = idempotency_key(key, scope_of(id), "belief", request)
-            return sessions.put_belief(id, request, write_of("belief", body, named, versions(if_match)))
+            return updates.put_belief(id, request, write_of("belief", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
 
@@ -80,15 +80,15 @@ def routes(services: Services) -> APIRouter:
         """Update the belief by what came of a grasp attempt that left the object where it was."""
         body = await http.body()
 
-        def done() -> Answered:
+        def done() -> StoredResponse:
             named = idempotency_key(key, scope_of(id), "outcome", request)
-            return sessions.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
+            return updates.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
 
     @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
     async def update_once(request: UpdateRequest) -> Response:
         """Update the belief in the request (null: the scenario's prior); nothing is stored."""
-        return await answer(services.reads, lambda: sessions.update_once(request))
+        return await answer(services.reads, lambda: updates.update_once(request))
 
     return router

@@ -8,9 +8,9 @@ from fastapi import Query, Request, Response
 from pydantic import BaseModel
 
 from voa_service.http.headers import etag
-from voa_service.ports import Answered
 from voa_service.requests.large_json import dumped
 from voa_service.runtime.queues import WorkQueue
+from voa_store.records import StoredResponse
 
 PageLimit = Annotated[int, Query(ge=1, le=1000, description="Most items of the page.")]
 After = Annotated[str | None, Query(description="`next` of the page before; without it, from the start.")]
@@ -54,7 +54,7 @@ async def created(queue: WorkQueue, work: Callable[[], tuple[BaseModel, bool]]) 
     return Response(body, 201 if new else 200, media_type="application/json")
 
 
-async def versioned(queue: WorkQueue, work: Callable[[], Answered], status: int = 200) -> Response:
+async def versioned(queue: WorkQueue, work: Callable[[], StoredResponse], status: int = 200) -> Response:
     """What a write was answered, with the session's version as ETag."""
     done = await queue.run(work)
     return Response(done.body, status, etag(done.version), "application/json")

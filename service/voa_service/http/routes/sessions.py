@@ -12,9 +12,9 @@ from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, versioned
-from voa_service.ports import Answered
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.services import Services
+from voa_store.records import StoredResponse
 
 
 def routes(services: Services) -> APIRouter:
@@ -27,7 +27,7 @@ def routes(services: Services) -> APIRouter:
         """Open a session: version 0, the prior as belief; the scans of `robots` go to it from now on."""
         body = await http.body()
 
-        def done() -> Answered:
+        def done() -> StoredResponse:
             named = idempotency_key(key, ANYONE, "create session", request)
             return sessions.create(request, write_of("prior", body, named))
 
@@ -41,7 +41,7 @@ def routes(services: Services) -> APIRouter:
     @router.get("/sessions/{id}", response_model=Session, responses=problems(404, 422, 503))
     async def get_session(id: str) -> Response:
         """One session as it stands."""
-        return await versioned(services.reads, lambda: sessions.answered(id))
+        return await versioned(services.reads, lambda: sessions.response(id))
 
     @router.delete("/sessions/{id}", status_code=204, responses=problems(404, 412, 422, 503))
     async def delete_session(
