@@ -16,6 +16,7 @@ behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mappin
 | `requests/`    | reads requests for every entrypoint: bodies, limits, attachments, idempotency keys      |
 | `guard`        | turns every error that leaves an entrypoint's work into a failure                       |
 | `failures`     | the failures that callers see: kind, status and title of each problem document          |
+| `described`    | describes these failures for the OpenAPI document                                       |
 | `usecases/`    | the operations of the service, without a protocol and without a database                |
 | `mapping/`     | converts messages to the mathematics and back                                           |
 | `ports`        | interfaces of the use cases to the store, the clock, ids and the reader of meshes       |

@@ -50,7 +50,7 @@ class ReceivedScan:
         payload: the scan, as JSON or CDR.
         encoding: of the payload, as Zenoh states it.
         attachment: bytes beside the payload, if there are any.
-        name: of the sample, unique to it; None: the sample has nothing to tell it from an equal one.
+        name: of the sample, unique to it; None: an equal sample could not be distinguished.
         is_deferred: True where another replica is responsible for it, and should have handled it before.
     """
 
