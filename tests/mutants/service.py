@@ -5,16 +5,16 @@ from tests.mutants.mutant import Mutant
 MUTANTS = (
     Mutant(
         name="updated_at stays where a session is observed",
-        file="service/voa_service/usecases/sessions.py",
-        old="                last_fit_rmsd_mm=fit_rmsd_mm,\n                updated_at=self.now(),\n",
-        new="                last_fit_rmsd_mm=fit_rmsd_mm,\n",
+        file="service/voa_service/usecases/updates.py",
+        old="version=state.version + 1, updated_at=self.sessions.now(), **changes)",
+        new="version=state.version + 1, **changes)",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
         name="updated_at stays where a belief is put",
-        file="service/voa_service/usecases/sessions.py",
-        old="belief=belief, updated_at=self.now())",
-        new="belief=belief)",
+        file="service/voa_service/usecases/updates.py",
+        old="self._next_version(change.state, belief",
+        new="replace(change.state, version=change.state.version + 1, belief",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
@@ -26,23 +26,23 @@ MUTANTS = (
     ),
     Mutant(
         name="an outcome erases last_fit_rmsd_mm",
-        file="service/voa_service/usecases/sessions.py",
-        old="done, report, state.last_fit_rmsd_mm, warnings)",
-        new="done, report, None, warnings)",
+        file="service/voa_service/mapping/observations.py",
+        old="return before if self.evidence is None",
+        new="return None if self.evidence is None",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
         name="a belief that is put erases last_fit_rmsd_mm",
-        file="service/voa_service/usecases/sessions.py",
-        old="belief=belief, updated_at=self.now())",
-        new="belief=belief, last_fit_rmsd_mm=None, updated_at=self.now())",
+        file="service/voa_service/usecases/updates.py",
+        old="self._next_version(change.state, belief=belief, ",
+        new="self._next_version(change.state, belief=belief, last_fit_rmsd_mm=None, ",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
         name="an update once has a fit although it is not accepted",
-        file="service/voa_service/usecases/sessions.py",
-        old="evidence.fit_rmsd_mm if done.accepted else None,",
-        new="evidence.fit_rmsd_mm,",
+        file="service/voa_service/usecases/updates.py",
+        old="observation.fit_rmsd_mm(None) if updated.report.accepted else None,",
+        new="observation.fit_rmsd_mm(None),",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(
@@ -81,9 +81,9 @@ MUTANTS = (
         tests="tests/voa_store/test_conformance.py",
     ),
     Mutant(
-        name="a session that existed before is announced",
+        name="a session that existed already is published",
         file="service/voa_service/usecases/sessions.py",
-        old="if answered is given:",
+        old="if response is own:",
         new="if True:",
         tests="tests/contract/test_sessions.py",
     ),
@@ -130,7 +130,7 @@ MUTANTS = (
         tests="tests/voa_service/mapping/test_models.py",
     ),
     Mutant(
-        name="the report of the robot received last is dropped",
+        name="the newest report of a robot is dropped",
         file="service/voa_service/usecases/robots.py",
         old="oldest = min(",
         new="oldest = max(",
@@ -153,8 +153,8 @@ MUTANTS = (
     Mutant(
         name="nobody's robot goes to the newest session",
         file="service/voa_store/claims.py",
-        old="return Found(None, settled=True)",
-        new="return _found(connection, None, scenario)",
+        old="return Assignment(None, settled=True)",
+        new="return _assignment(connection, None, scenario)",
         tests="tests/voa_store/test_claims.py",
     ),
     Mutant(
@@ -175,7 +175,7 @@ MUTANTS = (
         name="of processes that settle each believes itself",
         file="service/voa_store/claims.py",
         old="    return find(connection, robot, scenario).id  #",
-        new="    return found.id  #",
+        new="    return assignment.id  #",
         tests="tests/voa_store/test_claims.py",
     ),
     Mutant(

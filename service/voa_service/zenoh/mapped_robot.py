@@ -102,7 +102,7 @@ class MappedRobot:
         Raises:
             Failure: the message cannot be used, or there is no session for it.
         """
-        with self._lock:
+        with self._lock, guarded():
             if sample.type == LASER_SCAN:
                 self._services.robots.received(self.name, "ros2", sample.key, self._session)
             looks = self._following(sample.type)
@@ -218,7 +218,7 @@ class MappedRobot:
                     self._begin_on(scenario)
         except Failure as failure:
             if failure.kind in _ABSENT or self._looks is None:
-                self._missing = f"the scenario or session of the mapping: {failure.detail}"
+                self._missing = f"the mapping's scenario or session: {failure.detail}"
             raise
         self._missing = self._none() if session is None else None
         if session is None:

@@ -149,7 +149,7 @@ class Ros2:
         if sample.kind != zenoh.SampleKind.PUT or named is None:
             return
         if named.type_name not in (None, type_.name):
-            detail = f"expected a {type_.name}, got a {named.type_name}: is it the right topic?"
+            detail = f"expected a {type_.name}, found a {named.type_name}: is it the right topic?"
             self._refuse(robot, key, InvalidRequest(detail))
             return
         size, most = len(sample.payload), self._services.limits.scan_bytes

@@ -193,7 +193,7 @@ def _fields(received: ReceivedScan, services: Services) -> dict[str, Any]:
     if kind == "application/cdr" or (bare and received.payload[:1] == b"\0"):
         type_ = type_name(schema)
         if type_ not in (None, LASER_SCAN.name):
-            raise InvalidRequest(f"expected a {LASER_SCAN.name}, got a {type_}")
+            raise InvalidRequest(f"expected a {LASER_SCAN.name}, found a {type_}")
         try:
             scan = decode_laser_scan(received.payload, services.limits.beams)
         except InvalidCdr as error:
