@@ -7,7 +7,7 @@ import numpy as np
 
 from voa_meshes.gltf import DRACO, INSTANCING, VISIBILITY, Document, Mesh, Node, Primitive, named, read_document
 from voa_meshes.gltf_buffers import Buffers, item
-from voa_meshes.triangles import Floats, Indices, Triangles, Unreadable
+from voa_meshes.triangles import Floats, Indices, Triangles, UnreadableMesh
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
 _HEADER = struct.Struct("<4sII")
@@ -19,7 +19,7 @@ def read_glb(content: bytes) -> Triangles:
     """Read the meshes of a GLB file's scene, where its nodes put them; axes stay the file's.
 
     Raises:
-        Unreadable: the file is not glTF 2.0, not whole, or has something whose shape is not known here.
+        UnreadableMesh: the file is not glTF 2.0, not whole, or uses an extension that this reader does not support.
     """
     text, binary = _chunks(content)
     document = read_document(text)
@@ -38,46 +38,48 @@ def read_glb(content: bytes) -> Triangles:
         faces.append((shape.faces[:, ::-1] if mirrored else shape.faces) + known)
         known += len(shape.vertices)
     if not faces:
-        raise Unreadable("its scene has no mesh")
+        raise UnreadableMesh("its scene has no mesh")
     return Triangles(np.concatenate(vertices), np.concatenate(faces))
 
 
 def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
-    """The document and the binary buffer."""
+    """Split a GLB file into its JSON document and its binary buffer, if it has one."""
     if len(content) < _HEADER.size:
-        raise Unreadable("expected the header of a GLB file")
+        raise UnreadableMesh("expected the header of a GLB file")
     magic, version, length = _HEADER.unpack_from(content)
     if magic != b"glTF":
-        raise Unreadable("expected a file that begins with 'glTF' (a .gltf file with others beside it is none)")
+        raise UnreadableMesh(
+            "expected a file that begins with 'glTF' (a .gltf file, with its buffers in other files, is not GLB)"
+        )
     if version != 2:
-        raise Unreadable(f"expected glTF 2, got version {version}")
+        raise UnreadableMesh(f"expected glTF 2, got version {version}")
     if length > len(content):
-        raise Unreadable(f"the header says {length} bytes, the file has {len(content)}: is it cut off?")
-    found: list[tuple[int, bytes]] = []
+        raise UnreadableMesh(f"the header says {length} bytes, the file has {len(content)}: is it cut off?")
+    chunks: list[tuple[int, bytes]] = []
     at = _HEADER.size
     while at + _CHUNK.size <= length:
         size, kind = _CHUNK.unpack_from(content, at)
         at += _CHUNK.size
         if at + size > length:
-            raise Unreadable(f"a chunk says {size} bytes, the file has {length - at}: is it cut off?")
-        found.append((kind, content[at : at + size]))
+            raise UnreadableMesh(f"a chunk says {size} bytes, the file has {length - at}: is it cut off?")
+        chunks.append((kind, content[at : at + size]))
         at += size
-    if not found or found[0][0] != _JSON:
-        raise Unreadable("expected a chunk of JSON first")
-    return found[0][1], next((data for kind, data in found[1:2] if kind == _BIN), None)
+    if not chunks or chunks[0][0] != _JSON:
+        raise UnreadableMesh("expected a chunk of JSON first")
+    return chunks[0][1], next((data for kind, data in chunks[1:2] if kind == _BIN), None)
 
 
 def _placed(document: Document, buffers: Buffers) -> Iterator[tuple[Node, Floats]]:
-    """The nodes of the scene with a mesh, and where they are; one per instance."""
+    """Yield the nodes of the scene that have a mesh, each with its matrix (4, 4) to the scene; once per instance."""
     if document.scene is None and len(document.scenes) != 1:
-        raise Unreadable(f"it has {len(document.scenes)} scenes and does not say which is meant")
+        raise UnreadableMesh(f"it has {len(document.scenes)} scenes and does not say which of them to show")
     roots = item(document.scenes, document.scene or 0, "scene").nodes
     waiting = [(index, np.eye(4)) for index in reversed(roots)]
     seen: set[int] = set()
     while waiting:
         index, parent = waiting.pop()
         if index in seen:
-            raise Unreadable(f"node {index} is below two nodes, or below itself")
+            raise UnreadableMesh(f"node {index} is a child of two nodes, or of itself")
         seen.add(index)
         node = item(document.nodes, index, "node")
         if node.extensions.get(VISIBILITY, {}) == {"visible": False}:
@@ -85,36 +87,36 @@ def _placed(document: Document, buffers: Buffers) -> Iterator[tuple[Node, Floats
         matrix = parent @ _matrix(node, index)
         if node.mesh is not None:
             if node.skin is not None:
-                raise Unreadable(f"a skin (node {index}) is not supported: export the mesh without its bones")
+                raise UnreadableMesh(f"a skin (node {index}) is not supported: export the mesh without its bones")
             for instance in _instances(node, index, buffers):
                 yield node, matrix @ instance
         waiting += [(child, matrix) for child in reversed(node.children)]
 
 
 def _matrix(node: Node, index: int) -> Floats:
-    """Where a node is in its parent's frame, (4, 4)."""
+    """Return the transform (4, 4) from a node's frame to its parent's."""
     if node.matrix is None:
         own = np.array([node.translation]), np.array([node.rotation]), np.array([node.scale])
         return _transforms(*own, index).reshape(4, 4)
     matrix = np.array(node.matrix, dtype=np.float64).reshape(4, 4).T
     if not np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=1e-6):
-        raise Unreadable(f"node {index}: expected 0, 0, 0, 1 in the last row of its matrix")
+        raise UnreadableMesh(f"node {index}: expected 0, 0, 0, 1 in the last row of its matrix")
     return matrix
 
 
 def _instances(node: Node, index: int, buffers: Buffers) -> Floats:
-    """Where the copies of a node's mesh are in its frame, (n, 4, 4); one at its origin unless it says so."""
+    """Return the transforms (n, 4, 4) of the copies of a node's mesh; the identity alone where it is not instanced."""
     if INSTANCING not in node.extensions:
         return np.eye(4)[None]
     said = node.extensions[INSTANCING]
     attributes = said.get("attributes") if isinstance(said, dict) else None
     kinds = {"TRANSLATION": "VEC3", "ROTATION": "VEC4", "SCALE": "VEC3"}
     if not isinstance(attributes, dict) or not all(type(each) is int and each >= 0 for each in attributes.values()):
-        raise Unreadable(f"node {index}: expected attributes of {INSTANCING}")
+        raise UnreadableMesh(f"node {index}: expected attributes of {INSTANCING}")
     given = {name: buffers.vectors(attributes[name], kinds[name]) for name in kinds if name in attributes}
     counts = {len(values) for values in given.values()}
     if len(counts) != 1:
-        raise Unreadable(f"node {index}: expected as many values in each attribute of {INSTANCING}")
+        raise UnreadableMesh(f"node {index}: expected as many values in each attribute of {INSTANCING}")
     count = counts.pop()
     usual = {"TRANSLATION": [0.0, 0.0, 0.0], "ROTATION": [0.0, 0.0, 0.0, 1.0], "SCALE": [1.0, 1.0, 1.0]}
     placed = [given.get(name, np.tile(usual[name], (count, 1))) for name in kinds]
@@ -122,10 +124,10 @@ def _instances(node: Node, index: int, buffers: Buffers) -> Floats:
 
 
 def _transforms(translations: Floats, rotations: Floats, scales: Floats, index: int) -> Floats:
-    """Matrices (n, 4, 4) from translations (n, 3), quaternions x, y, z, w (n, 4) and scales (n, 3)."""
+    """Make matrices (n, 4, 4) from translations (n, 3), quaternions x, y, z, w (n, 4) and scales (n, 3)."""
     lengths = np.linalg.norm(rotations, axis=1)
     if not (np.abs(lengths - 1.0) < 0.05).all():
-        raise Unreadable(f"node {index}: expected a quaternion of length 1 for its rotation")
+        raise UnreadableMesh(f"node {index}: expected a quaternion of length 1 for its rotation")
     x, y, z, w = (rotations / lengths[:, None]).T
     turned = np.array(
         [
@@ -141,7 +143,7 @@ def _transforms(translations: Floats, rotations: Floats, scales: Floats, index: 
 
 
 def _shape(mesh: Mesh, weights: tuple[float, ...], buffers: Buffers) -> Triangles:
-    """A mesh in its own frame, its morph targets added as far as the weights say."""
+    """Join the primitives of a mesh in its own frame, with its morph targets added by their weights."""
     vertices, faces, known = [], [], 0
     for primitive in mesh.primitives:
         points = _points(primitive, weights, buffers)
@@ -149,39 +151,41 @@ def _shape(mesh: Mesh, weights: tuple[float, ...], buffers: Buffers) -> Triangle
         vertices.append(points)
         known += len(points)
     if not faces:
-        raise Unreadable("a mesh has no primitives")
+        raise UnreadableMesh("a mesh has no primitives")
     return Triangles(np.concatenate(vertices), np.concatenate(faces))
 
 
 def _points(primitive: Primitive, weights: tuple[float, ...], buffers: Buffers) -> Floats:
     if "POSITION" not in primitive.attributes:
-        raise Unreadable("a primitive has no POSITION")
+        raise UnreadableMesh("a primitive has no POSITION")
     index = primitive.attributes["POSITION"]
     accessor = item(buffers.document.accessors, index, "accessor")
     if DRACO in primitive.extensions and accessor.buffer_view is None:
-        raise Unreadable(f"{named(DRACO)} is not supported: export the mesh without it")
+        raise UnreadableMesh(f"{named(DRACO)} is not supported: export the mesh without it")
     points = buffers.vectors(index, "VEC3")
     if primitive.targets and weights and len(weights) != len(primitive.targets):
-        raise Unreadable(f"a mesh has {len(weights)} weights for {len(primitive.targets)} morph targets")
+        raise UnreadableMesh(f"a mesh has {len(weights)} weights for {len(primitive.targets)} morph targets")
     for target, weight in zip(primitive.targets, weights, strict=False):
         if weight != 0.0 and "POSITION" in target:
             moved = buffers.vectors(target["POSITION"], "VEC3")
             if len(moved) != len(points):
-                raise Unreadable(f"a morph target has {len(moved)} vertices, its mesh {len(points)}")
+                raise UnreadableMesh(f"a morph target has {len(moved)} vertices, its mesh {len(points)}")
             points = points + weight * moved
     return points
 
 
 def _triangles(primitive: Primitive, vertices: int, buffers: Buffers) -> Indices:
-    """The triangles of a primitive, of a list, a strip or a fan."""
+    """Return the triangles (f, 3) of a primitive that is a list, a strip or a fan of triangles."""
     if primitive.mode in _MODES:
-        raise Unreadable(f"{_MODES[primitive.mode]} (mode {primitive.mode}) are no surface: export triangles alone")
+        raise UnreadableMesh(
+            f"{_MODES[primitive.mode]} (mode {primitive.mode}) are not a surface: export triangles alone"
+        )
     corners = np.arange(vertices) if primitive.indices is None else buffers.indices(primitive.indices)
     if len(corners) and corners.max() >= vertices:
-        raise Unreadable(f"a primitive refers to vertex {corners.max()}, of vertices 0 to {vertices - 1}")
+        raise UnreadableMesh(f"a primitive refers to vertex {corners.max()}, of vertices 0 to {vertices - 1}")
     if primitive.mode == 4:
         if len(corners) % 3:
-            raise Unreadable(f"expected 3 corners for each triangle, got {len(corners)}")
+            raise UnreadableMesh(f"expected 3 corners for each triangle, got {len(corners)}")
         return corners.reshape(-1, 3)
     ahead = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
     if primitive.mode == 5:
@@ -190,4 +194,4 @@ def _triangles(primitive: Primitive, vertices: int, buffers: Buffers) -> Indices
     if primitive.mode == 6:
         ahead[:, 0] = corners[:1]
         return ahead
-    raise Unreadable(f"glTF has no mode {primitive.mode}")
+    raise UnreadableMesh(f"glTF has no mode {primitive.mode}")

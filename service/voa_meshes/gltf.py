@@ -1,11 +1,11 @@
-"""The part of glTF 2.0's document that says where triangles are; what it says of looks and motion is passed over."""
+"""The part of a glTF 2.0 document that defines triangles; materials, textures, cameras and animations are ignored."""
 
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.alias_generators import to_camel
 
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 Count = Annotated[int, Field(strict=True, ge=0)]
 Index = Count
@@ -26,7 +26,7 @@ class Asset(_Part):
 
 
 class Buffer(_Part):
-    """A buffer of bytes: at an address, or, where there is none, in the file itself."""
+    """A buffer of bytes: at a URI, or in the file itself where it has none."""
 
     byte_length: Count
     uri: str | None = None
@@ -133,31 +133,33 @@ _NAMES = {
 DRACO, MESHOPT = "KHR_draco_mesh_compression", ("EXT_meshopt_compression", "KHR_meshopt_compression")
 INSTANCING, VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
 _SUPPORTED = (INSTANCING, VISIBILITY, "KHR_mesh_quantization")
-_LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")
-"""How the names of extensions begin that say nothing of the shape."""
+_APPEARANCE = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")
+"""Prefixes of the names of extensions that do not change the shape of a mesh."""
 
 
 def named(extension: str) -> str:
-    """Return what a message calls an extension."""
+    """Return the name of an extension for a message."""
     return f"{_NAMES[extension]} ({extension})" if extension in _NAMES else f"the glTF extension {extension[:80]!a}"
 
 
 def read_document(text: bytes) -> Document:
-    """Read the document, and refuse what it requires and this package does not support.
+    """Read a glTF document, and refuse required extensions that this package does not support.
 
     Raises:
-        Unreadable: it is not glTF 2.0's, or requires an extension that would change the shape.
+        UnreadableMesh: the document is not glTF 2.0, or requires an extension that would change the shape.
     """
     try:
         document = Document.model_validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(str(step) for step in first["loc"])[:80]
-        raise Unreadable(f"its glTF document is not as expected: {where}: {first['msg']}".replace("\n", " ")) from error
+        raise UnreadableMesh(
+            f"its glTF document is not as expected: {where}: {first['msg']}".replace("\n", " ")
+        ) from error
     versions = {document.asset.version, document.asset.min_version or document.asset.version}
     if any(not version.startswith("2.") for version in versions) or document.asset.min_version not in (None, "2.0"):
-        raise Unreadable(f"expected glTF 2.0, got {', '.join(sorted(versions))[:40]!a}")
+        raise UnreadableMesh(f"expected glTF 2.0, got {', '.join(sorted(versions))[:40]!a}")
     for extension in document.extensions_required:
-        if extension not in _SUPPORTED and not extension.startswith(_LOOKS):
-            raise Unreadable(f"{named(extension)} is not supported: export the mesh without it")
+        if extension not in _SUPPORTED and not extension.startswith(_APPEARANCE):
+            raise UnreadableMesh(f"{named(extension)} is not supported: export the mesh without it")
     return document

@@ -8,7 +8,7 @@ import numpy as np
 
 from voa_meshes.polygons import triangulated
 from voa_meshes.text import narrow, numbers, shown, with_newlines
-from voa_meshes.triangles import Floats, Indices, Triangles, Unreadable
+from voa_meshes.triangles import Floats, Indices, Triangles, UnreadableMesh
 
 _FACE = (b"f", b"fo")
 _NAMES = frozenset(b"g o usemtl usemap mtllib maplib shadow_obj trace_obj".split())
@@ -17,7 +17,7 @@ _HARMLESS = _NAMES | frozenset(
     b"vt vn vp p l s mg bevel c_interp d_interp lod ctech stech cstype deg bmat step curv curv2 parm trim hole scrv sp "
     b"end con cdc res".split()
 )
-"""Statements that say nothing about the polygons."""
+"""Statements that do not change the polygons."""
 _REFUSED = {
     b"surf": "a free-form surface",
     b"bsp": "a B-spline patch",
@@ -31,10 +31,10 @@ _FARTHEST = 2**31
 
 
 def read_obj(content: bytes) -> Triangles:
-    """Read an OBJ file: `v` and `f`; texture, normals, names, points and lines are passed over.
+    """Read an OBJ file: `v` and `f`; textures, normals, names, points and lines are ignored.
 
     Raises:
-        Unreadable: a statement is none of OBJ, is not supported, or has not the numbers that it must have.
+        UnreadableMesh: a statement is unknown or not supported, or its numbers are missing.
     """
     vertices, faces = _Vertices(), _Faces()
     for line, statement in _statements(with_newlines(narrow(content))):
@@ -44,15 +44,15 @@ def read_obj(content: bytes) -> Triangles:
         elif kind in _FACE:
             faces.take(line, statement, len(vertices))
         elif kind in _REFUSED:
-            raise Unreadable(f"{_REFUSED[kind]} ({kind.decode()}) is not supported (line {line})")
+            raise UnreadableMesh(f"{_REFUSED[kind]} ({kind.decode()}) is not supported (line {line})")
         elif kind not in _HARMLESS:
-            raise Unreadable(f"OBJ has no statement {shown(kind)} (line {line})")
+            raise UnreadableMesh(f"OBJ has no statement {shown(kind)} (line {line})")
     points = vertices.points()
     return Triangles(points, faces.triangles(points))
 
 
 def _statements(text: bytes) -> Iterator[tuple[int, bytes]]:
-    """The statements that are not empty, without comments, continued lines joined, with the number of their line."""
+    """Yield each statement with the number of its first line, without comments, its continued lines joined."""
     lines = text.split(b"\n")
     if b"#" in text:
         lines = [line.partition(b"#")[0] for line in lines]
@@ -73,13 +73,13 @@ def _statements(text: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _ends_in_a_path(parts: list[bytes], following: bytes) -> bool:
-    """Whether a backslash ends a name such as `C:\\meshes\\`, for the next line is a statement of its own."""
+    """Return True where a backslash ends a name such as `C:\\meshes\\`: the next line is then a statement."""
     kind, after = parts[0].split(None, 1)[:1], following.split(None, 1)[:1]
     return kind[:1] != [] and kind[0] in _NAMES and after != [] and after[0] in (b"v", *_FACE, *_HARMLESS)
 
 
 class _Vertices:
-    """The `v` statements: x, y, z; then a weight, or a colour with or without one, which change no place."""
+    """The `v` statements: x, y, z, and perhaps a weight of 1 or a colour, which do not move the vertex."""
 
     def __init__(self) -> None:
         self._numbers = array("d")
@@ -90,14 +90,14 @@ class _Vertices:
     def take(self, line: int, statement: bytes) -> None:
         words = statement.split()[1:]
         try:
-            found = numbers(words)
+            values = numbers(words)
         except ValueError:
-            found = []
-        if len(found) not in (3, 4, 6, 7):
-            raise Unreadable(f"expected x, y and z of a vertex, got {shown(b' '.join(words))} (line {line})")
-        if len(found) == 4 and found[3] != 1.0:
-            raise Unreadable(f"a vertex with the weight {found[3]:g} is not supported (line {line})")
-        self._numbers.extend(found[:3])
+            values = []
+        if len(values) not in (3, 4, 6, 7):
+            raise UnreadableMesh(f"expected x, y and z of a vertex, got {shown(b' '.join(words))} (line {line})")
+        if len(values) == 4 and values[3] != 1.0:
+            raise UnreadableMesh(f"a vertex with the weight {values[3]:g} is not supported (line {line})")
+        self._numbers.extend(values[:3])
 
     def points(self) -> Floats:
         return np.array(self._numbers, dtype=np.float64).reshape(-1, 3)
@@ -112,21 +112,21 @@ class _Faces:
     def take(self, line: int, statement: bytes, known: int) -> None:
         words = statement.split()[1:]
         if not _CORNERS.fullmatch(statement.split(None, 1)[-1] if words else b""):
-            raise Unreadable(f"expected the vertices of a face, got {shown(b' '.join(words))} (line {line})")
+            raise UnreadableMesh(f"expected the vertices of a face, got {shown(b' '.join(words))} (line {line})")
         if len(words) < 3:
-            raise Unreadable(f"expected at least 3 corners of a face, got {len(words)} (line {line})")
-        found = list(map(int, (word.partition(b"/")[0] for word in words) if b"/" in statement else words))
-        least, most = min(found), max(found)
-        if 0 in found:
-            raise Unreadable(f"OBJ has no index 0: its vertices are counted from 1 (line {line})")
+            raise UnreadableMesh(f"expected at least 3 corners of a face, got {len(words)} (line {line})")
+        indices = list(map(int, (word.partition(b"/")[0] for word in words) if b"/" in statement else words))
+        least, most = min(indices), max(indices)
+        if 0 in indices:
+            raise UnreadableMesh(f"OBJ has no index 0: its vertices are counted from 1 (line {line})")
         if least < -known:
-            raise Unreadable(f"a face refers to vertex {least}, of {known} before it (line {line})")
+            raise UnreadableMesh(f"a face refers to vertex {least}, but only {known} stand before it (line {line})")
         if most >= _FARTHEST:
-            raise Unreadable(f"a face refers to vertex {shown(str(most).encode())} (line {line})")
+            raise UnreadableMesh(f"a face refers to vertex {shown(str(most).encode())} (line {line})")
         if least < 0:
-            found = [known + index + 1 if index < 0 else index for index in found]
-        self._corners.extend(index - 1 for index in found)
-        self._sizes.append(len(found))
+            indices = [known + index + 1 if index < 0 else index for index in indices]
+        self._corners.extend(index - 1 for index in indices)
+        self._sizes.append(len(indices))
         self._lines.append(line)
 
     def triangles(self, points: Floats) -> Indices:
@@ -134,5 +134,7 @@ class _Faces:
         beyond = np.flatnonzero(corners >= len(points))
         if len(beyond):
             line = self._lines[int(np.searchsorted(np.cumsum(sizes), beyond[0], side="right"))]
-            raise Unreadable(f"a face refers to vertex {corners[beyond[0]] + 1}, of {len(points)} (line {line})")
+            raise UnreadableMesh(
+                f"a face refers to vertex {corners[beyond[0]] + 1}, but the file has only {len(points)} (line {line})"
+            )
         return triangulated(points, corners, sizes, lambda face: f"line {self._lines[face]}")

@@ -1,4 +1,4 @@
-"""The header of a PLY file: which elements follow, and what each record of them has."""
+"""The header of a PLY file, which lists its elements and the properties of their records."""
 
 import re
 from collections import Counter
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from voa_meshes.text import shown
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 _TYPES |= {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"}
@@ -23,9 +23,9 @@ class Property:
     """A property of an element: one value of each record, or a list of values.
 
     Attributes:
-        name: what it says of the element.
-        type: numpy's code without a byte order, of the values.
-        counted_by: the same of the number of values before a list; None where there is one value.
+        name: of the property, unique in its element.
+        type: numpy's code of the values' type, without a byte order.
+        counted_by: numpy's code of the type of a list's length; None where the property is one value.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Header:
     Attributes:
         order: numpy's sign of the byte order; None for text.
         elements: in the order of the data, no name twice.
-        data_at: where the data begin.
+        data_at: offset of the first record in the file, in bytes.
     """
 
     order: str | None
@@ -57,7 +57,7 @@ class Header:
     data_at: int
 
     def element(self, name: str) -> Element | None:
-        """Return the element of a name, or None."""
+        """Return the element with a name, or None where the file has none."""
         return next((element for element in self.elements if element.name == name), None)
 
 
@@ -65,17 +65,17 @@ def read_header(content: bytes) -> Header:
     """Read the header at the beginning of a file.
 
     Raises:
-        Unreadable: it is not PLY's, or not whole.
+        UnreadableMesh: the header is not that of a PLY file, or is cut off.
     """
     start, end = _START.match(content), _END.search(content)
     if start is None or end is None:
-        raise Unreadable("expected a header from 'ply' to 'end_header'")
+        raise UnreadableMesh("expected a header from 'ply' to 'end_header'")
     newline = start[1]
     data_at = end.end() + (len(newline) if content.startswith(newline, end.end()) else 1)
     order, elements = "", list[Element]()
     lines = re.split(rb"[\r\n]+", content[start.end() : end.start()])
     if len(lines) > _MOST_LINES:
-        raise Unreadable(f"expected a header of at most {_MOST_LINES} lines, got {len(lines)}")
+        raise UnreadableMesh(f"expected a header of at most {_MOST_LINES} lines, got {len(lines)}")
     for line in lines:
         words = line.decode("latin-1").split()
         match words:
@@ -89,9 +89,9 @@ def read_header(content: bytes) -> Header:
                 last = elements[-1]
                 elements[-1] = Element(last.name, last.count, (*last.properties, property_))
             case _:
-                raise Unreadable(f"the header has a line {shown(line)}, which is none of PLY 1.0's")
+                raise UnreadableMesh(f"the header has a line {shown(line)}, which PLY 1.0 does not have")
     if not order:
-        raise Unreadable("the header has no line 'format'")
+        raise UnreadableMesh("the header has no line 'format'")
     _check(elements)
     return Header(_ORDERS[order], tuple(elements), data_at)
 
@@ -110,8 +110,8 @@ def _property(words: list[str]) -> Property | None:
 def _check(elements: list[Element]) -> None:
     name, times = Counter(element.name for element in elements).most_common(1)[0] if elements else ("", 0)
     if times > 1:
-        raise Unreadable(f"the header has two elements {shown(name.encode())}")
+        raise UnreadableMesh(f"the header has two elements {shown(name.encode())}")
     for element in elements:
         properties = [property_.name for property_ in element.properties]
         if not properties or len(set(properties)) < len(properties):
-            raise Unreadable(f"the element {shown(element.name.encode())} has no properties, or two of one name")
+            raise UnreadableMesh(f"the element {shown(element.name.encode())} has no properties, or two of one name")

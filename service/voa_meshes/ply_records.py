@@ -8,7 +8,7 @@ import numpy as np
 
 from voa_meshes.ply_header import Element
 from voa_meshes.text import numbers, shown, with_newlines
-from voa_meshes.triangles import Floats, Indices, Unreadable
+from voa_meshes.triangles import Floats, Indices, UnreadableMesh
 
 _PADDING = b"\0\x1a \t\r\n"
 
@@ -34,7 +34,7 @@ class TextRecords:
         self._at = 0
 
     def take(self, element: Element) -> Records:
-        """Read the records of the next element; raises Unreadable if there are fewer."""
+        """Read the records of the next element; raises UnreadableMesh if there are fewer."""
         rows = self._lines[self._at : self._at + element.count]
         if len(rows) < element.count:
             raise _too_few(element, len(rows))
@@ -44,11 +44,13 @@ class TextRecords:
             try:
                 columns.add(numbers(row.split()))
             except ValueError as error:
-                raise Unreadable(f"{element.name} {number}: expected the header's values, got {shown(row)}") from error
+                raise UnreadableMesh(
+                    f"{element.name} {number}: expected the header's values, got {shown(row)}"
+                ) from error
         return columns.records()
 
     def one_more(self, element: Element) -> Records | None:
-        """Read what stands behind the last record, if it is one more; None if not."""
+        """Read one more record than the header announced; None where the data end, or are no record."""
         columns = _Columns(element)
         try:
             for line in self._lines[self._at : self._at + 1]:
@@ -59,7 +61,7 @@ class TextRecords:
 
 
 class _Columns:
-    """The values of records that are given one by one."""
+    """The values of records that are added one by one."""
 
     def __init__(self, element: Element) -> None:
         self._properties = element.properties
@@ -67,7 +69,7 @@ class _Columns:
         self._sizes: list[list[int]] = [[] for _ in element.properties]
 
     def add(self, row: list[float]) -> None:
-        """Take one record; raises ValueError if it has not the values of one."""
+        """Add one record; raises ValueError where it has too few or too many values."""
         at = 0
         for property_, column, sizes in zip(self._properties, self._values, self._sizes, strict=True):
             size = 1
@@ -81,39 +83,39 @@ class _Columns:
             raise ValueError("a record of another length")
 
     def records(self) -> Records:
-        """All of them."""
-        found = Records()
+        """Return the records that were added."""
+        records = Records()
         for property_, values, sizes in zip(self._properties, self._values, self._sizes, strict=True):
             column = np.array(values, dtype=np.float64)
             if property_.counted_by is None:
-                found.single[property_.name] = column
+                records.single[property_.name] = column
             else:
-                found.lists[property_.name] = np.array(sizes, dtype=np.int64), column
-        return found
+                records.lists[property_.name] = np.array(sizes, dtype=np.int64), column
+        return records
 
 
 class BytesRecords:
-    """Reads records from bytes in a byte order of numpy's."""
+    """Reads binary records, in the byte order that numpy writes as `<` or `>`."""
 
     def __init__(self, data: bytes, order: str) -> None:
         self._data, self._order, self._at = data, order, 0
 
     def take(self, element: Element) -> Records:
-        """Read the records of the next element; raises Unreadable if there are fewer."""
+        """Read the records of the next element; raises UnreadableMesh if there are fewer."""
         alike = self._alike(element) if element.count > 1 else None
         return self._walked(element) if alike is None else alike
 
     def one_more(self, element: Element) -> Records | None:
-        """Read what stands behind the last record, if it is one more; None if not, as for padding."""
+        """Read one more record than the header announced; None where the rest is padding, or no record."""
         if not self._data[self._at :].strip(_PADDING):
             return None
         try:
             return self.take(replace(element, count=1))
-        except Unreadable:
+        except UnreadableMesh:
             return None
 
     def _alike(self, element: Element) -> Records | None:
-        """The records of the next element at once, if their lists are all as long as those of the first."""
+        """Read the records of an element at once; None unless their lists are all as long as those of the first."""
         begin = self._at
         first = self._walked(replace(element, count=1))
         self._at = begin
@@ -128,21 +130,21 @@ class BytesRecords:
         if begin + element.count * dtype.itemsize > len(self._data):
             return None
         rows = np.frombuffer(self._data, dtype, element.count, begin)
-        found = Records()
+        records = Records()
         for property_ in element.properties:
             column = rows[property_.name].astype(np.float64)
             if property_.counted_by is None:
-                found.single[property_.name] = column
+                records.single[property_.name] = column
                 continue
             sizes = rows[f"#{property_.name}"].astype(np.int64)
             if (sizes != sizes[0]).any():
                 return None
-            found.lists[property_.name] = sizes, column.reshape(-1)
+            records.lists[property_.name] = sizes, column.reshape(-1)
         self._at += rows.nbytes
-        return found
+        return records
 
     def _walked(self, element: Element) -> Records:
-        """The records of the next element one after the other."""
+        """Read the records of an element one after the other."""
         layout = [
             (
                 None if each.counted_by is None else Struct(self._order + np.dtype(each.counted_by).char),
@@ -166,15 +168,15 @@ class BytesRecords:
                 values[column].append(self._data[at:end])
                 at = end
         self._at = at
-        found = Records()
+        records = Records()
         for each, (_, type_), pieces, lengths in zip(element.properties, layout, values, sizes, strict=True):
             read = np.frombuffer(b"".join(pieces), type_).astype(np.float64)
             if each.counted_by is None:
-                found.single[each.name] = read
+                records.single[each.name] = read
             else:
-                found.lists[each.name] = np.array(lengths, dtype=np.int64), read
-        return found
+                records.lists[each.name] = np.array(lengths, dtype=np.int64), read
+        return records
 
 
-def _too_few(element: Element, found: int) -> Unreadable:
-    return Unreadable(f"the header says {element.count} of {element.name!a}, the file has {found}: is it cut off?")
+def _too_few(element: Element, count: int) -> UnreadableMesh:
+    return UnreadableMesh(f"the header says {element.count} of {element.name!a}, the file has {count}: is it cut off?")

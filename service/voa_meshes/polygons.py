@@ -1,7 +1,7 @@
 """Triangles from polygons: convex, concave, not quite planar, with corners on a straight side.
 
-A polygon is looked at in its best plane, the one across Newell's normal. Where all triangles of the fan from its first
-corner turn the same way, they are the answer; any other polygon goes to ear clipping (mapbox-earcut).
+A polygon is projected onto the plane across its Newell normal. If all triangles of the fan from its first corner turn
+the same way there, the fan is the result; any other polygon is cut by ear clipping (mapbox-earcut).
 """
 
 from collections.abc import Callable, Iterator
@@ -9,9 +9,9 @@ from typing import cast
 
 import numpy as np
 
-from voa_meshes.triangles import Floats, Indices, Unreadable
+from voa_meshes.triangles import Floats, Indices, UnreadableMesh
 
-_STRAIGHT = 1e-10  # of the polygon's size, squared: areas below are none
+_STRAIGHT = 1e-10  # of the polygon's size, squared: smaller areas count as 0
 _SAME_AREA = 1e-6
 
 Triangle = tuple[int, int, int]
@@ -24,13 +24,13 @@ def triangulated(vertices: Floats, corners: Indices, sizes: Indices, name: Calla
         vertices: (v, 3).
         corners: the polygons' vertices one after the other, (sum of sizes,).
         sizes: how many corners each polygon has, at least 3, (p,).
-        name: what messages call the polygon of an index.
+        name: names the polygon of an index in messages.
 
     Returns:
         Triangles (f, 3) that turn the way their polygon does; a polygon of n corners gives n - 2 where they all differ.
 
     Raises:
-        Unreadable: the sides of a polygon cross one another.
+        UnreadableMesh: the sides of a polygon cross one another.
     """
     if (sizes == 3).all():
         return corners.reshape(-1, 3)
@@ -52,7 +52,7 @@ def triangulated(vertices: Floats, corners: Indices, sizes: Indices, name: Calla
 
 
 def _is_fan(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Whether the fan from the first corner cuts each polygon (p, n, 3) into triangles that do not overlap."""
+    """Return (p,) True where the fan from a polygon's first corner has no triangles that overlap; (p, n, 3) given."""
     arms = _flat(points)
     arms = arms[:, 1:] - arms[:, :1]
     turns = _cross(arms[:, :-1], arms[:, 1:])
@@ -65,10 +65,10 @@ def _is_fan(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
 
 
 def _flat(points: Floats) -> Floats:
-    """Polygons (p, n, 3) seen against their Newell normal, (p, n, 2): there they turn counter-clockwise."""
+    """Project polygons (p, n, 3) along their Newell normals to (p, n, 2), where they turn counter-clockwise."""
     arms = points - points[:, :1]
     normals = np.cross(arms[:, 1:-1], arms[:, 2:]).sum(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):  # without an area: not a number
+    with np.errstate(divide="ignore", invalid="ignore"):  # a polygon without an area becomes not a number
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     across = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     across -= (across * normals).sum(axis=1, keepdims=True) * normals
@@ -82,15 +82,15 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def _areas(triangles: Floats) -> Floats:
-    """Twice the area of triangles (f, 3, 2) that turn counter-clockwise; of others less than 0."""
+    """Return twice the area of triangles (f, 3, 2); negative where they turn clockwise."""
     return _cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
 
 def _clipped(points: Floats, name: str) -> Indices:
-    """Cut one polygon (n, 3) by ear clipping; triangles of its corners."""
-    kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))  # a corner said twice is one
+    """Cut one polygon (n, 3) by ear clipping; returns triangles (f, 3) of its corners."""
+    kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))  # a corner listed twice counts once
     corners = points[kept]
-    if len(kept) <= 3 or not np.isfinite(corners).all():  # what is not finite is refused later
+    if len(kept) <= 3 or not np.isfinite(corners).all():  # the reader's caller refuses these
         return kept[np.array(_fan(len(kept)), dtype=np.int64).reshape(-1, 3)]
     corners = corners / np.abs(corners).max()
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
@@ -100,7 +100,7 @@ def _clipped(points: Floats, name: str) -> Indices:
     flat /= np.abs(flat).max()
     cut = _ears(flat) if np.isfinite(flat).all() else []
     if not _is_cut(flat, cut):
-        raise Unreadable(f"{name}: the sides of its polygon cross one another; cut it into triangles")
+        raise UnreadableMesh(f"{name}: the sides of its polygon cross one another; cut it into triangles")
     return kept[cut]
 
 
@@ -109,21 +109,22 @@ def _fan(corners: int) -> list[Triangle]:
 
 
 def _ears(flat: Floats) -> list[Triangle]:
-    """Ear clipping of a polygon (n, 2), with the corners that earcut leaves out for being on a straight side."""
+    """Clip the ears of a polygon (n, 2), and put back corners on straight sides, which earcut drops."""
     import mapbox_earcut  # noqa: PLC0415 - few files need it
 
     ends = np.array([len(flat)], dtype=np.uint32)
-    found = mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
-    if _areas(flat[found]).sum() < 0.0:
-        found = found[:, ::-1]
-    triangles = [(int(a), int(b), int(c)) for a, b, c in found]
+    ears = mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
+    if _areas(flat[ears]).sum() < 0.0:
+        ears = ears[:, ::-1]
+    triangles = [(int(a), int(b), int(c)) for a, b, c in ears]
     return _with_corners_on_sides(triangles, len(flat))
 
 
 def _with_corners_on_sides(triangles: list[Triangle], corners: int) -> list[Triangle]:
-    """Split triangles at the polygon's corners that lie on their sides; more than the polygon can have if it is none.
+    """Split triangles at the polygon's corners that lie on their sides.
 
-    A side that no other triangle has is the polygon's: the corners between its ends lie on it.
+    A side of only one triangle is a side of the polygon, and the corners between its ends lie on it. For a polygon
+    whose sides cross, the number of triangles is wrong, which `_is_cut` notices.
     """
     shared = {side for triangle in triangles for side in _sides(triangle)}
     whole: list[Triangle] = []
@@ -150,7 +151,7 @@ def _sides(triangle: Triangle) -> Iterator[tuple[int, int]]:
 
 
 def _is_cut(flat: Floats, cut: list[Triangle]) -> bool:
-    """Whether triangles are a polygon (n, 2) cut up: its sides once, other sides twice, and its area."""
+    """Return True if triangles make up a polygon (n, 2): its sides once, other sides twice, and its area."""
     if len(cut) != len(flat) - 2:
         return False
     sides = {side for triangle in cut for side in _sides(triangle)}

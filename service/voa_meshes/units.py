@@ -1,12 +1,20 @@
-"""Which unit a mesh file was probably drawn in, told by the object's size."""
+"""A guess at the unit in which a mesh file was drawn, from the size of the object."""
 
 SMALL_M, LARGE_M = 3e-3, 3.0
-"""Objects that an arm grasps are hardly smaller or larger."""
+"""Range of sizes, in metres, of most objects that an arm grasps."""
 _UNITS = {"metres": 1.0, "millimetres": 1e-3, "centimetres": 1e-2}
 
 
 def unit_hint(size_m: float, scale: float) -> str:
-    """Say which `scale` would make an object that measures `size_m` at this one an object for an arm."""
+    """Suggest scales for a mesh file whose object has an unlikely size.
+
+    Args:
+        size_m: longest side of the object's bounding box in metres, with `scale` applied.
+        scale: metres per unit of the file, as the caller gave it.
+
+    Returns:
+        A sentence that names the scales under which the object measures `SMALL_M` to `LARGE_M`.
+    """
     drawn = size_m / scale
     units = [f"{unit} (scale={metres:g})" for unit, metres in _UNITS.items() if SMALL_M <= drawn * metres <= LARGE_M]
     if not units:

@@ -1,4 +1,4 @@
-"""`python -m voa_service` is `voa serve`."""
+"""Entry of `python -m voa_service`, which does the same as `voa serve`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""The composition root: builds the service from its settings. Nothing is built anywhere else."""
+"""The composition root: builds the use cases, their queues and caches from the settings."""
 
 import secrets
 import time
@@ -12,15 +12,16 @@ from threadpoolctl import threadpool_limits
 
 from voa_assets import lidar_presets
 from voa_msgs.lidars import LidarPreset
+from voa_service.guard import guarded
 from voa_service.mapping.models import Models
 from voa_service.mapping.rules import load_installed_rules
 from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.ports import Clock, IdSource
-from voa_service.requests.reading import Reader
+from voa_service.requests.bodies import Reader
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.changes import Changes
 from voa_service.runtime.feeds import Feeds
-from voa_service.runtime.memory import MemoryBudget, budget, find, processors
+from voa_service.runtime.memory import MemoryBudget, available_memory, budget, processors
 from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.services import Services
@@ -39,29 +40,38 @@ from voa_store.starting import open_store
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
 _PROBES_WAITING = 32
 _END_SECONDS = 4.0
-"""How long threads are waited for at the end; one that still works then is left behind."""
+"""Time that the end of the process waits for threads; one that still works then is abandoned."""
 _DRAIN_SECONDS = 3.0
-"""How long rankings may go on once the service is told to end."""
-_ANSWERS_BYTES = 16 * MEBIBYTE
+"""Time that rankings may go on once the service stops."""
+_RANKINGS_BYTES = 16 * MEBIBYTE
 _RESPONSES_BYTES = 16 * MEBIBYTE
 
 
 def utc_now() -> datetime:
-    """The time."""
+    """Return the current time, in UTC."""
     return datetime.now(UTC)
 
 
 def new_id() -> str:
-    """A name that nobody has yet."""
+    """Return a new random id of 16 hexadecimal digits."""
     return secrets.token_hex(8)
 
 
 @contextmanager
 def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -> Iterator[Services]:
-    """Everything behind the entrypoints; released on leaving."""
+    """Build the use cases and queues behind the entrypoints; releases them at the end of the `with` block.
+
+    Args:
+        settings: of the service.
+        now: clock.
+        ids: source of the ids of sessions and of this process.
+
+    Raises:
+        CannotOpen: the database cannot be used.
+    """
     limits = settings.limits
     store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database)
-    memory = budget(settings, find(settings), processors())
+    memory = budget(settings, available_memory(settings), processors())
     _report(memory)
     threads = Threads(memory.workers)
     cache = Cache(memory.cache * MEBIBYTE)
@@ -76,11 +86,11 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     rests = WorkQueue("stable-poses", 1, settings.queue)
     reading = WorkQueue("large", settings.readers, settings.reader_queue)
     queues = (reads, writes, probes, follows, heavy, meshes, rests, reading)
-    metrics.gauge("voa_large_requests", "Large bodies being read or waiting for it.", lambda: reading.inside)
+    metrics.gauge("voa_large_requests", "Large request bodies being parsed or waiting.", lambda: reading.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     changes.at_close(lambda: heavy.end_in(_DRAIN_SECONDS))
-    store.listen(changes.moved)
+    store.listen(changes.changed)
     robots = Robots(now, store.robot_session)
     claims = Claims(store, robots)
     sessions = Sessions(
@@ -95,14 +105,16 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     )
     reader = SubprocessMeshReader(settings.mesh_seconds, memory.mesh, limits.faces)
     feeds = Feeds(
-        changes, lambda id_, seen: follows.run(partial(versions_since, sessions, id_, seen)), settings.followers
+        changes,
+        lambda id_, seen: follows.run(partial(guarded()(versions_since), sessions, id_, seen)),
+        settings.followers,
     )
     _gauges(metrics, cache, feeds)
-    metrics.gauge("voa_read_requests", "Reads under way or waiting.", lambda: reads.inside)
+    metrics.gauge("voa_read_requests", "Reading requests under way or waiting.", lambda: reads.inside)
     metrics.gauge("voa_write_requests", "Scans and other writes under way or waiting.", lambda: writes.inside)
-    metrics.gauge("voa_heavy_requests", "Rankings and the like under way or waiting.", lambda: heavy.inside)
-    metrics.gauge("voa_mesh_requests", "Mesh files being read or waiting.", lambda: meshes.inside)
-    metrics.gauge("voa_rest_requests", "Stable poses under way or waiting.", lambda: rests.inside)
+    metrics.gauge("voa_heavy_requests", "Rankings and other heavy requests under way or waiting.", lambda: heavy.inside)
+    metrics.gauge("voa_mesh_requests", "Mesh files being read or waiting to be read.", lambda: meshes.inside)
+    metrics.gauge("voa_rest_requests", "Computations of stable poses under way or waiting.", lambda: rests.inside)
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
             yield Services(
@@ -110,7 +122,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
                 updates=Updates(sessions, metrics.observation),
-                rankings=Rankings(sessions, models, threads, Cache(_ANSWERS_BYTES), limits),
+                rankings=Rankings(sessions, models, threads, Cache(_RANKINGS_BYTES), limits),
                 robots=robots,
                 claims=claims,
                 health=HealthCheck(store, now, ids(), memory.message()),
@@ -137,16 +149,16 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
 
 
 def _report(memory: MemoryBudget) -> None:
-    """Log what the parts may hold, as a warning where that is more than there is."""
+    """Log how much memory each part may hold; a warning where the sum exceeds the available memory."""
     log = structlog.get_logger("voa")
     figures = memory.message().model_dump()
-    if memory.sum_mebibytes > memory.found.mebibytes:
-        log.warning("the parts of the service may hold more memory than there is", **figures)
+    if memory.sum_mebibytes > memory.available.mebibytes:
+        log.warning("the bounds of the service's parts exceed the available memory", **figures)
     else:
-        log.info("memory", **figures)
+        log.info("memory of the service's parts", **figures)
 
 
 def _gauges(metrics: Metrics, cache: Cache, feeds: Feeds) -> None:
-    metrics.gauge("voa_cache_bytes", "Memory held by cuts, predictions and weights.", lambda: cache.held)
-    metrics.gauge("voa_followers", "Event streams that are open.", lambda: feeds.followers)
-    metrics.gauge("voa_watched_sessions", "Sessions that somebody follows.", lambda: feeds.watched)
+    metrics.gauge("voa_cache_bytes", "Bytes of cuts, predictions and weights in the cache.", lambda: cache.held)
+    metrics.gauge("voa_followers", "Open event streams.", lambda: feeds.followers)
+    metrics.gauge("voa_watched_sessions", "Sessions that have a follower.", lambda: feeds.watched)

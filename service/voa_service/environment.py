@@ -1,4 +1,4 @@
-"""Variables `VOA_...` of the environment that nobody reads: a slip in a name would else go unnoticed."""
+"""Detection of environment variables `VOA_...` that are not settings, such as misspelt names."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -9,25 +9,25 @@ from pydantic import BaseModel
 from voa_service.settings import Settings
 
 _PREFIX = "VOA_"
-_READ_BY_OTHERS = ("VOA_CASES", "VOA_LAB_HOLDER", "VOA_SCHEMATHESIS_SEED", "VOA_TEST_SCALE")
-"""Variables that the tests read; the clients read `VOA_LIMITS__BEAMS`, which is the service's too."""
+_READ_BY_TESTS = ("VOA_CASES", "VOA_LAB_HOLDER", "VOA_SCHEMATHESIS_SEED", "VOA_TEST_SCALE")
+"""Variables that the tests read. Clients read `VOA_LIMITS__BEAMS`, which is also a setting of the service."""
 _LINKS = re.compile(r"VOA_(SERVICE_HOST|SERVICE_PORT(_\w+)?|PORT_\d+_(TCP|UDP|SCTP)(_\w+)?|NAME|ENV_\w+)")
-"""Variables that Kubernetes and Docker set in every container beside a service that is named voa."""
+"""Variables that Kubernetes and Docker set in every container that runs beside a service named voa."""
 
 
 def known_variables(settings: type[BaseModel] = Settings) -> list[str]:
-    """List the variables that are read, by name."""
-    return sorted({*_names(settings, _PREFIX), *_READ_BY_OTHERS})
+    """List the names of the variables that are read, sorted."""
+    return sorted({*_names(settings, _PREFIX), *_READ_BY_TESTS})
 
 
 def unknown_variables(names: Iterable[str]) -> dict[str, str | None]:
-    """Find the variables that begin with VOA_ and that nobody reads.
+    """Find the variables that begin with VOA_ and are not settings.
 
     Args:
-        names: of all variables of the environment.
+        names: names of all variables of the environment.
 
     Returns:
-        The closest name that is read of each, None where none is close; by name.
+        For each such variable, the setting with the most similar name, or None where none is similar.
     """
     known = known_variables()
     ours = [name for name in sorted(names) if name.upper().startswith(_PREFIX)]

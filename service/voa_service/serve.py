@@ -1,4 +1,4 @@
-"""`voa serve`: the service as a process."""
+"""The command `voa serve`: runs the service as a process."""
 
 import argparse
 import asyncio
@@ -22,26 +22,34 @@ from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
-from voa_service.http.connections.guard import Guard
+from voa_service.http.connections.supervisor import ConnectionSupervisor
+from voa_service.http.server import Server
 from voa_service.runtime import logs
-from voa_service.runtime.stopping import Deadline, Server
+from voa_service.runtime.stopping import Deadline
 from voa_service.settings import Settings, ZenohSettings
 from voa_service.zenoh.entry import on_zenoh
 from voa_store.errors import CannotOpen
 from voa_store.starting import url_without_password
 
 _COLLECT_AFTER = 50_000
-"""Lists, objects and the like that are new since the last collection."""
+"""Container objects (lists, dicts, instances) allocated since the last garbage collection that start another."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Serve until told to stop; returns the exit code."""
+    """Run the service until a signal stops it.
+
+    Args:
+        arguments: of the command line; None: those of this process.
+
+    Returns:
+        The exit code: 0 after a stop, 1 where the address or the database cannot be used, 2 for a wrong setting.
+    """
     given = {name: value for name, value in vars(_parser().parse_args(arguments)).items() if value is not None}
     inherited = given.pop("fd", None)
     bus = {name: given.pop(f"zenoh_{name}") for name in ("connect", "root") if f"zenoh_{name}" in given}
     try:
         settings = Settings(**given)
-        if bus:  # what the environment says of the rest stays
+        if bus:  # the other settings of Zenoh come from the environment
             settings = settings.model_copy(
                 update={"zenoh": ZenohSettings.model_validate(settings.zenoh.model_dump() | bus)}
             )
@@ -55,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if inherited is None and not settings.is_loopback and not settings.insecure:
         print(
             f"voa serve: {settings.host} can be reached from other machines, and anyone there could change beliefs.\n"
-            "Serve 127.0.0.1 behind a proxy with authentication, or say --insecure if the network is trusted.",
+            "Serve 127.0.0.1 behind a proxy with authentication, or add --insecure if the network is trusted.",
             file=sys.stderr,
         )
         return 2
@@ -67,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"voa serve: cannot listen on {settings.host}:{settings.port}: {error.strerror}", file=sys.stderr)
         return 1
     settings = listening_at(settings, listening)
-    # uvicorn raises the signal once more when it has ended: by default that would end the process here and now.
+    # uvicorn raises the signal again when it has stopped, which by default would end the process at once.
     signal.signal(signal.SIGTERM, _leave)
     try:
         _serve(settings, listening)
@@ -78,7 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _serve(settings: Settings, listening: socket.socket) -> None:
-    """Serve on a socket until told to stop.
+    """Serve on a socket until a signal stops the process.
 
     Raises:
         CannotOpen: the database cannot be used.
@@ -88,10 +96,10 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
         services = stack.enter_context(bootstrap.services(settings))
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        guard = Guard(settings.connections, services.metrics, files)
+        connections = ConnectionSupervisor(settings.connections, services.metrics, files)
         config = uvicorn.Config(
-            create_app(services, guard.budget),
-            http=cast(type[asyncio.Protocol], guard.protocol),  # called, never subclassed
+            create_app(services, connections.budget),
+            http=cast(type[asyncio.Protocol], connections.protocol),  # called, never subclassed
             ws="none",
             log_config=None,
             access_log=False,
@@ -108,29 +116,31 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
             zenoh=settings.zenoh.connect,
         )
         _collect_seldom()
-        Server(config, services.changes, guard, deadline, settings.stop_seconds).run([listening])
+        Server(config, services.changes, connections, deadline, settings.stop_seconds).run([listening])
 
 
 def _leave(*_: object) -> None:
-    """End the process in order at the first SIGTERM; a second one must not break into that."""
+    """Exit in order at the first SIGTERM, and ignore further ones."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     sys.exit(0)
 
 
 def _report_unknown(environment: Iterable[str]) -> None:
-    """Log the variables that nobody reads, in one line."""
+    """Log in one line the variables `VOA_...` of the environment that are not settings."""
     unknown = unknown_variables(environment)
     if unknown:
-        said = [name if closest is None else f"{name} (is it {closest}?)" for name, closest in unknown.items()]
-        structlog.get_logger("voa").warning("variables that are not settings are ignored", variables=said)
+        variables = [name if closest is None else f"{name} (is it {closest}?)" for name, closest in unknown.items()]
+        structlog.get_logger("voa").warning(
+            "environment variables that are not settings are ignored", variables=variables
+        )
 
 
 def _wrong_mapping(settings: Settings) -> str | None:
-    """What is wrong with the mapping of robots; later changes of it are looked at as they come."""
+    """Return the mistake in the mapping of robots, or None; changes made while the service runs are read later."""
     if settings.robots is None:
         return None
     if not settings.zenoh.connect:
-        return "--robots needs --zenoh: the topics of ROS 2 come by Zenoh"
+        return "--robots needs --zenoh: the topics of ROS 2 arrive by Zenoh"
     try:
         load(settings.robots.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, InvalidRobots) as error:
@@ -139,7 +149,7 @@ def _wrong_mapping(settings: Settings) -> str | None:
 
 
 def _socket(settings: Settings, inherited: int | None) -> socket.socket:
-    """The socket to listen on; one that is handed over lets the caller know its port beforehand."""
+    """Open the socket to listen on, or use one that the parent process has opened to know its port beforehand."""
     if inherited is not None:
         return socket.socket(fileno=inherited)
     family, kind, protocol, _, address = socket.getaddrinfo(
@@ -152,17 +162,17 @@ def _socket(settings: Settings, inherited: int | None) -> socket.socket:
 
 
 def listening_at(settings: Settings, listening: socket.socket) -> Settings:
-    """Take the host from the socket that is listened on, which may have been handed over."""
+    """Return the settings with the host of the socket that the process listens on, which its parent may have opened."""
     if listening.family not in (socket.AF_INET, socket.AF_INET6):
         return settings
     return settings.model_copy(update={"host": listening.getsockname()[0]})
 
 
 def _collect_seldom() -> None:
-    """Have the garbage collector leave alone what is loaded, and not run while a large body is worked on.
+    """Exempt loaded modules from garbage collection, and collect seldom.
 
-    A full collection stops every thread: for a quarter of a second over what is loaded, for more over a scenario of
-    millions of numbers. What is in no cycle is freed without it.
+    A full collection stops every thread: for a quarter of a second over the loaded modules, for longer over a scenario
+    of millions of numbers. Objects that are in no reference cycle are freed without it.
     """
     gc.collect()
     gc.freeze()
@@ -180,23 +190,27 @@ def _parser() -> argparse.ArgumentParser:
 
     option("--host", help="address to listen on (default 127.0.0.1)")
     option("--port", type=int, help="port to listen on, 0 for any that is free (default 8000)")
-    option("--database-url", help="where everything is kept (default sqlite:///voa.db, a file in this folder)")
+    option("--database-url", help="database for all data (default sqlite:///voa.db, a file in this folder)")
     option(
         "--zenoh",
         nargs="+",
         dest="zenoh_connect",
         metavar="ENDPOINT",
-        help="join the first of these Zenoh routers that answers, as in tcp/192.168.0.2:7447 (default: no Zenoh)",
+        help="connect to the first of these Zenoh routers that answers, as in tcp/192.168.0.2:7447 (default: no Zenoh)",
     )
-    option("--zenoh-root", help=f"of every key there (default {ROOT}); its last chunk is the lab")
-    option("--robots", metavar="FILE", help="TOML: which ROS 2 robots' scans are for which sessions")
+    option("--zenoh-root", help=f"prefix of every key on Zenoh (default {ROOT}); its last chunk names the lab")
+    option("--robots", metavar="FILE", help="TOML file that maps the ROS 2 topics of robots to sessions")
     option(
         "--wait-for-database",
         type=float,
         metavar="SECONDS",
-        help="try again for so long while the database cannot be reached (default 0)",
+        help="time for which the start is tried again while the database cannot be reached (default 0)",
     )
-    option("--log-level", choices=["DEBUG", "INFO", "WARNING", "ERROR"], help="(default INFO)")
+    option(
+        "--log-level",
+        choices=["DEBUG", "INFO", "WARNING", "ERROR"],
+        help="least severe level that is logged (default INFO)",
+    )
     option(
         "--insecure",
         action="store_const",

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from voa_service.requests.reading import Reader
+from voa_service.requests.bodies import Reader
 from voa_service.runtime.changes import Changes
 from voa_service.runtime.feeds import Feeds
 from voa_service.runtime.metrics import Metrics

@@ -9,7 +9,7 @@ import pytest
 
 from tests.contract.test_bad_input import CASES, LIMITS, Case, World, filled, some_world
 from tests.support.serving import json_of, scan_of
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 METHODS = (
     (r"/v1/scenarios", "POST", "scenario.create"),

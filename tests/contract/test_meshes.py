@@ -11,7 +11,7 @@ import pytest
 from tests.support.serving import Json, Service, box_obj, mesh_scenario, serving
 from tests.voa_meshes.files import CORNERS, POINTS, TRIANGLES, Gltf, ascii_ply, ascii_stl, obj
 from voa_assets import path as asset_path
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 Y_UP = POINTS[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
 BOX = box_obj()

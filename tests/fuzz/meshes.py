@@ -26,8 +26,8 @@ from tests.fuzz import plain
 from tests.fuzz.mutations import BYTES, TEXT, Mutation, change_the_document
 from tests.fuzz.plain import Polygons
 from tests.fuzz.seeds import SEEDS
-from voa_meshes.parsing import parse
-from voa_meshes.triangles import Floats, Unreadable
+from voa_meshes import UnreadableMesh, read_mesh
+from voa_meshes.triangles import Floats
 
 _MUTATIONS: dict[str, list[Mutation]] = dict.fromkeys(("obj", "stl", "ply"), BYTES + TEXT)
 _MUTATIONS["glb"] = [*BYTES, *[change_the_document] * 6]
@@ -48,14 +48,14 @@ def damaged(kind: str, rng: random.Random) -> bytes:
 def outcome(kind: str, content: bytes) -> str:
     """Read a damaged file and name the outcome; raises AssertionError for an outcome that no file may have."""
     try:
-        found = parse(kind, content)
-    except Unreadable as error:
+        triangles = read_mesh(content, kind)
+    except UnreadableMesh as error:
         reason = str(error)
         assert reason, "expected a reason"
         assert "\n" not in reason, f"expected one line, got {reason!r}"
         assert len(reason) <= _LONGEST_REASON, f"expected a short reason, got {reason!r}"
         return "refused with a reason"
-    ours = found.vertices[found.faces]
+    ours = triangles.vertices[triangles.faces]
     if not (np.abs(ours) < _FARTHEST).all():
         return "not finite, or far away: refused with a reason by the next step"
     return _beside_others(kind, content, ours)

@@ -186,7 +186,7 @@ MUTANTS = (
         tests="tests/voa_store/test_claims.py",
     ),
     Mutant(
-        name="a creation sent again asks for the mapping",
+        name="a creation that is sent again reads the mapping",
         file="service/voa_service/usecases/sessions.py",
         old="            return before  #",
         new="            pass  #",
@@ -228,7 +228,7 @@ MUTANTS = (
         tests="tests/voa_store/test_looks.py",
     ),
     Mutant(
-        name="what comes late of a robot that is not mapped any more is reported",
+        name="a late message of a robot that is not mapped any more is reported",
         file="service/voa_service/usecases/robots.py",
         old='return source == "ros2" and robot not in self._mapped',
         new="return False",

@@ -17,7 +17,7 @@ from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
 from voa_recordings.session_file import export_session, read_session_file, rebuild_session
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 MUG = asset_path("mug")
 

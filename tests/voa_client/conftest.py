@@ -15,7 +15,7 @@ from voa_client._in_process import AsyncInProcessTransport, InProcessTransport
 from voa_client.local import running
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import SessionRequest
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.voa_meshes.files import POINTS, POLYGONS, SOLID, TRIANGLES, assert_solid, changed, measures, obj
 from voa_meshes.obj import read_obj
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 PLAIN = obj()
 VERTICES = "".join(line + "\n" for line in PLAIN.splitlines() if line.startswith("v"))
@@ -90,12 +90,12 @@ def test_two_solids_with_relative_indices_are_two() -> None:
 
 REFUSED = {
     "index 0": (PLAIN.replace("f 6 ", "f 0 "), r"OBJ has no index 0.*\(line 13\)"),
-    "an index beyond the end": (PLAIN.replace("f 6 ", "f 13 "), r"refers to vertex 13, of 12 \(line 13\)"),
+    "an index beyond the end": (PLAIN.replace("f 6 ", "f 13 "), r"vertex 13, but the file has only 12 \(line 13\)"),
     "an index before the beginning": (
         PLAIN.replace("f 6 ", "f -13 "),
-        r"refers to vertex -13, of 12 before it \(line 13\)",
+        r"refers to vertex -13, but only 12 stand before it \(line 13\)",
     ),
-    "a relative index beyond those before": ("f -1 -2 -3\n" + PLAIN, r"vertex -3, of 0 before it \(line 1\)"),
+    "a relative index beyond those before": ("f -1 -2 -3\n" + PLAIN, r"only 0 stand before it \(line 1\)"),
     "an index of 20 digits": (PLAIN.replace("f 6 ", f"f {'9' * 20} "), r"refers to vertex '9{20}' \(line 13\)"),
     "words for indices": (PLAIN.replace("f 6 ", "f six "), r"expected the vertices of a face, got 'six.*\(line 13\)"),
     "fractions for indices": (PLAIN.replace("f 6 ", "f 6.0 "), r"expected the vertices of a face.*\(line 13\)"),
@@ -121,18 +121,18 @@ REFUSED = {
 
 @pytest.mark.parametrize(("text", "says"), REFUSED.values(), ids=REFUSED)
 def test_what_is_not_obj_is_refused_with_its_line(text: str, says: str) -> None:
-    with pytest.raises(Unreadable, match=says) as refused:
+    with pytest.raises(UnreadableMesh, match=says) as refused:
         read_obj(text.encode())
     assert "\n" not in str(refused.value)
 
 
 def test_text_that_is_not_in_the_16_bits_it_says_is_refused() -> None:
-    with pytest.raises(Unreadable, match="UTF-16"):
+    with pytest.raises(UnreadableMesh, match="UTF-16"):
         read_obj(codecs.BOM_UTF16_LE + b"odd")
 
 
 def test_a_line_keeps_its_number_behind_continued_ones() -> None:
-    with pytest.raises(Unreadable, match=r"\(line 25\)"):
+    with pytest.raises(UnreadableMesh, match=r"\(line 25\)"):
         read_obj(
             (
                 PLAIN.replace("f 6 5 ", "f 6 5 \\\n", 1).replace("f 7 ", "f \\\n\\\n\\\n7 ", 1) + f"{LAST_FACE} x\n"

@@ -17,7 +17,7 @@ from tests.voa_meshes.files import (
     row,
 )
 from voa_meshes.ply import read_ply
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 TEXT = ascii_ply()
 HEAD, BODY = TEXT.partition("end_header\n")[::2]
@@ -165,7 +165,7 @@ REFUSED = {
     "no format": (changed(TEXT, ("format ascii 1.0\n", "")).encode(), "no line 'format'"),
     "another format": (changed(TEXT, ("format ascii 1.0", "format packed 1.0")).encode(), "'format packed 1.0'"),
     "another version": (changed(TEXT, ("format ascii 1.0", "format ascii 2.0")).encode(), "'format ascii 2.0'"),
-    "another type": (changed(TEXT, ("double x", "quad x")).encode(), "'property quad x', which is none"),
+    "another type": (changed(TEXT, ("double x", "quad x")).encode(), "'property quad x', which PLY"),
     "a list of fractions": (changed(TEXT, ("uchar int", "uchar float")).encode(), "a list of whole numbers"),
     "a list counted in fractions": (changed(TEXT, ("uchar int", "float int")).encode(), "property list float int"),
     "no faces": (changed(TEXT, ("element face", "element hexagon")).encode(), "the elements 'vertex' and 'face'"),
@@ -180,6 +180,6 @@ REFUSED = {
 
 @pytest.mark.parametrize(("content", "says"), REFUSED.values(), ids=REFUSED)
 def test_what_is_not_as_the_header_says_is_refused(content: bytes, says: str) -> None:
-    with pytest.raises(Unreadable, match=says) as refused:
+    with pytest.raises(UnreadableMesh, match=says) as refused:
         read_ply(content)
     assert "\n" not in str(refused.value)

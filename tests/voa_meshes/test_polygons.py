@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tests.voa_meshes.files import POINTS, POLYGONS, assert_solid, rolled
 from voa_meshes.polygons import triangulated
-from voa_meshes.triangles import Triangles, Unreadable
+from voa_meshes.triangles import Triangles, UnreadableMesh
 
 
 def cut(points: ArrayLike) -> NDArray[np.int64]:
@@ -124,7 +124,7 @@ def test_a_polygon_on_a_line_has_no_area_and_keeps_its_sides() -> None:
     ids=["bow tie", "uneven bow tie", "pentagram"],
 )
 def test_sides_that_cross_are_refused(crossing: list[tuple[float, float]]) -> None:
-    with pytest.raises(Unreadable, match="face 1: the sides of its polygon cross"):
+    with pytest.raises(UnreadableMesh, match="face 1: the sides of its polygon cross"):
         cut(flat(crossing))
 
 

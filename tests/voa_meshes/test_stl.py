@@ -6,7 +6,7 @@ import pytest
 
 from tests.voa_meshes.files import CORNERS, ascii_stl, assert_solid, binary_stl, changed
 from voa_meshes.stl import read_stl
-from voa_meshes.triangles import Unreadable
+from voa_meshes.triangles import UnreadableMesh
 
 TEXT, BYTES = ascii_stl(), binary_stl()
 FLOAT32 = 1e-8  # what single precision leaves of 5 cm
@@ -93,7 +93,7 @@ REFUSED = {
 
 @pytest.mark.parametrize(("content", "says"), REFUSED.values(), ids=REFUSED)
 def test_what_is_not_whole_is_refused(content: bytes, says: str) -> None:
-    with pytest.raises(Unreadable, match=says) as refused:
+    with pytest.raises(UnreadableMesh, match=says) as refused:
         read_stl(content)
     assert "\n" not in str(refused.value)
 

@@ -13,7 +13,7 @@ _TOPIC = "correct the topic in the mapping, or what publishes on it"
 
 _WAITING = {
     "a session on scenario": _SESSION,
-    "what the mapping names": "correct `session` or `scenario` in the mapping",
+    "the mapping's scenario or session": "correct `session` or `scenario` in the mapping",
     "scans of one frame": _FRAME,
     "a scan of frame": "correct frame_id in the mapping, or leave it out",
     "a scan that was not received before": "restart the driver: it repeats an old message",

@@ -1,4 +1,4 @@
-"""Who may call at all, seen from a browser: names of this service, and pages of other origins."""
+"""Refusal of requests that a browser sends for a web page of another site, by host name and by origin."""
 
 import ipaddress
 
@@ -9,19 +9,19 @@ from voa_service.http.asgi import Asgi, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 
 HEALTH = ("/livez", "/readyz", "/metrics")
-"""Paths that are answered under any name: whoever restarts processes calls them by address."""
+"""Paths that are answered under any host name, since supervisors of processes call them by address."""
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Access:
-    """Refuses calls under a name that is not the service's, and calls from a page of another site.
+    """ASGI middleware that refuses requests under unknown host names, and requests from web pages of other sites.
 
-    A page whose own name is re-pointed to 127.0.0.1 is of the same origin as the service to its browser, but the name
-    is still in `Host`.
+    A page whose host name is made to point to 127.0.0.1 (DNS rebinding) has the service's origin for the browser, but
+    `Host` still has the page's own name.
 
     Args:
-        app: what is protected.
-        names: under which the service may be called, besides loopback's; None: any.
+        app: the application behind this middleware.
+        names: host names under which the service may be called, besides those of loopback; None: any.
     """
 
     def __init__(self, app: Asgi, names: frozenset[str] | None) -> None:
@@ -29,7 +29,7 @@ class Access:
         self._names = names
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve a request."""
         refusal = self._refusal(scope) if scope["type"] == "http" else None
         await (self._app if refusal is None else problem_response(refusal))(scope, receive, send)
 
@@ -45,12 +45,14 @@ class Access:
             )
         is_call = scope["method"] not in _READS or path.startswith("/v1/")
         if is_call and headers.get("sec-fetch-site", "").strip().lower() == "cross-site":
-            return Forbidden("the call comes from a page of another site: serve the page from the service's own origin")
+            return Forbidden(
+                "the request comes from a web page of another site: serve the page from the service's own origin"
+            )
         return None
 
 
 def name_of(host: str) -> str:
-    """Take the port, the brackets of IPv6 and a trailing dot off the value of a `Host` header."""
+    """Return the name in a `Host` header: without the port, the brackets of IPv6 and a trailing dot."""
     if host.startswith("["):
         return host[1:].partition("]")[0].lower()
     return host.partition(":")[0].lower().rstrip(".")

@@ -21,11 +21,11 @@ _DESCRIPTION = (
 
 
 def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
-    """Build the application; whoever built the services releases them.
+    """Build the HTTP application; the caller, who built the services, releases them.
 
     Args:
-        services: what is served.
-        budget: bytes of bodies that may be held at once; None: one of the default size.
+        services: use cases and queues.
+        budget: bytes of request bodies that may be held at once; None: a budget of the default size.
     """
     if budget is None:
         budget = ByteBudget(ConnectionSettings().in_flight_mebibytes * MEBIBYTE)

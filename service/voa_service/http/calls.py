@@ -1,4 +1,4 @@
-"""Calls taken in strictly: the query that a route has, the type of body that it takes, the message in that."""
+"""Strict reading of requests: only the query parameters, the type of body and the fields that a route declares."""
 
 from collections.abc import Callable, Coroutine
 from typing import Any, get_args, get_origin
@@ -11,14 +11,14 @@ from starlette.datastructures import Headers, QueryParams
 from voa_msgs.reading import models_of
 from voa_service.failures import Failure, InvalidRequest, UnsupportedMediaType
 from voa_service.http.problems import RefusedBody
-from voa_service.requests.reading import Reader
+from voa_service.requests.bodies import Reader
 
 _JSON, _FORM = "application/json", "multipart/form-data"
 _MOST_NAMED = 20
 
 
 class _MessageRequest(Request):
-    """Request whose `json()` is the message itself, read off the event loop where it is large."""
+    """Request whose `json()` is the message itself, read in a worker thread where it is large."""
 
     def __init__(self, request: Request, reader: Reader, kind: type[BaseModel], keeps_body: bool, optional: bool):
         super().__init__(request.scope, request.receive)
@@ -31,7 +31,7 @@ class _MessageRequest(Request):
         """Read the message; raises RefusedBody."""
         body = await self.body()
         if not self._keeps_body:
-            self._body = b"{}"  # nobody asks for it again, and it may be large
+            self._body = b"{}"  # the route does not read it again, and it may be large
         if self._optional and body.strip() == b"null":
             return None
         try:
@@ -41,13 +41,17 @@ class _MessageRequest(Request):
 
 
 def strict_route(reader: Reader) -> type[APIRoute]:
-    """Make the class of routes that take nothing in their query or body that they do not know."""
+    """Make the class of routes that refuse unknown query parameters and bodies of another type.
+
+    Args:
+        reader: reads the messages in bodies.
+    """
 
     class StrictRoute(APIRoute):
-        """A route with a query and a body of its own, and nothing else."""
+        """A route that refuses query parameters and body types that it does not declare."""
 
         def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-            """Check the query and the type of the body, then read the message in that."""
+            """Return the handler: it checks the query and the type of the body, then reads the message in the body."""
             handle = super().get_route_handler()
             parameters = {field.alias: _is_list(field.field_info.annotation) for field in self.dependant.query_params}
             field = self.body_field
@@ -70,21 +74,21 @@ def strict_route(reader: Reader) -> type[APIRoute]:
 
 
 def check_query(given: QueryParams, known: dict[str, bool]) -> None:
-    """Refuse parameters that there are not, and such as come twice.
+    """Refuse query parameters that the route does not have, and repeated ones.
 
     Args:
-        given: the query.
-        known: the names that there are; whether one may be repeated.
+        given: query of the request.
+        known: names of the route's parameters; True where a parameter may be repeated.
 
     Raises:
-        Failure: names the first such parameter, and the names that there are.
+        Failure: a parameter is unknown, or repeated though it must not be.
     """
     names = [name for name, _ in given.multi_items()]
     wrong: dict[str, str] = {}
     for name in names:
         if name not in known:
-            there = f"expected one of {', '.join(known)}" if known else "this call takes none"
-            wrong[f"query.{name[:80]}"] = f"no such parameter: {there}"
+            expected = f"expected one of {', '.join(known)}" if known else "this call takes none"
+            wrong[f"query.{name[:80]}"] = f"no such parameter: {expected}"
         elif not known[name] and (times := names.count(name)) > 1:
             wrong[f"query.{name}"] = f"expected once, got {times} times"
         if len(wrong) == _MOST_NAMED:
@@ -95,14 +99,14 @@ def check_query(given: QueryParams, known: dict[str, bool]) -> None:
 
 
 def check_type(headers: Headers, expected: str) -> None:
-    """Refuse a body that does not say that it is what the call takes: what a page of another site could send.
+    """Refuse a body whose declared type is not the expected one; a web page of another site could send such a body.
 
     Args:
         headers: of the request.
-        expected: the type of body that the call takes.
+        expected: media type of the bodies that the route accepts.
 
     Raises:
-        Failure: there is a body, and it is of no type or of another one.
+        Failure: there is a body, and its type is missing or another one.
     """
     if headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers:
         return

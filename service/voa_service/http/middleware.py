@@ -1,4 +1,4 @@
-"""Plain ASGI around the application: request ids, the access log, and the limits on bodies."""
+"""ASGI middleware: request ids, the access log, the version of the messages, and limits on bodies."""
 
 import codecs
 import re
@@ -25,14 +25,17 @@ _WIRE_HEADER = "Voa-Wire-Version"
 
 
 class RequestLog:
-    """Gives every request an id (the caller's `X-Request-Id` if it is sane), logs one line and counts when it ends."""
+    """Middleware that gives every request an id, and logs and counts the request when it ends.
+
+    The id is the caller's `X-Request-Id` where that has at most 64 letters, digits and `_.:-`, else a random one.
+    """
 
     def __init__(self, app: Asgi, metrics: Metrics) -> None:
         self._app = app
         self._metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve a request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -55,7 +58,7 @@ class RequestLog:
         except Exception:
             if status == 0:
                 status = 500
-                raise  # nothing was answered: the server must
+                raise  # there was no response yet: the server sends one
         finally:
             seconds = time.perf_counter() - began
             route = getattr(scope.get("route"), "path", "none")
@@ -72,13 +75,13 @@ class RequestLog:
 
 
 class WireVersion:
-    """Says which version of the messages is spoken, and refuses a caller that says it speaks another."""
+    """Middleware that states the version of the messages, and refuses a caller that states another version."""
 
     def __init__(self, app: Asgi) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve a request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -96,14 +99,14 @@ class WireVersion:
 
 
 class BodyLimit:
-    """Refuses bodies too long, declared or not, with too many values, or not in UTF-8, before they are parsed."""
+    """Middleware that refuses bodies with too many bytes or values, or not in UTF-8, before they are parsed."""
 
     def __init__(self, app: Asgi, limits: Limits) -> None:
         self._app = app
         self._limits = limits
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve a request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -136,7 +139,7 @@ class BodyLimit:
 
 
 def _check_text(text: codecs.IncrementalDecoder, chunk: bytes, *, last: bool) -> None:
-    """Refuse what is not UTF-8: the JSON parser would take UTF-16 and half surrogate pairs, the history could not."""
+    """Refuse a part of a body that is not UTF-8; the parser accepts UTF-16 and lone surrogates, the history cannot."""
     try:
         text.decode(chunk, last)
     except UnicodeDecodeError as error:

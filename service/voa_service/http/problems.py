@@ -1,4 +1,4 @@
-"""Every error as an RFC 9457 problem document."""
+"""Problem documents (RFC 9457) for every error that leaves a request."""
 
 import structlog
 from fastapi import FastAPI, Request
@@ -10,7 +10,6 @@ from starlette.routing import Route, compile_path
 from voa_service.failures import (
     Failure,
     HttpError,
-    InternalError,
     MalformedForm,
     MalformedJson,
     MethodNotAllowed,
@@ -26,7 +25,7 @@ _KINDS: dict[int, type[Failure]] = {400: MalformedJson, 404: NotFound, 405: Meth
 
 
 class RefusedBody(HTTPException):
-    """A body that is not as expected, as an error that FastAPI lets through while it reads one."""
+    """The failure of a request's body, as a type of error that FastAPI lets pass while it reads the body."""
 
     def __init__(self, failure: Failure) -> None:
         super().__init__(failure.status, failure.detail)
@@ -34,12 +33,12 @@ class RefusedBody(HTTPException):
 
 
 def problem_response(failure: Failure) -> Response:
-    """The response of a failure."""
+    """Make the response of a failure: its status, its headers and its problem document."""
     return Response(document(failure), failure.status, failure.headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
-    """Answer every error of `app` with a problem document."""
+    """Answer every error of an application with a problem document."""
 
     async def on_expected(_: Request, error: Exception) -> Response:
         return problem_response(failure_of(error))
@@ -54,17 +53,17 @@ def install(app: FastAPI) -> None:
             return problem_response(error.failure)
         return problem_response(_of_http(app, request, error))
 
-    async def on_bug(_: Request, error: Exception) -> Response:
+    async def on_defect(_: Request, error: Exception) -> Response:
         failure = failure_of(error)
-        # This answer leaves outside of `RequestLog`, which else adds the id.
-        headers = {"X-Request-Id": str(structlog.contextvars.get_contextvars().get("request_id"))}
-        return problem_response(InternalError(failure.detail, headers))
+        # This response does not pass through `RequestLog`, which adds the id to the others.
+        failure.headers["X-Request-Id"] = str(structlog.contextvars.get_contextvars().get("request_id"))
+        return problem_response(failure)
 
     for kind in EXPECTED_ERRORS:
         app.add_exception_handler(kind, on_expected)
     app.add_exception_handler(RequestValidationError, on_invalid)
     app.add_exception_handler(HTTPException, on_http)
-    app.add_exception_handler(Exception, on_bug)
+    app.add_exception_handler(Exception, on_defect)
 
 
 def _of_invalid(request: Request, error: RequestValidationError) -> Failure:
@@ -79,18 +78,18 @@ def _of_http(app: FastAPI, request: Request, error: HTTPException) -> Failure:
     if error.status_code == 405:
         allowed = _methods(app, request)
         headers["Allow"] = ", ".join(allowed)
-        detail = f"{request.url.path} has {', '.join(allowed)}, not {request.method}"
+        detail = f"{request.url.path} supports {', '.join(allowed)}, not {request.method}"
     elif error.status_code == 400 and request.headers.get("content-type", "").startswith("multipart/"):
         kind, detail = MalformedForm, f"expected a multipart form: {detail}"
     elif error.status_code == 400:
         detail = "expected JSON in UTF-8, nested a few hundred deep at most"
     elif error.status_code == 404:
-        detail = f"there is nothing at {request.url.path}; the resources are described at /docs"
+        detail = f"there is no resource at {request.url.path}: /docs describes the resources"
     return HttpError(error.status_code, detail, headers) if kind is None else kind(detail, headers)
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:
-    """Every method of the request's path: those of the document, and of the document's own pages."""
+    """List the methods of the request's path: those of the OpenAPI document, and of the pages that show it."""
     described = {path: {method.upper() for method in methods} for path, methods in app.openapi()["paths"].items()}
     pages = {route.path: route.methods or set() for route in app.routes if isinstance(route, Route)}
     paths = (described | pages).items()

@@ -23,7 +23,7 @@ from voa_service.failures import Failure, UnknownReference, not_found
 from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
 from voa_service.ports import Store
-from voa_service.requests import large
+from voa_service.requests import large_json
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
@@ -98,7 +98,7 @@ class Models:
             stored = self._store.get_scenario(id_)
             if stored is None:
                 raise KeyError(id_)
-            return self.build(id_, ScenarioRequest.model_validate(large.loads(stored.body)))
+            return self.build(id_, ScenarioRequest.model_validate(large_json.loads(stored.body)))
 
         try:
             return self._cache.get(("model", id_), make)

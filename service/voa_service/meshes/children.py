@@ -1,4 +1,4 @@
-"""Processes that are fed on stdin and can all be ended at once."""
+"""Child processes that get their input on stdin, and that can all be killed at once."""
 
 import subprocess
 import threading
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 
 class Children:
-    """The processes under way."""
+    """The child processes that are running."""
 
     def __init__(self) -> None:
         self.closed = False
@@ -16,11 +16,11 @@ class Children:
     def run(
         self, command: Sequence[str], content: bytes, seconds: float, environment: Mapping[str, str]
     ) -> "subprocess.CompletedProcess[bytes]":
-        """Run a command on `content`, and wait for its end.
+        """Run a command with `content` on its stdin, and wait for its end.
 
         Raises:
-            subprocess.TimeoutExpired: it took longer than `seconds`, and was killed.
-            OSError: there is no room for another process.
+            subprocess.TimeoutExpired: the command took longer than `seconds`, and was killed.
+            OSError: no process could be started.
         """
         pipe = subprocess.PIPE
         with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, env=environment) as process:  # noqa: S603 - ours
@@ -29,17 +29,17 @@ class Children:
             try:
                 if self.closed:
                     process.kill()
-                out, said = process.communicate(content, timeout=seconds)
+                out, errors = process.communicate(content, timeout=seconds)
             except BaseException:
                 process.kill()
                 raise
             finally:
                 with self._lock:
                     self._running.discard(process)
-            return subprocess.CompletedProcess(process.args, process.returncode, out, said)
+            return subprocess.CompletedProcess(process.args, process.returncode, out, errors)
 
     def close(self) -> None:
-        """Kill every process, and any that is begun from now on."""
+        """Kill every child process, and every one that is started from now on."""
         with self._lock:
             self.closed = True
             for process in self._running:

@@ -1,22 +1,23 @@
-"""Probable mistakes in a mesh that can be used all the same."""
+"""Warnings about a mesh that can be used, but whose scale or up axis is probably wrong."""
 
 from collections.abc import Sequence
 
-from voa_core.objects import Object
-from voa_meshes.units import LARGE_M, SMALL_M, unit_hint
-from voa_msgs.objects import UpAxis
+import numpy as np
+from numpy.typing import NDArray
+
+from voa_meshes import LARGE_M, SMALL_M, UpAxis, unit_hint
 from voa_msgs.warnings import ProbableMistake
 
 _ON_THE_TABLE = 1e-6  # of the object's size
 
 
 def extent_mistakes(extents: Sequence[float], scale: float | None = None) -> list[ProbableMistake]:
-    """Warn of an object that is hardly one for an arm, and name the scales to try.
+    """Warn of an object that is too small or too large for most arms, and name the scales to try.
 
     Args:
-        extents: of the object's bounding box, metres.
-        scale: what was applied to its file. None: it is not known any more; then too large is most often a file in
-            millimetres read at 1, too small a file in metres read at 0.001.
+        extents: sides of the object's bounding box, metres.
+        scale: metres per unit of the object's file, as it was applied; None: unknown, and guessed: 1 for an object that
+            is too large, 0.001 for one that is too small.
     """
     size = float(max(extents))
     if SMALL_M <= size <= LARGE_M:
@@ -26,14 +27,14 @@ def extent_mistakes(extents: Sequence[float], scale: float | None = None) -> lis
     return [ProbableMistake(kind="extent", detail=f"the object measures {size:g} m, {usual}: {hint}")]
 
 
-def up_mistakes(mesh: Object, applied: UpAxis) -> list[ProbableMistake]:
-    """Warn of a mesh that stands on the table about the other axis of its file than the one that was taken for up.
+def up_mistakes(vertices: NDArray[np.float64], applied: UpAxis) -> list[ProbableMistake]:
+    """Warn of a mesh that would stand on the table if the other axis of its file were up.
 
     Args:
-        mesh: with z up, if `applied` is right.
-        applied: the axis of the file that became z.
+        vertices: (v, 3) of the mesh, after the axis `applied` of the file became z.
+        applied: the axis of the file that was taken as up.
     """
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     near = _ON_THE_TABLE * float((high - low).max())
     floor = low[1] if applied == "+Z" else -high[1]
     across = [0, 2]
@@ -46,8 +47,3 @@ def up_mistakes(mesh: Object, applied: UpAxis) -> list[ProbableMistake]:
         f'scenario file, "up" stands beside "object")'
     )
     return [ProbableMistake(kind="up-axis", detail=detail)]
-
-
-def default_up(mesh_type: str) -> UpAxis:
-    """Return the axis that is up in files of a type: glTF's standard says +Y, the others say nothing."""
-    return "+Y" if mesh_type == "glb" else "+Z"

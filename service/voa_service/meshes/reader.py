@@ -1,4 +1,4 @@
-"""Hands a mesh file to the worker process and checks what comes back."""
+"""Reads an untrusted mesh file in a worker process with limits, and checks the mesh that it returns."""
 
 import io
 import os
@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from voa_core.errors import InvalidInput
 from voa_core.objects import Object
-from voa_meshes.parsing import MESH_TYPES
-from voa_meshes.units import unit_hint
-from voa_msgs.objects import UpAxis
+from voa_meshes import MESH_TYPES, UpAxis, turned_up, unit_hint
 from voa_service.failures import Failure, InvalidMesh, NotReady, Overloaded, TooLarge, UnsupportedMeshType
 from voa_service.meshes.children import Children
 from voa_service.meshes.worker import OUT_OF_MEMORY, TOO_MANY_FACES
@@ -23,21 +21,21 @@ from voa_service.runtime.memory import MESH_NEEDS_MEBIBYTES
 
 SMALLEST_M, LARGEST_M = 1e-3, 10.0
 FARTHEST_M = 1_000.0
-"""From the file's origin: beyond it coordinates lose what the mathematics promises, and 32 bits of a file lose all."""
+"""Largest distance of a vertex from the file's origin: beyond it, 32-bit coordinates are too coarse."""
 _FEWEST_FACES = 4
 _PASSED_ON = ("LANG", "LC_", "LD_LIBRARY_PATH", "OPENBLAS_", "PATH", "PYTHON", "SYSTEMROOT")
 
 
 @dataclass(frozen=True)
 class SubprocessMeshReader:
-    """A `ports.MeshReader`.
+    """Implements `ports.MeshReader` by a process with limits for each file.
 
     Attributes:
-        seconds: time to read one file.
+        seconds: most time to read one file.
         mebibytes: address space of the process that reads it.
         faces: the most faces of a mesh.
         needs_mebibytes: address space that a mesh within the limits may need; where `mebibytes` is less, a mesh that
-            exceeds it is not the caller's fault.
+            exceeds it is answered as an overload, not as a mistake of the caller.
     """
 
     seconds: int
@@ -47,15 +45,15 @@ class SubprocessMeshReader:
     _running: Children = field(default_factory=Children)
 
     def close(self) -> None:
-        """End the processes that read: the service is ending."""
+        """End the worker processes, as the service stops."""
         self._running.close()
 
     def __call__(self, content: bytes, mesh_type: str, scale: float, up: UpAxis) -> Object:
-        """Read a file; +Y up is turned to z up.
+        """Read a mesh file, scaled to metres and turned so that the axis `up` becomes z.
 
         Raises:
-            Failure: another type, a file that is not that type or not usable, or too many faces; or, not the
-                caller's fault, too little memory here.
+            Failure: the type is not supported, the file is not of that type or not usable, or it has too many faces; or
+                the service has too little memory for it, or is stopping.
         """
         if mesh_type not in MESH_TYPES:
             raise UnsupportedMeshType(f"expected a file named *.{', *.'.join(MESH_TYPES)}, got *.{mesh_type}")
@@ -79,60 +77,55 @@ class SubprocessMeshReader:
         except subprocess.TimeoutExpired as error:
             raise self._took_too_long() from error
         except (MemoryError, OSError) as error:
-            raise _out_of_memory(f"no process for it: {error}") from error
+            raise _out_of_memory(f"no process could be started: {error}") from error
         if self._running.closed:
-            raise NotReady("the service is ending: ask again", {"Retry-After": "2"})
+            raise NotReady("the service is stopping: try again", {"Retry-After": "2"})
         if done.returncode != 0:
             raise self._failure(done, mesh_type)
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
             return arrays["vertices"], arrays["faces"]
 
     def _failure(self, done: "subprocess.CompletedProcess[bytes]", mesh_type: str) -> Failure:
-        """Why the process ended without a mesh: the file's fault, or want of memory here."""
+        """Explain why a worker process ended without a mesh: the file's fault, or too little memory here."""
         if done.returncode == TOO_MANY_FACES:
-            found = int(done.stdout)
-            return TooLarge(f"expected at most {self.faces} faces, got {found}: simplify the mesh")
+            count = int(done.stdout)
+            return TooLarge(f"expected at most {self.faces} faces, got {count}: simplify the mesh")
         if done.returncode == -signal.SIGXCPU:
             return self._took_too_long()
         if done.returncode == -signal.SIGKILL:
             return _out_of_memory("the kernel ended the process that read it")
-        said = done.stderr.decode(errors="replace").strip().splitlines()
-        if done.returncode == OUT_OF_MEMORY or done.returncode < 0 or any("MemoryError" in line for line in said):
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        if done.returncode == OUT_OF_MEMORY or done.returncode < 0 or any("MemoryError" in line for line in lines):
             if self.mebibytes < self.needs_mebibytes:
-                return _out_of_memory(f"{self.mebibytes} MiB were too little for it")
+                return _out_of_memory(f"{self.mebibytes} MiB of address space were too little")
             return InvalidMesh(f"reading it takes more than {self.mebibytes} MiB: simplify it")
-        why = said[-1][:300] if said else f"its reader ended with {done.returncode}"
+        why = lines[-1][:300] if lines else f"its reader ended with {done.returncode}"
         return InvalidMesh(f"cannot read the {mesh_type.upper()} file: {why}")
 
     def _took_too_long(self) -> Failure:
         return InvalidMesh(f"reading the mesh took more than {self.seconds} s: simplify it")
 
 
-def _out_of_memory(what: str) -> Failure:
-    """A mesh that could not be read for want of memory here, which is not its fault."""
-    structlog.get_logger().error("a mesh was not read for want of memory", reason=what)
-    detail = f"the service has too little memory for this mesh at the moment ({what}): try again"
+def _out_of_memory(reason: str) -> Failure:
+    """Make the failure of a mesh that the service has too little memory for, which is no mistake of the caller."""
+    structlog.get_logger().error("a mesh was not read: too little memory", reason=reason)
+    detail = f"the service has too little memory for this mesh at the moment ({reason}): try again"
     return Overloaded(detail, {"Retry-After": "5"})
 
 
 def environment() -> dict[str, str]:
-    """Pick the part of the environment that the process of untrusted bytes may know: how to run, and no secret."""
+    """Select the environment variables of a worker process: those that it needs to run, and no secret."""
     return {name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON)}
 
 
-def turned_up(vertices: NDArray[np.float64], up: UpAxis) -> NDArray[np.float64]:
-    """Vertices (v, 3) with the axis that is up in the file turned to z."""
-    return vertices if up == "+Z" else vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
-
-
 def _check_count(faces: int) -> None:
-    """Refuse what has too few faces to be a body."""
+    """Refuse a mesh with too few faces to enclose a volume."""
     if faces < _FEWEST_FACES:
         raise InvalidMesh(f"expected at least {_FEWEST_FACES} faces, got {faces}: is it cut off?")
 
 
 def _check_place(object_: Object, scale: float) -> None:
-    """Refuse an object of a size, or at a place, that no arm can have."""
+    """Refuse an object of a size that no arm grasps, or far from its file's origin."""
     size = float(object_.extents.max())
     if not SMALLEST_M <= size <= LARGEST_M:
         expected = f"expected an object of {SMALLEST_M:g} to {LARGEST_M:g} m, got one of {size:g} m"

@@ -1,4 +1,4 @@
-"""Writes to sessions as entrypoints take them in: what was sent, and the caller's name for it."""
+"""Idempotency keys of writes, and the record of a write that the store keeps with the history."""
 
 import hashlib
 
@@ -7,16 +7,23 @@ from pydantic import BaseModel
 from voa_store.records import HistoryKind, IdempotencyKey, RobotLook, Write
 
 ANYONE = "caller:anonymous"
-"""The scope of keys of calls that are not about a session yet."""
+"""Scope of the keys of calls that do not concern a session yet."""
 
 
 def scope_of(session: str) -> str:
-    """The scope of keys of calls about a session."""
+    """Return the scope of the keys of calls to a session: a key is unique within its scope."""
     return f"session:{session}"
 
 
 def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel | None) -> IdempotencyKey | None:
-    """The key of one call; `call` says which, so that the same key on another one is noticed."""
+    """Make the idempotency key of a call, with a digest by which the reuse for another request is detected.
+
+    Args:
+        key: as the caller sent it; None: the caller sent no key, and the result is None.
+        scope: in which the key is unique, see `scope_of`.
+        call: kind of the call, part of the digest.
+        request: body of the call, part of the digest; None where the call has no body.
+    """
     if key is None:
         return None
     body = "" if request is None else request.model_dump_json()
@@ -30,6 +37,14 @@ def write_of(
     if_match: frozenset[int] | None = None,
     look: RobotLook | None = None,
 ) -> Write:
-    """One write as it came in."""
-    # Without a byte order mark: JSON parsers take one before a body, none takes it back.
+    """Make the record of a write: what the history keeps of the request, and the conditions under which it is done.
+
+    Args:
+        kind: of the history entry that the write makes.
+        received: body of the request in UTF-8, kept as it was received.
+        key: idempotency key, if the caller sent one.
+        if_match: versions of the session that the caller accepts; None: any.
+        look: the robot's look that a scan is, of a robot whose ROS 2 topics are mapped.
+    """
+    # JSON parsers accept a byte order mark before a body; text with one inside would not be read back.
     return Write(kind, received.decode("utf-8-sig"), key, if_match, look)

@@ -1,4 +1,4 @@
-"""What can be computed again, kept while there is room: cuts, predictions and weights, by content."""
+"""A cache of results that can be computed again, such as cuts, predictions and weights, bounded by their memory."""
 
 import threading
 from collections import OrderedDict
@@ -14,7 +14,7 @@ class Sized(Protocol):
 
     @property
     def nbytes(self) -> int:
-        """In bytes."""
+        """Memory that the value holds, in bytes."""
 
 
 S = TypeVar("S", bound=Sized)
@@ -23,11 +23,11 @@ _CHECK_SECONDS = 0.2
 
 
 def _wanted() -> None:
-    """Find every value wanted."""
+    """Return at once: the default check, under which every value is still wanted."""
 
 
 def _result(pending: "Future[Any]", check: Check) -> Any:
-    """The result of another thread's computation, as long as `check` lets this one wait."""
+    """Wait for the result of another thread's computation, until `check` raises."""
     while True:
         try:
             return pending.result(_CHECK_SECONDS)
@@ -38,10 +38,10 @@ def _result(pending: "Future[Any]", check: Check) -> Any:
 
 
 class Cache:
-    """Least recently used go first once the values hold more than `budget` bytes.
+    """A cache that drops the least recently used values once all values hold more than `budget` bytes.
 
-    Each value is computed once even if several threads ask for it at the same time; where the one that computes is
-    cancelled, another that waits takes over. A value that alone exceeds the budget is handed out and not kept.
+    Each value is computed once even if several threads request it at the same time; where the thread that computes is
+    cancelled, another that waits takes over. A value that alone exceeds the budget is returned and not kept.
     """
 
     def __init__(self, budget: int) -> None:
@@ -57,7 +57,13 @@ class Cache:
         return self._held
 
     def get(self, key: Hashable, make: Callable[[], S], check: Check = _wanted) -> S:
-        """The value of `key`, from `make` where it is not there; `check` ends a wait for another thread's `make`."""
+        """Return the value of a key, computed where the cache does not hold it.
+
+        Args:
+            key: names the value; equal keys must mean equal values.
+            make: computes the value.
+            check: called while this thread waits for another one that computes the value; ends the wait by raising.
+        """
         while True:
             with self._lock:
                 if key in self._values:
@@ -71,7 +77,7 @@ class Cache:
             try:
                 return cast(S, _result(pending, check))
             except Cancelled:
-                check()  # it was the other one that nobody waits for; else this one
+                check()  # raises where this call was cancelled, and not only the other thread's
         return self._make(key, make, mine)
 
     def _make(self, key: Hashable, make: Callable[[], S], mine: "Future[S]") -> S:

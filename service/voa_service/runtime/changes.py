@@ -1,7 +1,7 @@
-"""Who waits for a session to move, and how they hear of it.
+"""Changes of sessions: announced to listeners, and to watchers that wait for the next change of one session.
 
-A write in this process wakes its watchers at once; so does one by another process where the database tells of it
-(PostgreSQL), else it is seen at the next look at the store.
+A commit of this process wakes the watchers of its session at once. So does a commit of another process if the database
+announces it (PostgreSQL does); otherwise it is noticed when the store is polled.
 """
 
 import asyncio
@@ -13,30 +13,33 @@ from contextlib import contextmanager
 from voa_store.records import SessionState
 
 Listener = Callable[[str, SessionState | None], None]
-"""Called after a commit of this process: the session as it is then, None: it is gone. From any thread; quick."""
+"""Called after each commit of this process with the session's id and its new state, None where it was deleted.
+
+The call comes from any thread and must return quickly.
+"""
 
 
 class Watch:
-    """One waiter on one session."""
+    """Waits for the next change of a session; belongs to the event loop that made it."""
 
     def __init__(self) -> None:
         self._loop = asyncio.get_running_loop()
-        self._moved = asyncio.Event()
+        self._changed = asyncio.Event()
         self.closed = False
 
     def wake(self, *, closing: bool = False) -> None:
-        """From any thread: something moved, or the service is closing."""
+        """Wake the waiter, from any thread: the session has changed, or the service stops (`closing`)."""
         self.closed = self.closed or closing
-        self._loop.call_soon_threadsafe(self._moved.set)
+        self._loop.call_soon_threadsafe(self._changed.set)
 
     async def wait(self, seconds: float) -> None:
-        """Until woken, at most so long; what happened since the last wait counts."""
+        """Wait until woken, at most so many seconds; returns at once where a change came since the last wait."""
         try:
             async with asyncio.timeout(seconds):
-                await self._moved.wait()
+                await self._changed.wait()
         except TimeoutError:
             return
-        self._moved.clear()
+        self._changed.clear()
 
 
 class Changes:
@@ -51,12 +54,12 @@ class Changes:
         self._at_close: list[Callable[[], None]] = []
 
     def at_close(self, act: Callable[[], None]) -> None:
-        """Have `act` called when the service begins to end, maybe in a signal handler: it must take no lock."""
+        """Have `act` called when the service begins to stop, perhaps in a signal handler: it must take no lock."""
         self._at_close.append(act)
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
-        """Have `listener` called with every commit of this process, for the length of a `with`."""
+        """Have `listener` called with every commit of this process, within a `with` block."""
         self._listeners.append(listener)
         try:
             yield
@@ -64,14 +67,14 @@ class Changes:
             self._listeners.remove(listener)
 
     def committed(self, session: str, state: SessionState | None) -> None:
-        """This process wrote to a session: `state` is how it stands then, None: it is gone."""
-        self.moved(session)
+        """Announce a commit of this process: the session's new state, or None where it was deleted."""
+        self.changed(session)
         for listener in list(self._listeners):
             listener(session, state)
 
     @contextmanager
     def watching(self, session: str) -> Iterator[Watch]:
-        """A watch on a session for the length of a `with`."""
+        """Watch a session within a `with` block."""
         watch = Watch()
         with self._lock:
             self._watches[session].add(watch)
@@ -84,15 +87,15 @@ class Changes:
                 if not self._watches[session]:
                     del self._watches[session]
 
-    def moved(self, session: str) -> None:
-        """A session has a new version, or is gone, whoever wrote."""
+    def changed(self, session: str) -> None:
+        """Wake the watchers of a session that has a new version or was deleted, by whichever process."""
         with self._lock:
             watches = list(self._watches.get(session, ()))
         for watch in watches:
             watch.wake()
 
     def close(self) -> None:
-        """Send every watcher home: the service is ending."""
+        """Wake every watcher for the last time, as the service stops."""
         for act in self._at_close:
             act()
         with self._lock:

@@ -1,7 +1,8 @@
-"""Who follows sessions: each watched session is read once for all its followers, who take from it at their own pace.
+"""Feeds of followed sessions: each is read once for all its followers, who take its versions at their own pace.
 
-Nothing is buffered for a follower. One that lags behind what is at hand reads the versions between from the store, a
-bounded piece at a time; the entrypoint drops one that takes nothing for long.
+A feed keeps the newest versions of its session in memory, and no buffer for each follower. A follower that lags behind
+them reads the versions between from the store, a bounded number at a time; the entrypoint drops a follower that takes
+nothing for long.
 """
 
 import asyncio
@@ -14,13 +15,13 @@ from voa_service.failures import Failure, Overloaded
 from voa_service.runtime.changes import Changes
 
 _POLL_SECONDS = 0.25
-"""How late a version may be that another process made, where the database tells nobody."""
-_AT_HAND_BYTES = 2**18
+"""Polling interval for versions that another process made, where the database does not announce its commits."""
+_KEPT_BYTES = 2**18
 
 
 @dataclass(frozen=True)
 class Version:
-    """One version of a session.
+    """A version of a session, as followers receive it.
 
     Attributes:
         number: of the version.
@@ -32,12 +33,13 @@ class Version:
 
 
 Fetch = Callable[[str, int | None], Awaitable[Sequence[Version] | None]]
-"""Versions of a session above a number, the oldest first, not all where there are many; None for the number: the
-newest alone. None: the session is gone. Raises `Failure` where that cannot be found out at the moment."""
+"""Reads versions of a session above a number, the oldest first and not all where there are many; with None for the
+number, the newest alone. Returns None where the session does not exist; raises `Failure` where the store does not work.
+"""
 
 
 class Feed:
-    """The newest versions of one session."""
+    """The newest versions of one followed session."""
 
     def __init__(self, session: str, fetch: Fetch) -> None:
         self.session = session
@@ -45,49 +47,49 @@ class Feed:
         self.closed = False
         self.followers = 0
         self.turn = asyncio.Event()
-        """Set once something has changed; there is another one by then."""
+        """Set at the next change of this feed, which replaces it by a new event."""
         self._fetch = fetch
-        self._at_hand: deque[Version] = deque()
+        self._kept: deque[Version] = deque()
         self._bytes = 0
 
     def after(self, seen: int) -> Sequence[Version] | None:
-        """The versions above `seen`; None: the oldest of them are not at hand, `missed` reads them."""
-        if not self._at_hand or self._at_hand[-1].number <= seen:
+        """Return the versions above `seen`; None where the oldest of them are no longer kept: `missed` reads them."""
+        if not self._kept or self._kept[-1].number <= seen:
             return ()
-        if self._at_hand[0].number > seen + 1:
+        if self._kept[0].number > seen + 1:
             return None
-        return [version for version in self._at_hand if version.number > seen]
+        return [version for version in self._kept if version.number > seen]
 
     async def missed(self, seen: int | None) -> Sequence[Version]:
         """Read versions above `seen` from the store, for one follower; none where that fails for now."""
         try:
-            found = await self._fetch(self.session, seen)
+            versions = await self._fetch(self.session, seen)
         except Failure:
             return ()
-        if found is None:
+        if versions is None:
             self._end(gone=True)
-        return found or ()
+        return versions or ()
 
     async def run(self, changes: Changes) -> None:
-        """Keep up with the session until it or the service ends."""
+        """Read each new version of the session until it is deleted or the service stops."""
         try:
             with changes.watching(self.session) as watch:
                 while not (watch.closed or self.gone):
-                    newest = self._at_hand[-1].number if self._at_hand else None
-                    found = await self.missed(newest)
-                    if found:
-                        self._add(found)
+                    newest = self._kept[-1].number if self._kept else None
+                    versions = await self.missed(newest)
+                    if versions:
+                        self._add(versions)
                     else:
                         await watch.wait(_POLL_SECONDS)
         finally:
             self._end(gone=self.gone)
 
-    def _add(self, found: Sequence[Version]) -> None:
-        for version in found:
-            self._at_hand.append(version)
+    def _add(self, versions: Sequence[Version]) -> None:
+        for version in versions:
+            self._kept.append(version)
             self._bytes += len(version.body)
-        while self._bytes > _AT_HAND_BYTES and len(self._at_hand) > 1:
-            self._bytes -= len(self._at_hand.popleft().body)
+        while self._bytes > _KEPT_BYTES and len(self._kept) > 1:
+            self._bytes -= len(self._kept.popleft().body)
         self._wake()
 
     def _end(self, *, gone: bool) -> None:
@@ -96,13 +98,19 @@ class Feed:
         self._wake()
 
     def _wake(self) -> None:
-        """Let whoever waits look again."""
+        """Wake the followers that wait for the next change."""
         turn, self.turn = self.turn, asyncio.Event()
         turn.set()
 
 
 class Feeds:
-    """The feeds of all watched sessions; of the event loop that they are used on."""
+    """The feeds of all followed sessions, for use on one event loop.
+
+    Args:
+        changes: wakes a feed when its session changes.
+        fetch: reads versions from the store.
+        most: followers at a time.
+    """
 
     def __init__(self, changes: Changes, fetch: Fetch, most: int) -> None:
         self._changes = changes
@@ -113,19 +121,22 @@ class Feeds:
 
     @property
     def watched(self) -> int:
-        """Sessions that somebody follows."""
+        """Number of sessions that have a follower."""
         return len(self._feeds)
 
     @property
     def followers(self) -> int:
-        """Those who follow, all together."""
+        """Number of followers of all sessions."""
         return sum(feed.followers for feed in self._feeds.values())
 
     async def first(self, session: str, seen: int | None) -> Sequence[Version] | None:
-        """Read what a new follower gets first: versions above `seen`, or the newest; None: there is no such session.
+        """Read the first versions for a new follower: those above `seen`, or the newest where `seen` is None.
+
+        Returns:
+            The versions; None where the session does not exist.
 
         Raises:
-            Failure: there are too many followers, or the store does not answer.
+            Failure: there are too many followers, or the store does not work.
         """
         if self.followers >= self._most:
             detail = f"{self._most} event streams are open already: try again later, or read the session instead"
@@ -134,7 +145,7 @@ class Feeds:
 
     @asynccontextmanager
     async def following(self, session: str) -> AsyncIterator[Feed]:
-        """Count as a follower of a session for the length of a `with`."""
+        """Follow a session within a `with` block."""
         feed = self._feeds.get(session)
         if feed is None or feed.closed:
             feed = self._feeds[session] = Feed(session, self._fetch)

@@ -1,7 +1,4 @@
-"""Logs on stderr with the request id of whatever is being served: for people on a terminal, else JSON.
-
-In JSON each line is one object.
-"""
+"""Structured logs on stderr, each with the id of the request being served: text on a terminal, else JSON lines."""
 
 import logging
 import os
@@ -12,12 +9,17 @@ import structlog
 
 
 def is_wanted(level: str) -> bool:
-    """Whether anybody reads lines of that level: to put one together costs as much as a small answer."""
+    """Return True if lines of a level are logged; callers check first, for composing a line takes time."""
     return logging.getLogger().isEnabledFor(logging.getLevelNamesMapping()[level])
 
 
 def configure(level: str, stream: TextIO = sys.stderr) -> None:
-    """Send the service's and its libraries' logs through one formatter."""
+    """Send the logs of the service and of its libraries through one formatter to a stream.
+
+    Args:
+        level: name of the least severe level that is logged, as in `logging`.
+        stream: where lines are written.
+    """
     shared: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         structlog.stdlib.add_log_level,
@@ -25,7 +27,7 @@ def configure(level: str, stream: TextIO = sys.stderr) -> None:
         structlog.processors.TimeStamper(fmt="iso", utc=True),
     ]
     structlog.configure(
-        # What nobody wants to read costs nothing but the first of these.
+        # The first of these drops lines below the level, before they cost more.
         processors=[structlog.stdlib.filter_by_level, *shared, structlog.stdlib.ProcessorFormatter.wrap_for_formatter],
         logger_factory=structlog.stdlib.LoggerFactory(),
         wrapper_class=structlog.stdlib.BoundLogger,
@@ -44,11 +46,11 @@ def configure(level: str, stream: TextIO = sys.stderr) -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(level)
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # else two lines whenever anybody asks for /readyz
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # else every check of /readyz logs two lines
 
 
 def _renderers(stream: TextIO) -> list[structlog.typing.Processor]:
-    """Give what turns an event into text: aligned and, unless NO_COLOR is set, coloured on a terminal; else JSON."""
+    """List the processors that write an event: in columns on a terminal, coloured unless NO_COLOR is set; else JSON."""
     if not stream.isatty():
         return [structlog.processors.format_exc_info, structlog.processors.JSONRenderer()]
     return [

@@ -1,7 +1,7 @@
-"""How much memory the service has, and what it gives to its parts so that the sum fits.
+"""Memory of the service, divided among its parts so that the sum of their bounds fits.
 
-The sum is of upper bounds, reached only when everything is full at once: the cache, every worker in its largest block
-of weights, every mesh being read at its limit, and bodies in flight.
+The bounds are reached together only when everything is full at once: the cache, every worker at its largest block of
+weights, every mesh file at its limit, and the bodies of requests.
 """
 
 import os
@@ -15,26 +15,26 @@ from voa_service.settings import MEBIBYTE, Settings
 Source = Literal["setting", "cgroup", "machine"]
 
 PROCESS_MEBIBYTES = 288
-"""The process itself, after its first ranking: interpreter, libraries, compiled kernels, the pages of its threads."""
+"""Memory of the process after its first ranking: interpreter, libraries, compiled kernels, the pages of its threads."""
 WORKER_MEBIBYTES = 96
-"""One worker in a ranking: a block of weights (16 MiB, or 32 MiB of a matrix that is kept) and what makes it."""
+"""Memory of a worker in a ranking: a block of weights (16 MiB, or 32 MiB of a kept matrix) and what computes it."""
 MESH_NEEDS_MEBIBYTES = 320
 """Address space that a mesh within the limits never exceeds (measured: 240 MiB for 200 000 faces, 20 MB)."""
 _MOST_CACHE, _MOST_MESH, _MOST_BODIES = 2_048, 2_048, 4_096
 _LEAST_CACHE, _LEAST_BODIES = 32, 64
 _MOST_MESHES = 2
-_USABLE = 0.92  # the rest: what allocators hold on to, and the page tables
+_USABLE = 0.92  # the rest is for memory that allocators keep, and for page tables
 _UNLIMITED = 2**60
-"""From which on a cgroup of version 1 means that there is no limit."""
+"""Bytes from which on the limit of a cgroup of version 1 means that there is none."""
 
 
 @dataclass(frozen=True)
-class Found:
+class AvailableMemory:
     """Memory that the service may use.
 
     Attributes:
-        mebibytes: how much.
-        source: who says so.
+        mebibytes: its size.
+        source: of the figure: a setting, the limit of the cgroup, or the memory of the machine.
     """
 
     mebibytes: int
@@ -46,15 +46,15 @@ class MemoryBudget:
     """Memory that each part of the service may hold, in MiB.
 
     Attributes:
-        found: what there is.
-        cache: cuts, predictions and weights that are kept.
-        workers: threads for rankings, WORKER_MEBIBYTES each.
-        meshes: mesh files that are read at a time.
-        mesh: address space of the process that reads one.
-        bodies: requests that are received, parsed and validated, all together.
+        available: memory that the service may use.
+        cache: for cuts, predictions and weights that are kept.
+        workers: number of threads for rankings, of WORKER_MEBIBYTES each.
+        meshes: number of mesh files that are read at a time.
+        mesh: address space of the process that reads a mesh file.
+        bodies: for the bodies of all requests that are received, parsed and validated.
     """
 
-    found: Found
+    available: AvailableMemory
     cache: int
     workers: int
     meshes: int
@@ -63,15 +63,15 @@ class MemoryBudget:
 
     @property
     def sum_mebibytes(self) -> int:
-        """Everything at once."""
+        """Sum of the bounds of all parts, in MiB."""
         parts = self.cache + self.workers * WORKER_MEBIBYTES + self.meshes * self.mesh + self.bodies
         return PROCESS_MEBIBYTES + parts
 
     def message(self) -> Memory:
         """State the budget as data, for `/readyz` and `voa doctor`."""
         return Memory(
-            total_mebibytes=self.found.mebibytes,
-            source=self.found.source,
+            total_mebibytes=self.available.mebibytes,
+            source=self.available.source,
             sum_mebibytes=self.sum_mebibytes,
             process_mebibytes=PROCESS_MEBIBYTES,
             cache_mebibytes=self.cache,
@@ -81,36 +81,36 @@ class MemoryBudget:
         )
 
 
-def budget(settings: Settings, found: Found, processors: int) -> MemoryBudget:
-    """Divide the memory among the parts; what the settings say explicitly holds, whatever the sum.
+def budget(settings: Settings, available: AvailableMemory, processors: int) -> MemoryBudget:
+    """Divide the available memory among the parts of the service; explicit settings win, whatever the sum.
 
-    Of what the process itself leaves: a quarter for bodies, the least that a mesh needs (more, and a second mesh at a
-    time, where there is plenty), a quarter for workers, the rest for the cache.
+    Of the memory that the process itself leaves, a quarter is for bodies, a quarter for workers, and the rest for the
+    cache, after the least that a mesh file needs, or up to a quarter for two larger ones where there is plenty.
     """
-    left = max(0, int(_USABLE * found.mebibytes) - PROCESS_MEBIBYTES)
+    left = max(0, int(_USABLE * available.mebibytes) - PROCESS_MEBIBYTES)
     bodies = _within(left // 4, _LEAST_BODIES, _MOST_BODIES)
     mesh = settings.mesh_mebibytes or _within(left // 4, MESH_NEEDS_MEBIBYTES, _MOST_MESH)
     meshes = _within(left // 4 // mesh, 1, _MOST_MESHES)
     workers = settings.workers or _within(left // 4 // WORKER_MEBIBYTES, 1, processors)
     rest = left - bodies - meshes * mesh - workers * WORKER_MEBIBYTES
     cache = settings.cache_mebibytes or _within(rest, _LEAST_CACHE, _MOST_CACHE)
-    return MemoryBudget(found, cache, workers, meshes, mesh, bodies)
+    return MemoryBudget(available, cache, workers, meshes, mesh, bodies)
 
 
-def find(settings: Settings, root: Path = Path("/")) -> Found:
-    """Find the memory that the service may use: the setting, else the least of cgroup and machine.
+def available_memory(settings: Settings, root: Path = Path("/")) -> AvailableMemory:
+    """Find the memory that the service may use: the setting, else the smaller of the cgroup's limit and the machine's.
 
     Args:
-        settings: of which `memory_mebibytes` wins.
-        root: where `proc` and `sys` are.
+        settings: its `memory_mebibytes` wins where it is set.
+        root: folder that holds `proc` and `sys`.
     """
     if settings.memory_mebibytes is not None:
-        return Found(settings.memory_mebibytes, "setting")
+        return AvailableMemory(settings.memory_mebibytes, "setting")
     machine = _machine(root)
     group = _cgroup(root)
     if group is not None and group < machine:
-        return Found(max(1, group // MEBIBYTE), "cgroup")
-    return Found(max(1, machine // MEBIBYTE), "machine")
+        return AvailableMemory(max(1, group // MEBIBYTE), "cgroup")
+    return AvailableMemory(max(1, machine // MEBIBYTE), "machine")
 
 
 def processors() -> int:
@@ -123,7 +123,7 @@ def _within(value: int, least: int, most: int) -> int:
 
 
 def _machine(root: Path) -> int:
-    """Bytes of memory of the machine."""
+    """Return the memory of the machine, in bytes."""
     try:
         for line in (root / "proc/meminfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("MemTotal:"):
@@ -134,7 +134,7 @@ def _machine(root: Path) -> int:
 
 
 def _cgroup(root: Path) -> int | None:
-    """The least limit, in bytes, of this process's cgroup and those above it; None: there is none."""
+    """Return the smallest limit, in bytes, of this process's cgroup and its ancestors; None where none has a limit."""
     try:
         lines = (root / "proc/self/cgroup").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -150,18 +150,18 @@ def _cgroup(root: Path) -> int | None:
 
 
 def _limits(mount: Path, path: str, name: str) -> list[int]:
-    """The limits of a group and those above it, as far as this process sees them.
+    """List the limits, in bytes, of a cgroup and its ancestors, as far as this process can see them.
 
-    In a container the mount is the group's own, whatever its path on the host is.
+    In a container the mount point is the cgroup itself, whatever its path on the host.
     """
     own = mount / path.lstrip("/")
     folders = [folder for folder in (own, *own.parents) if folder.is_relative_to(mount)]
-    found = []
+    limits = []
     for folder in folders:
         try:
             value = int((folder / name).read_text(encoding="ascii"))
         except (OSError, ValueError):  # not there, or "max"
             continue
         if value < _UNLIMITED:
-            found.append(value)
-    return found
+            limits.append(value)
+    return limits

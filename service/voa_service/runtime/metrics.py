@@ -1,4 +1,4 @@
-"""What an operator watches, in Prometheus' text form. Labels are route templates and kinds, never ids."""
+"""Metrics for operators, in the text form of Prometheus. Labels are route templates and kinds, never ids."""
 
 from collections.abc import Callable
 
@@ -13,31 +13,44 @@ class Metrics:
     def __init__(self) -> None:
         self._registry = CollectorRegistry()
         self._requests = Counter(
-            "voa_http_requests", "Requests answered.", ["method", "route", "status"], registry=self._registry
+            "voa_http_requests", "HTTP requests answered.", ["method", "route", "status"], registry=self._registry
         )
         self._seconds = Histogram(
-            "voa_http_request_seconds", "Wall time of a request.", ["route"], buckets=_SECONDS, registry=self._registry
+            "voa_http_request_seconds",
+            "Wall time of an HTTP request, in seconds.",
+            ["route"],
+            buckets=_SECONDS,
+            registry=self._registry,
         )
         self._observations = Counter(
             "voa_observations",
-            "Scans and grasp outcomes, by what became of them.",
+            "Scans and grasp outcomes, by result: accepted, or the reason why not.",
             ["kind", "result"],
             registry=self._registry,
         )
 
-        self._rpc = Counter("voa_rpc_requests", "Calls by Zenoh.", ["method", "status"], registry=self._registry)
+        self._rpc = Counter(
+            "voa_rpc_requests",
+            "Remote calls answered, on Zenoh or in this process.",
+            ["method", "status"],
+            registry=self._registry,
+        )
         self._rpc_seconds = Histogram(
-            "voa_rpc_request_seconds", "Wall time of a call.", ["method"], buckets=_SECONDS, registry=self._registry
+            "voa_rpc_request_seconds",
+            "Wall time of a remote call, in seconds.",
+            ["method"],
+            buckets=_SECONDS,
+            registry=self._registry,
         )
         self._zenoh = Counter(
             "voa_zenoh_samples",
-            "Scans heard, and what became of them; beliefs published, or not heard by anybody; links lost.",
+            "Events on Zenoh: scans received, refused or dropped; beliefs published or dropped; links made and lost.",
             ["event"],
             registry=self._registry,
         )
         self._connections = Counter(
             "voa_http_connections_refused",
-            "Connections and requests refused or ended.",
+            "HTTP connections and requests that were refused or ended, by reason.",
             ["reason"],
             registry=self._registry,
         )
@@ -47,27 +60,27 @@ class Metrics:
         self._connections.labels(reason).inc()
 
     def rpc(self, method: str, status: int, seconds: float) -> None:
-        """One call was answered."""
+        """Count a remote call that was answered, with its duration."""
         self._rpc.labels(method, str(status)).inc()
         self._rpc_seconds.labels(method).observe(seconds)
 
     def zenoh(self, event: str) -> None:
-        """One thing happened on Zenoh that nobody gets an answer to."""
+        """Count an event on Zenoh, by its name."""
         self._zenoh.labels(event).inc()
 
     def request(self, method: str, route: str, status: int, seconds: float) -> None:
-        """One request was answered."""
+        """Count an HTTP request that was answered, with its duration."""
         self._requests.labels(method, route, str(status)).inc()
         self._seconds.labels(route).observe(seconds)
 
     def observation(self, kind: str, result: str) -> None:
-        """One scan or outcome was accepted, or was not for a reason."""
+        """Count a scan or grasp outcome, by its result: accepted, or the reason why not."""
         self._observations.labels(kind, result).inc()
 
     def gauge(self, name: str, help_: str, read: Callable[[], float]) -> None:
-        """A figure that is read when somebody asks."""
+        """Register a gauge whose value is read whenever the metrics are scraped."""
         Gauge(name, help_, registry=self._registry).set_function(read)
 
     def text(self) -> bytes:
-        """Everything, as Prometheus reads it."""
+        """Return all metrics in the text form of Prometheus."""
         return generate_latest(self._registry)

@@ -19,7 +19,7 @@ T = TypeVar("T")
 A = TypeVar("A")
 B = TypeVar("B")
 Check = Callable[[], None]
-"""Returns while the work is still wanted, else raises; called between the parts of long work."""
+"""Function that long work calls between its parts; it raises once the work is no longer wanted."""
 
 _LATEST = 32
 _LONGEST_RETRY_S = 600
@@ -27,22 +27,22 @@ _END_SECONDS = 5.0
 
 
 class Cancelled(Exception):
-    """Nobody waits for the work any more."""
+    """Long work was given up, because no caller waits for its result any more."""
 
 
 @dataclass(eq=False)
 class _Shared:
-    """One call and how many wait for it."""
+    """A shared call, and the number of callers that wait for it."""
 
     future: Future[Any]
     waiters: int = 0
 
 
 class WorkQueue:
-    """A line in front of `workers` threads in which at most `waiting` calls wait; one more is refused at once.
+    """A queue of at most `waiting` calls in front of `workers` threads; one more call is refused at once.
 
-    A call whose caller has gone still counts until it ends, for a thread cannot be stopped; one that is shared
-    (`share`) leaves the line when its last caller goes, and ends at its next check where it has begun.
+    A call whose caller has gone still counts until it ends, for a thread cannot be stopped. A shared call (`share`)
+    leaves the queue when its last caller goes; once begun, it ends at its next check.
     """
 
     def __init__(self, name: str, workers: int, waiting: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -60,14 +60,14 @@ class WorkQueue:
 
     @property
     def inside(self) -> int:
-        """Calls under way or in line."""
+        """Number of calls that are under way or waiting."""
         return self._inside
 
     def submit(self, work: Callable[[], T]) -> Future[T]:
         """Call `work` in a worker thread, with the caller's log context.
 
         Raises:
-            Failure: overloaded; nothing was done.
+            Failure: the queue is full; `work` is not called.
         """
         with self._lock:
             if self._inside >= self._most:
@@ -84,21 +84,21 @@ class WorkQueue:
         return call
 
     async def run(self, work: Callable[[], T]) -> T:
-        """Call `work` in a worker thread and await it; a caller that is cancelled leaves, its call keeps its place."""
+        """Call `work` in a worker thread and await its result; the call goes on where its caller is cancelled."""
         call = asyncio.wrap_future(self.submit(work))
         call.add_done_callback(_seen)
         return await asyncio.shield(call)
 
     async def share(self, key: Hashable, work: Callable[[Check], T]) -> T:
-        """Await the call of `key`, one for all who ask while it is in line or under way.
+        """Await the call with a key: callers with equal keys share one call while it waits or is under way.
 
         Args:
             key: equal for calls with equal results.
-            work: is given a check, which raises `Cancelled` once every caller has left (was cancelled itself), and
-                `Failure` once the service ends.
+            work: receives a check, which raises `Cancelled` once all callers have been cancelled, and `Failure` once
+                the service stops.
 
         Raises:
-            Failure: overloaded; nothing was done.
+            Failure: the queue is full; `work` is not called.
         """
         with self._lock:
             call = self._shared.get(key)
@@ -113,44 +113,44 @@ class WorkQueue:
             self._leave(key, call)
 
     def check(self) -> None:
-        """Return while the service goes on.
+        """Return at once while the service runs.
 
         Raises:
-            Failure: it has been ending for longer than calls were given.
+            Failure: the service stops, and the time that calls were given is over.
         """
         if self._clock() >= self._ends_at:
-            raise NotReady("the service is ending: ask again", {"Retry-After": "2"})
+            raise NotReady("the service is stopping: try again", {"Retry-After": "2"})
 
     def end_in(self, seconds: float) -> None:
-        """Let `check` fail after some seconds: in a signal handler too, so without a lock."""
+        """Let `check` fail after some seconds; takes no lock, for a signal handler may call it."""
         self._ends_at = min(self._ends_at, self._clock() + seconds)
 
     def close(self, seconds: float = _END_SECONDS) -> None:
-        """Drop what has not begun, and wait at most so long for what has; a thread that goes on stops no exit."""
+        """Drop the calls that wait, and wait at most so many seconds for those under way; they do not delay an exit."""
         self.end_in(0.0)
         self._pool.close(seconds)
 
     def retry_after_s(self) -> int:
-        """Estimate in how many seconds a call could begin: the mean duration of the latest, by the line per worker.
+        """Estimate in how many seconds a new call could begin: mean duration of the last calls times queue per worker.
 
-        Before any call has ended, those under way count with their duration so far.
+        Before any call has ended, the calls under way count with their duration so far.
         """
         with self._lock:
             now = self._clock()
             durations = list(self._latest) or [now - begun for begun in self._begun.values()] or [0.0]
-            line = self._inside / self._workers
-        seconds = math.ceil(sum(durations) / len(durations) * line)
+            calls_per_worker = self._inside / self._workers
+        seconds = math.ceil(sum(durations) / len(durations) * calls_per_worker)
         return max(1, min(seconds, _LONGEST_RETRY_S))
 
     def _begin(self, key: Hashable, work: Callable[[Check], Any]) -> _Shared:
-        """Put a shared call in line; under the lock."""
+        """Queue a shared call; the caller holds the lock."""
 
         def check() -> None:
             self.check()
             if call.waiters == 0:
                 raise Cancelled
 
-        # Its waiter is counted before the lock is released, and the work looks only after the lock was free once.
+        # The first caller is counted under the lock: the work checks for callers only after the lock was free once.
         def begun() -> Any:
             with self._lock:
                 pass
@@ -179,7 +179,7 @@ class WorkQueue:
         finally:
             with self._lock:
                 del self._begun[token]
-        with self._lock:  # only what was done: a failure at once says nothing about the next call
+        with self._lock:  # only calls that ended well: a quick failure says nothing about the next call
             self._latest.append(self._clock() - begun)
         return done
 
@@ -189,7 +189,7 @@ class WorkQueue:
 
 
 def _seen(call: asyncio.Future[Any]) -> None:
-    """Look at the error of a call whose caller has gone, so that none is reported as lost."""
+    """Retrieve the error of a call whose caller has gone, so that asyncio does not report it as lost."""
     if not call.cancelled():
         call.exception()
 
@@ -201,7 +201,7 @@ class Threads:
         self._pool = Workers("core", workers)
 
     def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterable[B]:
-        """Yield the results in the order of the items; after an error what has not begun is dropped."""
+        """Yield the results in the order of the items; after an error, calls that have not begun are dropped."""
         calls: list[Future[B]] = []
         try:
             for item in items:
@@ -214,5 +214,5 @@ class Threads:
                 call.cancel()
 
     def close(self, seconds: float = _END_SECONDS) -> None:
-        """Drop what has not begun, and wait at most so long for what has."""
+        """Drop the calls that wait, and wait at most so many seconds for those under way."""
         self._pool.close(seconds)

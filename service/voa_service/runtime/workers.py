@@ -1,4 +1,4 @@
-"""Threads that work off calls, and that do not keep a process from ending."""
+"""Worker threads that do not keep a process from ending."""
 
 import threading
 import time
@@ -11,10 +11,10 @@ _Job = tuple[Future[Any], Callable[[], Any]]
 
 
 class Workers:
-    """At most `count` daemon threads, begun as they are needed.
+    """Up to `count` daemon threads, started when they are needed.
 
-    The threads of `concurrent.futures` are joined when the interpreter exits, however long they take: one call into a
-    database that does not answer would hold up the end of the service.
+    The interpreter joins the threads of `concurrent.futures` when it exits, however long they take: a call into a
+    database that does not answer would delay the end of the service.
     """
 
     def __init__(self, name: str, count: int) -> None:
@@ -27,7 +27,7 @@ class Workers:
         self._lock = threading.RLock()
 
     def submit(self, future: Future[Any], work: Callable[[], Any]) -> None:
-        """Give `future` the result of `work`, called in one of the threads, unless it is cancelled before."""
+        """Call `work` in one of the threads and give its result to `future`, unless that is cancelled before."""
         with self._lock:
             if self._closed:
                 future.cancel()
@@ -40,7 +40,7 @@ class Workers:
                 self._threads[-1].start()
 
     def close(self, seconds: float) -> None:
-        """Cancel what has not begun, and wait at most so long for what has."""
+        """Cancel the calls that wait, and wait at most so many seconds for those under way."""
         with self._lock:
             self._closed = True
             threads = list(self._threads)
@@ -63,7 +63,7 @@ class Workers:
             del job
             if future.set_running_or_notify_cancel():
                 self._work(future, work)
-            del future, work  # an idle thread holds on to nothing
+            del future, work  # an idle thread keeps no result alive
             with self._lock:
                 self._open -= 1
 
@@ -71,7 +71,7 @@ class Workers:
     def _work(future: Future[Any], work: Callable[[], Any]) -> None:
         try:
             result = work()
-        except BaseException as error:  # whatever it is, it belongs to the caller
+        except BaseException as error:  # any error is the caller's to handle
             future.set_exception(error)
         else:
             future.set_result(result)

@@ -4,10 +4,11 @@ import hashlib
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
+from voa_meshes import default_up
 from voa_msgs.objects import MeshType, Object, ObjectPage, StablePoses, UpAxis
 from voa_service.failures import InvalidRequest, TooLarge, not_found
 from voa_service.mapping.objects import listed_object_message, object_message, stable_poses_message
-from voa_service.meshes.mistakes import default_up, extent_mistakes, up_mistakes
+from voa_service.meshes.mistakes import extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store
 from voa_service.runtime.cache import Cache
 from voa_service.settings import Limits
@@ -149,5 +150,7 @@ def _uploaded(stored: StoredObject, upload: Upload, *, stated: bool) -> Object:
         stated: True if the caller stated which axis is up.
     """
     mesh = stored.object
-    warnings = extent_mistakes(mesh.extents.tolist(), upload.scale) + ([] if stated else up_mistakes(mesh, upload.up))
+    warnings = extent_mistakes(mesh.extents.tolist(), upload.scale) + (
+        [] if stated else up_mistakes(mesh.vertices, upload.up)
+    )
     return object_message(replace(stored, up=upload.up)).model_copy(update={"warnings": warnings})

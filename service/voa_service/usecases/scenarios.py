@@ -17,7 +17,7 @@ from voa_service.mapping.scenarios import filled_in
 from voa_service.mapping.sensors import candidates
 from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Clock, Store
-from voa_service.requests import large
+from voa_service.requests import large_json
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 from voa_store.records import ListedScenario, StoredScenario
@@ -57,7 +57,7 @@ class Scenarios:
             VoaError: the scenario contradicts itself.
         """
         filled = filled_in(request, self.presets)
-        body, id_ = large.text(large.plain(filled)), _digest(filled)
+        body, id_ = large_json.text(large_json.plain(filled)), _digest(filled)
         model = self.models.build(id_, filled)
         summary = json.dumps(_summary(filled))
         stored, new = self.store.put_scenario(StoredScenario(id_, request.name, body, self.now(), summary))
@@ -73,7 +73,7 @@ class Scenarios:
         stored = self.store.get_scenario(id_)
         if stored is None:
             raise not_found("scenario", id_)
-        return self._message(ScenarioRequest.model_validate(large.loads(stored.body)), stored)
+        return self._message(ScenarioRequest.model_validate(large_json.loads(stored.body)), stored)
 
     def warnings(self, id_: str) -> Warnings:
         """Search a scenario thoroughly for probable mistakes, which may take long.
@@ -128,13 +128,13 @@ def _digest(filled: ScenarioRequest) -> str:
 
     A field that was added after the first release is left out while it has its default, so that older ids stay valid.
     """
-    content = large.plain(filled)
+    content = large_json.plain(filled)
     for name in _with_default(filled, _ADDED_FIELDS):
         del content[name]
     for name in _with_default(filled.update, _ADDED_UPDATE_FIELDS):
         del content["update"][name]
     digest = hashlib.sha256()
-    for block in large.blocks(content):
+    for block in large_json.blocks(content):
         digest.update(block)
     return digest.hexdigest()
 

@@ -1,4 +1,23 @@
-"""Zenoh in front of the use cases: queries and scans in, beliefs out.
+"""Zenoh in front of the use cases: queries, raw scans and ROS 2 topics come in, beliefs and refusals go out.
 
-Everything that a Zenoh thread calls returns at once: it hands over to a bounded queue, or refuses.
+Functions that a Zenoh thread calls return at once: they put their work into a bounded queue, or refuse it.
+
+| file           | purpose                                                                                   |
+|----------------|-------------------------------------------------------------------------------------------|
+| `entry`        | puts the parts together, and serves on Zenoh                                              |
+| `link`         | the session with a router: opened as soon as a router answers, opened again after a loss  |
+| `queries`      | answers queries on `rpc/<method>` by remote calls                                         |
+| `scans`        | applies raw scans on `scan/<session>/<robot>`                                             |
+| `ros2`         | subscribes to the ROS 2 topics of mapped robots, and applies their looks                  |
+| `mapped_robot` | a mapped robot: gathers its messages into looks for the session that it belongs to        |
+| `samples`      | a message on a topic of a mapped robot                                                    |
+| `latched`      | subscribes to topics whose newest message is kept, such as AMCL's pose                    |
+| `applying`     | applies a look to its session once, whichever replicas do so                              |
+| `ledger`       | knows which looks of a robot its session has, so that each stop counts once               |
+| `stops`        | compares two looks: were they taken at one stop of the robot?                             |
+| `replicas`     | the replicas that are alive, and which of them is responsible for a sample                |
+| `mailboxes`    | bounded queues of samples, one for each sender                                            |
+| `deferred`     | work that waits in case the responsible replica does not do it                            |
+| `outbox`       | publishes beliefs after commits, and refusals of scans                                    |
+| `refusals`     | explains to a robot why its look was not accepted                                         |
 """

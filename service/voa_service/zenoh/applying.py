@@ -1,4 +1,4 @@
-"""Applying a look of a mapped robot to its session, once, whichever of the replicas does it."""
+"""Application of a look of a mapped robot to its session, exactly once among all replicas."""
 
 from dataclasses import dataclass
 
@@ -16,13 +16,13 @@ _TRIES = 5
 
 @dataclass(frozen=True)
 class DueLook:
-    """A look to be applied to a session.
+    """A look that is due to be applied to a session.
 
     Attributes:
-        robot: name in the mapping.
+        robot: name of the robot in the mapping.
         taken: the look.
-        ledger: of the robot in that session.
-        since: version of the session when the look's stop began.
+        ledger: the looks of the robot in that session.
+        since: version of the session when the robot's stop began.
     """
 
     robot: str
@@ -32,30 +32,31 @@ class DueLook:
 
 
 def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
-    """Apply a look unless its session has it.
+    """Apply a look to its session, unless another replica has applied it.
 
-    Another process may count a look between the reading and the writing here; it is then looked for once more.
+    Another process may write a look of this robot after the ledger was read and before this one is written. The store
+    then refuses the write, because the look's number is taken; the ledger is read again, up to five times in all.
 
     Returns:
-        What was answered, accepted or not; None: the session has this look.
+        The outcome, accepted or not; None where the session already has this look.
 
     Raises:
-        Failure: it could not be applied.
+        Failure: the look could not be applied.
     """
     for _ in range(_TRIES):
         number = due.ledger.next_number(due.taken, due.since)
         if number is None:
             return None
-        answer = _applied(updates, due, number)
-        if answer is not None:
-            if answer.update.accepted:
-                due.ledger.accepted(number, answer.version)
-            return answer
-    raise NotAccepted("the belief is unchanged: a look of this name was applied before, and not accepted")
+        outcome = _applied(updates, due, number)
+        if outcome is not None:
+            if outcome.update.accepted:
+                due.ledger.accepted(number, outcome.version)
+            return outcome
+    raise NotAccepted("the belief is unchanged: this look was applied before, and was not accepted")
 
 
 def _applied(updates: Updates, due: DueLook, number: int) -> LookOutcome | None:
-    """Apply a look under a number; None: another process was first, perhaps with a pose that differs by a hair."""
+    """Apply a look under a number; None where another process has used the number, perhaps for another look."""
     request, session = due.taken.request, due.ledger.session
     named = look_name(due.robot, session, number, due.taken)
     key = idempotency_key(named, scope_of(session), "scan", request)
@@ -63,10 +64,10 @@ def _applied(updates: Updates, due: DueLook, number: int) -> LookOutcome | None:
     counted = RobotLook(due.robot, number, due.taken.digest)
     try:
         with guarded():
-            answered = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
+            response = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
     except Failure as failure:
         if failure.kind in (LookCounted.kind, IdempotencyKeyReused.kind):
             return None
         due.ledger.doubt(due.taken)
         raise
-    return LookOutcome.model_validate_json(answered.body)
+    return LookOutcome.model_validate_json(response.body)

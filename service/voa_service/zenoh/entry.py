@@ -1,11 +1,11 @@
-"""Zenoh beside HTTP in the same process: everything about it, put together."""
+"""Service on Zenoh, beside HTTP in the same process: builds and starts its parts."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from voa_msgs.keys import Keys
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 from voa_service.services import Services
 from voa_service.settings import ZenohSettings
 from voa_service.zenoh.link import Part, ZenohLink
@@ -18,12 +18,12 @@ from voa_service.zenoh.scans import Scans
 
 @contextmanager
 def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = None) -> Iterator[None]:
-    """Serve on Zenoh for the length of a `with`, once a router answers; nothing where none is named.
+    """Serve on Zenoh within a `with` block, as soon as a router answers; does nothing where no router is configured.
 
     Args:
-        services: what is served.
-        settings: which router.
-        robots: the mapping of ROS 2 robots.
+        services: use cases and queues.
+        settings: router, credentials and key prefix.
+        robots: file that maps the ROS 2 topics of robots to sessions; None: no mapping.
     """
     if not settings.connect:
         yield

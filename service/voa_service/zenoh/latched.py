@@ -1,4 +1,4 @@
-"""Topics whose newest message is kept for whoever comes later, such as AMCL's pose (transient local in ROS)."""
+"""Subscription to topics whose newest message is kept for late subscribers (transient local in ROS), as AMCL's pose."""
 
 from typing import Any
 
@@ -8,9 +8,9 @@ from zenoh.handlers import Callback
 
 
 def declare_latched_subscriber(session: zenoh.Session, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
-    """Subscribe to a key expression, and fetch what its publishers keep, now and when a publisher appears later.
+    """Subscribe to a key expression, and fetch the message that its publishers keep, also of publishers to come.
 
-    AMCL publishes when the robot has moved by 0.25 m: a plain subscriber that comes to a parked robot waits for ever.
+    AMCL publishes when the robot has moved by 0.25 m: a plain subscriber would wait for ever for a parked robot.
     """
     history = HistoryConfig(detect_late_publishers=True, max_samples=1)
     return declare_advanced_subscriber(session, expression, receive, history=history)

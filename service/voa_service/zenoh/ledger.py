@@ -1,10 +1,10 @@
-"""Which looks of a robot a session has, and which of them are known to this process: each stop counts once.
+"""The looks of a robot that a session has accepted, so that each stop of the robot counts once among all replicas.
 
-Every replica receives what the robots send and gathers looks of the same stops, but not always of the same
-revolutions: one of them was started during a stop, or has had a look refused and begun again, or has received a pose
-a little later. So a look is known by its stop. What the session has accepted of this robot since the stop began, and
-what this process has not recognised yet, is compared with it: the same place is the same stop. Where there are no stops
-(modes `every` and `on_request`), a look is known by its digest.
+Every replica receives all messages of the robots and gathers looks at the same stops, but not always from the same
+revolutions: a replica may have started during a stop, have begun again after a refused look, or have received a pose
+later. A look is therefore identified by its stop: it is compared with the looks that the session has accepted of this
+robot since the stop began and that this process has not matched yet; looks from one place are of one stop. Where there
+are no stops (modes `every` and `on_request`), a look is identified by its digest.
 """
 
 from collections import deque
@@ -15,94 +15,94 @@ from voa_service.usecases.sessions import Sessions
 from voa_service.zenoh.stops import SameStop
 
 _NEWEST = 50
-"""Versions of a session among which the newest look of a robot is searched when its session is entered."""
+"""Number of newest versions of a session that are searched for looks of a robot when the robot joins the session."""
 _MOST_ENTRIES = 1_000
-"""Versions of a session since a stop began among which a look of it is searched."""
+"""Number of versions since a stop began that are searched for a look at that stop."""
 _REMEMBERED = 1_024
-"""Looks that are remembered as recognised; more are never under way."""
+"""Number of recognised looks that are remembered; fewer are ever under way."""
 
 
 class LookLedger:
-    """The looks of one robot in one session, as one process knows them. Not for several threads at once."""
+    """The looks of a robot in a session, as this process knows them; not for several threads at once."""
 
     def __init__(self, sessions: Sessions, session: str, robot: str, same_stop: SameStop | None) -> None:
-        """Begin with what the session has.
+        """Begin with the looks that the session has.
 
         Args:
             sessions: the use cases.
-            session: id.
-            robot: name in the mapping.
-            same_stop: None: looks are known by their digests.
+            session: id of the session.
+            robot: name of the robot in the mapping.
+            same_stop: compares two looks; None: looks are identified by their digests.
 
         Raises:
-            Failure: the session is not there, or cannot be read.
+            Failure: the session does not exist, or cannot be read.
         """
         self.session = session
         self._sessions = sessions
         self._robot = robot
         self._same_stop = same_stop
         self._versions: deque[int] = deque(maxlen=_REMEMBERED)
-        """Versions made by looks that were taken, or recognised, here."""
+        """Versions of the session that this process made by its looks, or recognised as looks at its stops."""
         self._numbers: set[int] = set()
-        """Numbers of the same looks, as far as they are larger than `_all_until`."""
+        """Numbers of the recognised looks above `_all_until`."""
         self._digests: deque[str] = deque(maxlen=_REMEMBERED)
-        """Of the looks that were taken here."""
+        """Digests of the looks that this process has given out."""
         self.version = max(-1, sessions.state(session).version - _NEWEST)
-        """Version of the session when the present stop began; the looks after it may be of this stop."""
+        """Version of the session when the current stop began; looks of later versions may be of this stop."""
         self._seen = 0
         self.newest = self.begin_stop()
-        """The robot's newest look when this began; None: there was none lately."""
+        """Newest look of the robot when this ledger began; None: the session has none among its newest versions."""
         self._all_until = self._seen
-        """Looks with numbers up to this one are recognised, or have nothing to do with what comes."""
+        """Looks up to this number are recognised, or too old to be looks at a coming stop."""
 
     def begin_stop(self) -> ScanRequest | None:
-        """Note what the session has as a stop begins.
+        """Note the version of the session as a stop begins.
 
         Returns:
-            The newest look of this robot where others took it since the stop before; None: it is known here.
+            The robot's newest look, if another process has applied it since the previous stop; else None.
 
         Raises:
-            Failure: the session is not there, or cannot be read.
+            Failure: the session does not exist, or cannot be read.
         """
         before, version = self.version, self._sessions.state(self.session).version
         newest = self._sessions.robot_looks(self.session, self._robot, 1)
         number = newest[0].number if newest else 0
-        found = None
+        unknown = None
         if number > self._seen and self._others_since(number - self._seen):
             fresh = [look for made, look in self._looks_after(before) if made not in self._versions]
-            found = fresh[-1] if fresh else None
+            unknown = fresh[-1] if fresh else None
         self.version, self._seen = version, number
-        return found
+        return unknown
 
     def _others_since(self, count: int) -> bool:
-        """Whether others took one of the newest looks, so many."""
+        """Return True if another process applied one of the robot's `count` newest looks."""
         newest = self._sessions.robot_looks(self.session, self._robot, min(count, _NEWEST))
         return any(look.digest not in self._digests for look in newest)
 
     def take(self, taken: Taken) -> None:
-        """Note that a look was taken here."""
+        """Note that this process gives out a look."""
         self._digests.append(taken.digest)
 
     def doubt(self, taken: Taken) -> None:
-        """Note that it is not known whether the session has a look that was taken here: its answer was lost."""
+        """Note that a look of this process may or may not be in the session, because its response was lost."""
         if taken.digest in self._digests:
             self._digests.remove(taken.digest)
 
     def next_number(self, taken: Taken, since: int) -> int | None:
-        """Find the number under which a look is to be applied.
+        """Return the number under which a look is to be applied.
 
         Args:
             taken: the look.
-            since: version of the session when its stop began.
+            since: version of the session when the look's stop began.
 
         Returns:
-            One more than the looks that the session has of the robot; None: it has this one.
+            The number of looks that the session has of the robot, plus one; None where it already has this look.
 
         Raises:
             Failure: the session cannot be read.
         """
         newest = self._sessions.robot_looks(self.session, self._robot, 1)
-        count = newest[0].number if newest else 0  # read first: a look that comes later takes the number
+        count = newest[0].number if newest else 0  # read first, so that a look written after this takes the number
         if self._same_stop is None:
             recognised = self._by_digest(taken, count)
         else:
@@ -110,12 +110,12 @@ class LookLedger:
         return None if recognised else count + 1
 
     def accepted(self, number: int, version: int) -> None:
-        """Note that the session has accepted a look that was taken here."""
+        """Note that the session has accepted a look of this process, under a number, as a version."""
         self._recognise(number)
         self._versions.append(version)
 
     def _by_digest(self, taken: Taken, count: int) -> bool:
-        """Recognise a look of this digest that was not recognised before."""
+        """Return True for a look in the session with this digest that was not recognised before; recognises it."""
         self._all_until = max(self._all_until, count - _REMEMBERED)
         if count == self._all_until:
             return False
@@ -132,7 +132,7 @@ class LookLedger:
         self._numbers = {each for each in self._numbers if each > self._all_until}
 
     def _by_stop(self, taken: Taken, since: int, same_stop: SameStop) -> bool:
-        """Recognise the oldest look of this stop that was not recognised before."""
+        """Return True for a look in the session at this stop that was not recognised before; recognises the oldest."""
         for version, look in self._looks_after(since):
             if version not in self._versions and same_stop(taken.request, look):
                 self._versions.append(version)
@@ -140,7 +140,7 @@ class LookLedger:
         return False
 
     def _looks_after(self, version: int) -> list[tuple[int, ScanRequest]]:
-        """Looks of this robot after a version of the session, oldest first, each with the version that it made."""
+        """List the looks of this robot after a version of the session, oldest first, each with the version it made."""
         entries = self._sessions.entries_after(self.session, version, _MOST_ENTRIES)
         scans = [(e.state.version, ScanRequest.model_validate_json(e.request)) for e in entries if e.kind == "scan"]
         return [(made, look) for made, look in scans if robot_of(look) == self._robot]

@@ -1,7 +1,7 @@
-"""One mapped ROS 2 robot in a service: the session that its scans are for, and the looks that follow.
+"""A mapped ROS 2 robot in this process: gathers its messages into looks for the session that it belongs to.
 
-Every replica receives everything and gathers looks of the same stops. What the session has already is read as each stop
-begins (`ledger`), so that a replica that has missed some looks, or was started just now, goes on where the session is.
+Every replica receives all messages and gathers looks at the same stops. As each stop begins, the looks that the session
+has are read (`ledger`), so that a replica that missed some, or has just started, continues from the session's state.
 """
 
 import threading
@@ -16,7 +16,7 @@ from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
 from voa_service.guard import guarded
-from voa_service.rpc.methods import attachment_of
+from voa_service.requests.attachments import read_attachment
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
@@ -24,15 +24,20 @@ from voa_service.zenoh.samples import Sample
 from voa_service.zenoh.stops import SameStop, same_stop
 
 FOLLOW_SECONDS = 1.0
-"""How late a change of the mapping, or of a robot's session, is noticed."""
+"""Polling interval for changes of the mapping file, and of the session of a robot, in seconds."""
 _SHOWS_STOP = 2
-"""Revolutions of a stop, at most, after which the session is asked for looks that other replicas took."""
+"""Number of revolutions at a stop, at most, after which the session is read for looks by other replicas."""
 _ABSENT = (NotFound.kind, UnknownReference.kind)
-"""Kinds of failures that say that something is not there, and not that it cannot be read."""
+"""Kinds of failures for a scenario or session that does not exist, as opposed to one that cannot be read."""
 
 
 class MappedRobot:
-    """One mapped robot; all methods may be called from any thread."""
+    """A mapped robot; all methods may be called from any thread.
+
+    Args:
+        mapping: the robot's entry in the mapping file.
+        services: use cases and limits.
+    """
 
     def __init__(self, mapping: RobotMapping, services: Services) -> None:
         self.mapping = mapping
@@ -44,17 +49,17 @@ class MappedRobot:
         self._ledger: LookLedger | None = None
         self._same_stop: SameStop | None = None
         self._stop_known = False
-        """Whether the session was asked in the present stop."""
+        """True once the session was read for looks by other replicas at the current stop."""
         self._followed = -FOLLOW_SECONDS
         self._missing: str | None = None
         self._absent: Failure | None = None
-        """Why the mapping's scenario or session cannot be followed."""
+        """Reason why the mapping's scenario or session cannot be used; None: it can."""
         self._requested = False
         self._lock = threading.Lock()
 
     @property
     def waiting_for(self) -> str | None:
-        """Condition for the next look that is not met yet, in words; None where each scan is a look."""
+        """Condition that the next look still waits for, in words; None where each scan is a look."""
         if self._missing is not None:
             return self._missing
         if self._looks is None:
@@ -68,11 +73,11 @@ class MappedRobot:
 
     @property
     def session(self) -> str | None:
-        """The session that its scans are for, as far as that is known."""
+        """Id of the session that the robot's scans are for; None: not known yet."""
         return self._session or self.mapping.session
 
     def request(self) -> None:
-        """Ask for a look; raises ValueError where looks are not taken on request."""
+        """Request a look; raises ValueError where the robot's mode is not `on_request`."""
         with self._lock:
             if self._looks is not None:
                 self._looks.request()
@@ -83,42 +88,45 @@ class MappedRobot:
                 raise ValueError(f"expected a robot in mode 'on_request', {self.name!r} is in mode {mode!r}")
 
     def rejected(self, due: DueLook, reason: str) -> None:
-        """Let the next revolutions make another look: this one was not accepted."""
+        """Note that a look was not accepted, so that the next revolutions make another look at this stop."""
         with self._lock:
             if self._looks is not None and due.ledger is self._ledger:
                 self._looks.rejected(reason, due.taken.request)
 
     def receive(self, sample: Sample) -> DueLook | None:
-        """Take a message; returns a look for a session, where there is one now.
+        """Receive a message on a topic of the robot.
+
+        Returns:
+            A look that is due, if this message completes one.
 
         Raises:
-            Failure: it cannot be used, or there is no session for it.
+            Failure: the message cannot be used, or there is no session for it.
         """
-        with self._lock:
+        with self._lock, guarded():
             if sample.type == LASER_SCAN:
                 self._services.robots.received(self.name, "ros2", sample.key, self._session)
             looks = self._following(sample.type)
             if looks is None:
                 return None
-            attached = attachment_of(sample.attachment) if isinstance(self.mapping.place, AttachmentPlace) else None
+            attached = read_attachment(sample.attachment) if isinstance(self.mapping.place, AttachmentPlace) else None
             try:
-                found = looks.receive(Received(sample.type, sample.payload, sample.received_s, attached))
+                received = looks.receive(Received(sample.type, sample.payload, sample.received_s, attached))
             except ContradictoryHeader as error:
                 raise BeamGridMismatch(str(error)) from error
             except UnusableMessage as error:
                 raise InvalidRequest(str(error)) from error
-            if isinstance(found, Taken):
-                return self._due(found)
-            self._learn_of_the_stop(looks)
+            if isinstance(received, Taken):
+                return self._due(received)
+            self._read_looks_of_others(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
 
     def _due(self, taken: Taken) -> DueLook | None:
-        """Give out a look; None: another replica's look of this stop came first, while the robot's session changed.
+        """Make a look due; None where another replica applied a look at this stop while the robot's session changed.
 
         Raises:
-            Failure: it is not known for which session it is; it does not use up the stop.
+            Failure: there is no session for the look, or it cannot be read; the stop may then make another look.
         """
         looks = self._looks_or_fail()
         try:
@@ -142,8 +150,8 @@ class MappedRobot:
     def _is_taken(self, newest: ScanRequest | None, taken: Taken) -> bool:
         return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
 
-    def _learn_of_the_stop(self, looks: MappedLooks) -> None:
-        """Once in each stop: take note of a look that others took of it, perhaps."""
+    def _read_looks_of_others(self, looks: MappedLooks) -> None:
+        """Read, once at each stop, the looks of other replicas, and note one that was taken at this stop."""
         rule = self.mapping.look
         if rule.mode == "every" or looks.standing < min(_SHOWS_STOP, rule.scans - 1):
             self._stop_known = False
@@ -154,10 +162,10 @@ class MappedRobot:
                 looks.resume(newest)
 
     def _settled(self) -> str:
-        """The session that a look goes to which is due now; from now on it is the robot's.
+        """Return the session for a look that is due, and make it the robot's own from now on.
 
         Raises:
-            Failure: there is none.
+            Failure: there is no session for the robot.
         """
         if self.mapping.session is not None:
             return self.mapping.session
@@ -168,12 +176,13 @@ class MappedRobot:
         return session
 
     def _following(self, received: MessageType) -> MappedLooks | None:
-        """The looks, for the session that is the robot's, which is asked once in a while.
+        """Return the looks that are being gathered, after polling the robot's session where that is due.
 
-        None for a pose of a robot whose scenario or session is not there: its scans say so.
+        Returns:
+            The looks; None for a pose where the mapping's scenario or session does not exist.
 
         Raises:
-            Failure: the scenario or session that the mapping names is not there.
+            Failure: for a scan, where the mapping's scenario or session does not exist.
         """
         now = time.monotonic()
         if now - self._followed >= FOLLOW_SECONDS:
@@ -182,7 +191,7 @@ class MappedRobot:
                 with guarded():
                     self._follow()
                 self._absent = None
-            except Failure as failure:  # a database that fails for a moment stops no look from being gathered
+            except Failure as failure:  # looks are gathered on while the database fails for a moment
                 self._absent = failure if self._looks is None or failure.kind in _ABSENT else None
         if self._absent is None:
             return self._looks_or_fail()
@@ -206,10 +215,10 @@ class MappedRobot:
                     scenario = mapping.scenario or ""
                     session = self._services.claims.peek(self.name, scenario)
                 if scenario != self._scenario or self._looks is None:
-                    self._look_at(scenario)
+                    self._begin_on(scenario)
         except Failure as failure:
             if failure.kind in _ABSENT or self._looks is None:
-                self._missing = f"what the mapping names: {failure.detail}"
+                self._missing = f"the mapping's scenario or session: {failure.detail}"
             raise
         self._missing = self._none() if session is None else None
         if session is None:
@@ -223,8 +232,8 @@ class MappedRobot:
             f"a session on scenario {scenario!r}: open one, or claim the robot for one (`robots` of POST /v1/sessions)"
         )
 
-    def _look_at(self, scenario: str) -> None:
-        """Begin to gather looks on the grid of a scenario's lidar."""
+    def _begin_on(self, scenario: str) -> None:
+        """Begin to gather looks on the beam grid of a scenario's lidar."""
         model = self._services.sessions.models.get(scenario)
         if model is None:
             raise not_found("scenario", scenario)
@@ -238,7 +247,7 @@ class MappedRobot:
             self._looks.request()
 
     def _enter(self, session: str) -> LookLedger:
-        """Begin the looks for a session; raises Failure, and changes nothing, where it cannot be read."""
+        """Begin to gather looks for a session; raises Failure, and changes nothing, where it cannot be read."""
         ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
         self._leave()
         self._session, self._ledger = session, ledger
@@ -247,7 +256,7 @@ class MappedRobot:
         return ledger
 
     def _leave(self) -> None:
-        """End the looks for a session, if there was one; what was gathered before there was any is not lost."""
+        """Stop gathering looks for the session, if there is one; revolutions that came before any session are kept."""
         if self._session is not None:
             self._looks_or_fail().restart()
         self._session = self._ledger = None

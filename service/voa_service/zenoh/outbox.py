@@ -1,7 +1,7 @@
-"""What the service puts on Zenoh: `belief/<session>` after every commit, `refused/...` for scans that came to nothing.
+"""Publication on Zenoh: `belief/<session>` after every commit, `refused/<session>/<robot>` for scans without effect.
 
-Commits by several threads may be told in another order than they were made: what is waiting is sorted by version.
-A subscriber keeps the newest version, and reads the session where one is missing.
+Several threads may announce their commits in another order than they made them: waiting items are sorted by version.
+A subscriber keeps the newest version, and reads the session where a version is missing.
 """
 
 import queue
@@ -30,7 +30,7 @@ _END_SECONDS = 0.4
 
 @dataclass(frozen=True)
 class _Item:
-    """One put, or a delete where there is nothing to make."""
+    """A put, or a delete where `make` is None."""
 
     kind: Literal["belief", "refusal"]
     key: str
@@ -40,13 +40,13 @@ class _Item:
 
 
 class Outbox:
-    """A thread of its own, since putting may wait while a router is slow.
+    """Publishes in a thread of its own, for a put may wait while a router is slow.
 
     Args:
-        message: a session's state as it is told.
-        keys: where things are.
-        link: whether anybody can hear.
-        metrics: counts what was put, and what was not.
+        message: makes the message of a session's state.
+        keys: key expressions of the service.
+        link: state of the connection to a router.
+        metrics: counts the items that were published or dropped.
     """
 
     def __init__(self, message: Callable[[SessionState], Session], keys: Keys, link: Link, metrics: Metrics) -> None:
@@ -56,10 +56,13 @@ class Outbox:
         self._metrics = metrics
         self._waiting: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
         self._ended: OrderedDict[str, None] = OrderedDict()
-        """Sessions that are gone: what comes late of them is not told any more."""
+        """Keys of deleted sessions, whose late beliefs are not published any more."""
 
     def committed(self, session: str, state: SessionState | None) -> None:
-        """A session moved, None: ended. From any thread; returns at once."""
+        """Publish the state of a session after a commit, or its end where `state` is None.
+
+        May be called from any thread; returns at once.
+        """
         key = self._keys.belief(session)
         if state is None:
             self._add(_Item("belief", key, None, float("inf")))
@@ -68,13 +71,13 @@ class Outbox:
         self._add(_Item("belief", key, lambda: self._message(state).model_dump_json().encode(), state.version, version))
 
     def refused(self, session: str, robot: str, failure: Failure) -> None:
-        """A robot's scan could not be used. From any thread; returns at once."""
+        """Publish that a robot's scan had no effect, and why; may be called from any thread, and returns at once."""
         self._add(_Item("refusal", self._keys.refused(session, robot), lambda: document(failure)))
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Publish for the length of a `with`."""
-        # A put may wait for seconds where a router is frozen: nobody waits for the thread longer than a moment.
+        """Publish on a session within a `with` block."""
+        # A put may wait for seconds where a router is frozen: the thread is waited for only briefly.
         thread = threading.Thread(target=self._run, args=(session,), name="voa-outbox", daemon=True)
         thread.start()
         try:
@@ -89,7 +92,7 @@ class Outbox:
 
     def _add(self, item: _Item) -> None:
         if self._link.state != "connected":
-            self._metrics.zenoh(f"{item.kind} that nobody could hear")
+            self._metrics.zenoh(f"{item.kind} dropped without a router")
             return
         if self._waiting.qsize() >= _MOST_WAITING:
             self._metrics.zenoh(f"{item.kind} dropped")
@@ -125,8 +128,10 @@ class Outbox:
                     congestion_control=CongestionControl.BLOCK,
                 )
         except Exception as error:
-            # Whatever it was, the next one must still be put.
-            structlog.get_logger().warning("not published", key=item.key, error=f"{type(error).__name__}: {error}")
+            # Any error: the items after this one must still be published.
+            structlog.get_logger().warning(
+                "a message was not published", key=item.key, error=f"{type(error).__name__}: {error}"
+            )
             self._metrics.zenoh(f"{item.kind} dropped")
         else:
             self._metrics.zenoh(f"{item.kind} published")

@@ -1,4 +1,4 @@
-"""`rpc/<method>`: every query is answered, by a worker thread, or at once where there is too much to do."""
+"""Queries on `rpc/<method>`: each is answered by a worker thread, or refused at once where too many are waiting."""
 
 import threading
 from collections.abc import Iterator
@@ -13,18 +13,24 @@ from zenoh.handlers import Callback
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Keys
 from voa_service.failures import Failure, NotReady, Overloaded, TooLarge, document
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 from voa_service.runtime.metrics import Metrics
 
 _END_SECONDS = 0.4
 _SHARE = 4
-"""Payloads under way may hold so many times what one may."""
+"""Payloads under way may have this many times the bytes of the largest payload allowed."""
 
 
 class Queries:
-    """The queryable.
+    """The queryable of all remote calls.
 
-    It is complete: of several replicas Zenoh then asks one, and another one when that is gone.
+    It is declared complete: of several replicas Zenoh then queries one, and another where that is gone.
+
+    Args:
+        rpc: answers the calls.
+        keys: key expressions of the service.
+        metrics: counts calls and lost responses.
+        most_bytes: size of the largest payload allowed.
     """
 
     def __init__(self, rpc: Rpc, keys: Keys, metrics: Metrics, most_bytes: int) -> None:
@@ -38,17 +44,17 @@ class Queries:
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Answer queries for the length of a `with`; those that were taken are answered before it ends."""
-        with session.declare_queryable(self._keys.rpc("*"), Callback(self._heard, indirect=False), complete=True):
+        """Answer queries within a `with` block; queries received before its end are answered or refused at its end."""
+        with session.declare_queryable(self._keys.rpc("*"), Callback(self._receive, indirect=False), complete=True):
             yield
         with self._closed:
             self._closed.wait_for(lambda: not self._open, _END_SECONDS)
             left = list(self._open.values())
         for query in left:
-            self._refuse(query, NotReady("the service is ending: ask again, writes under the same id"))
+            self._refuse(query, NotReady("the service is stopping: try again, writes under the same id"))
 
-    def _heard(self, query: zenoh.Query) -> None:
-        """In a Zenoh thread: hand over, or refuse."""
+    def _receive(self, query: zenoh.Query) -> None:
+        """Queue a query for a worker thread, or refuse it; called in a Zenoh thread."""
         method = self._keys.last(str(query.key_expr))
         size = 0 if query.payload is None else len(query.payload)
         with self._closed:
@@ -63,25 +69,27 @@ class Queries:
             self._answered(query, size)
 
     def _check_size(self, size: int) -> None:
-        """Before anything is read.
+        """Check the size of a payload before it is read.
 
         Raises:
-            Failure: too large, or too much with what others have sent.
+            Failure: it is too large, by itself or with the other payloads under way.
         """
         if size > self._most_bytes:
             raise TooLarge(f"expected a payload of at most {self._most_bytes} bytes, got {size}")
         if self._bytes > _SHARE * self._most_bytes:
-            raise Overloaded("too much is being sent at the moment: try again", {"Retry-After": "1"})
+            raise Overloaded(
+                "the payloads of all callers are too large together at the moment: try again", {"Retry-After": "1"}
+            )
 
     def _refuse(self, query: zenoh.Query, failure: Failure) -> None:
         try:
             with query:
                 query.reply_err(document(failure), encoding=Encoding.APPLICATION_JSON)
         except zenoh.ZError:
-            self._metrics.zenoh("answer not heard")
+            self._metrics.zenoh("response not delivered")
 
     def _answer(self, method: str, query: zenoh.Query, size: int) -> None:
-        """In a worker thread. A query that is not dropped leaves its caller waiting: `with` drops it."""
+        """Answer a query, in a worker thread; `with` drops the query, without which its caller would wait on."""
         try:
             with query:
                 payload = b"" if query.payload is None else query.payload.to_bytes()
@@ -94,11 +102,11 @@ class Queries:
                         query.key_expr,
                         answer.body,
                         encoding=Encoding.APPLICATION_JSON,
-                        attachment=_beside(answer.version),
+                        attachment=_attachment(answer.version),
                     )
-        except zenoh.ZError as error:  # the caller or the router has gone; what was done is done
-            self._metrics.zenoh("answer not heard")
-            structlog.get_logger().warning("answer not sent", method=method, error=str(error))
+        except zenoh.ZError as error:  # the caller or the router has gone; a write stays done
+            self._metrics.zenoh("response not delivered")
+            structlog.get_logger().warning("a response was not sent", method=method, error=str(error))
         finally:
             self._answered(query, size)
 
@@ -110,7 +118,7 @@ class Queries:
                 self._closed.notify_all()
 
 
-def _beside(version: int | None) -> bytes:
-    """The attachment of an answer."""
+def _attachment(version: int | None) -> bytes:
+    """Return the attachment of a response: the version of the messages, and of the session if there is one."""
     known = "" if version is None else f', "version": {version}'
     return f'{{"wire": {WIRE_VERSION}{known}}}'.encode()

@@ -1,8 +1,8 @@
-"""Which processes of the service are there, and which of them takes a sample that all of them hear.
+"""The replicas of the service that are alive, and the choice of the one that is responsible for a sample.
 
-Zenoh has no shared subscriptions: every replica hears every sample. One of them, found by rendezvous hashing over
-the liveliness tokens, works at once; the others wait, and work only if that one did not. Which of them has the
-effect is up to the database, not to this.
+Zenoh has no shared subscriptions: every replica receives every sample. The responsible replica, chosen by rendezvous
+hashing over the liveliness tokens, handles it at once; the others wait, and handle it only if that one has not. The
+database ensures that a sample takes effect once, whichever replicas handle it.
 """
 
 import hashlib
@@ -17,7 +17,12 @@ from voa_msgs.keys import Keys
 
 
 class Replicas:
-    """The replicas that are alive, this one among them."""
+    """The replicas that are alive, including this one.
+
+    Args:
+        own: id of this replica.
+        keys: key expressions of the service.
+    """
 
     def __init__(self, own: str, keys: Keys) -> None:
         self._own = own
@@ -27,14 +32,14 @@ class Replicas:
         self._lock = threading.Lock()
 
     def when_one_leaves(self, call: Callable[[], None]) -> None:
-        """Call something, in a Zenoh thread, whenever another replica is gone: it must return at once."""
+        """Have a function called, in a Zenoh thread, whenever another replica is gone; it must return at once."""
         self._on_leave.append(call)
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Be seen, and see the others, for the length of a `with`."""
+        """Declare this replica alive, and follow the others, within a `with` block."""
         with self._lock:
-            self._alive = {self._own}  # who left while this replica was away told nobody here
+            self._alive = {self._own}  # replicas may have left while this one was not connected
         alive = session.liveliness()
         moved = Callback(self._moved, indirect=False)
         with (
@@ -44,7 +49,7 @@ class Replicas:
             yield
 
     def owns(self, name: str) -> bool:
-        """Whether this process is the one that works on what is called `name`."""
+        """Return True if this replica is responsible for samples with a name, such as `<session>/<robot>`."""
         with self._lock:
             alive = list(self._alive)
         return max(alive, key=lambda id_: _rank(id_, name)) == self._own

@@ -1,8 +1,8 @@
-"""ROS 2 topics of mapped robots: their scans, gathered into looks, update the sessions that they are mapped to.
+"""ROS 2 topics of mapped robots: their scans are gathered into looks, which update the sessions they are mapped to.
 
-Every replica receives everything and gathers the same looks. One of them applies a look at once, the others after a
-while, unless the session has it by then. A look that the session does not accept is published like a scan that cannot
-be used, and the robot's next revolutions make another.
+Every replica receives all messages and gathers looks at the same stops. The responsible replica applies a look at once,
+the others after a delay, unless the session has it by then. A look that the session does not accept is published as
+refused, like a scan that cannot be used, and the robot's next revolutions make another look.
 """
 
 import secrets
@@ -20,12 +20,13 @@ from zenoh.handlers import Callback
 
 from voa_ros.robots import RobotMapping, Subscription, load
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
-from voa_service.failures import Failure, InternalError, InvalidRequest, NotAccepted, Overloaded, TooLarge
+from voa_service.failures import Failure, InvalidRequest, NotAccepted, Overloaded, TooLarge
 from voa_service.guard import guarded
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
+from voa_service.zenoh.deferred import Deferred
 from voa_service.zenoh.latched import declare_latched_subscriber
-from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
+from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
 from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
@@ -38,7 +39,7 @@ _END_SECONDS = 0.4
 
 @dataclass(frozen=True)
 class _Look:
-    """A look to be applied."""
+    """A look that is due, with its robot and the key expression of the message that completed it."""
 
     robot: MappedRobot
     key: str
@@ -46,7 +47,15 @@ class _Look:
 
 
 class Ros2:
-    """The subscribers, the workers behind them, and the mapping, read again when its file changes."""
+    """Subscribers to the mapped topics, with their workers; the mapping file is read again when it changes.
+
+    Args:
+        services: use cases and limits.
+        mapping: file that maps the ROS 2 topics of robots to sessions.
+        replicas: decides which replica applies a look at once.
+        outbox: publishes refusals.
+        grace_seconds: delay after which a replica that is not responsible applies a look.
+    """
 
     def __init__(
         self, services: Services, mapping: Path, replicas: Replicas, outbox: Outbox, grace_seconds: float
@@ -60,17 +69,17 @@ class Ros2:
         self._boxes: Mailboxes[tuple[MappedRobot, Sample | _Look]] = Mailboxes(
             self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES
         )
-        self._later: Later[_Look] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
-        replicas.when_one_leaves(self._later.hasten)
+        self._deferred: Deferred[_Look] = Deferred(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
+        replicas.when_one_leaves(self._deferred.hasten)
 
     def close(self) -> None:
         """End the workers."""
-        self._later.close()
+        self._deferred.close()
         self._boxes.close()
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Listen to the mapped topics for the length of a `with`."""
+        """Subscribe to the mapped topics within a `with` block."""
         ended = threading.Event()
         self._follow_file(session)
         thread = threading.Thread(target=self._watch, args=(session, ended), name="voa-mapping")
@@ -90,17 +99,19 @@ class Ros2:
             self._follow_file(session)
 
     def _follow_file(self, session: zenoh.Session) -> None:
-        """Do as the file says, if it says something else than before; what is wrong in it changes nothing."""
+        """Follow the mapping file if it has changed; a file with a mistake leaves the current mapping in force."""
         try:
             text = self._file.read_text(encoding="utf-8")
             if text == self._read:
                 return
             self._read = text
             wanted = {mapping.name: mapping for mapping in load(text)}
-        except Exception as error:  # whatever is wrong with the file, the mapping in force goes on
+        except Exception as error:  # any mistake in the file leaves the mapping in force
             why = f"{self._file.name}: {error}"
             if self._services.robots.mapping_error != why:
-                structlog.get_logger().warning("mapping not read, the old one holds", error=why)
+                structlog.get_logger().warning(
+                    "the mapping file is not used, the previous mapping stays in force", error=why
+                )
             self._services.robots.mapping_error = why
             return
         self._services.robots.mapping_error = None
@@ -110,7 +121,7 @@ class Ros2:
         for name, mapping in wanted.items():
             if name not in self._robots:
                 self._add(session, mapping)
-        structlog.get_logger().info("mapping read", robots=sorted(wanted))
+        structlog.get_logger().info("the mapping file was read", robots=sorted(wanted))
 
     def _add(self, session: zenoh.Session, mapping: RobotMapping) -> None:
         robot = MappedRobot(mapping, self._services)
@@ -132,77 +143,78 @@ class Ros2:
         self._services.robots.unmapped(name)
 
     def _receive(self, robot: MappedRobot, subscription: Subscription, sample: zenoh.Sample) -> None:
-        """In a Zenoh thread: hand over, or refuse."""
+        """Queue a message for a worker thread, or refuse it; called in a Zenoh thread."""
         key, type_ = str(sample.key_expr), subscription.type
         named = met(subscription.topic, key, robot.mapping.domain)
         if sample.kind != zenoh.SampleKind.PUT or named is None:
             return
         if named.type_name not in (None, type_.name):
-            found = f"expected a {type_.name}, found a {named.type_name}: is it the right topic?"
-            self._refuse(robot, key, InvalidRequest(found))
+            detail = f"expected a {type_.name}, found a {named.type_name}: is it the right topic?"
+            self._refuse(robot, key, InvalidRequest(detail))
             return
         size, most = len(sample.payload), self._services.limits.scan_bytes
-        self._services.metrics.zenoh(f"{type_.name.rpartition('/')[2]} heard")
+        self._services.metrics.zenoh(f"{type_.name.rpartition('/')[2]} received")
         if size > most:
             self._refuse(robot, key, TooLarge(f"expected a message of at most {most} bytes, got {size}"))
             return
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
         received = Sample(type_, key, sample.payload.to_bytes(), attachment, time.monotonic())
         if not self._boxes.put(robot.name, (robot, received), size):
-            self._refuse(robot, key, Overloaded("more messages are waiting than this service can work on"))
+            self._refuse(robot, key, Overloaded("too many messages are waiting: send fewer"))
 
     def _hand_on(self, look: _Look) -> None:
         if not self._boxes.put(look.robot.name, (look.robot, look), 0):
             look.robot.rejected(look.due, Overloaded.kind)
-            self._refuse(look.robot, look.key, Overloaded("more messages are waiting than can be worked on"))
+            self._refuse(look.robot, look.key, Overloaded("too many messages are waiting: send fewer"))
 
     def _work(self, item: tuple[MappedRobot, Sample | _Look]) -> None:
-        """In a worker thread."""
+        """Handle a message or a look, in a worker thread."""
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
-        robot, what = item
+        robot, received = item
         try:
             with guarded():
-                self._take(robot, what)
+                if isinstance(received, _Look):
+                    self._apply(received)
+                else:
+                    self._gather(robot, received)
         except Failure as failure:
-            self._refuse(robot, what.key, failure)
+            self._refuse(robot, received.key, failure)
 
-    def _take(self, robot: MappedRobot, what: Sample | _Look) -> None:
-        if isinstance(what, _Look):
-            self._apply(what)
-            return
-        due = robot.receive(what)
+    def _gather(self, robot: MappedRobot, sample: Sample) -> None:
+        """Receive a message, and apply the look that it completes, if any, now or after a delay."""
+        due = robot.receive(sample)
         if due is None:
             return
-        look = _Look(robot, what.key, due)
+        look = _Look(robot, sample.key, due)
         if self._replicas.owns(robot.name):
             self._apply(look)
         else:
-            for _ in range(self._later.put(look, 0)):
-                self._services.metrics.zenoh("look forgotten")
+            for _ in range(self._deferred.put(look, 0)):
+                self._services.metrics.zenoh("look of another replica dropped")
 
     def _apply(self, look: _Look) -> None:
-        """Apply a look unless the session has it; a look that comes to nothing does not use up the robot's stop."""
+        """Apply a look unless the session has it; after a failure the robot's stop may make another look."""
         robot, due = look.robot, look.due
         try:
             with guarded():
-                answer = apply_look(self._services.updates, due)
-        except BaseException as error:
-            robot.rejected(due, error.kind if isinstance(error, Failure) else InternalError.kind)
+                outcome = apply_look(self._services.updates, due)
+        except Failure as failure:
+            robot.rejected(due, failure.kind)
             raise
-        if answer is None:
+        if outcome is None:
             self._services.metrics.zenoh("look applied already")
             return
         session, request = due.ledger.session, due.taken.request
-        self._services.robots.looked(robot.name, "ros2", look.key, session, request, answer)
-        if not answer.update.accepted:
-            robot.rejected(due, answer.update.reason or NotAccepted.kind)
-            self._refuse(robot, look.key, not_accepted(answer.update.reason))
+        self._services.robots.looked(robot.name, "ros2", look.key, session, request, outcome)
+        if not outcome.update.accepted:
+            robot.rejected(due, outcome.update.reason or NotAccepted.kind)
+            self._refuse(robot, look.key, not_accepted(outcome.update.reason))
 
     def _refuse(self, robot: MappedRobot, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
         self._services.metrics.zenoh(f"ROS message refused: {failure.kind}")
         if self._services.robots.refused(robot.name, "ros2", key, why):
-            structlog.get_logger().warning("ROS message refused", robot=robot.name, key=key, why=why)
-        if self._replicas.owns(robot.name):  # else another replica says so to the robot
+            structlog.get_logger().warning("a ROS message was refused", robot=robot.name, key=key, why=why)
+        if self._replicas.owns(robot.name):  # else the responsible replica publishes the refusal
             self._outbox.refused(robot.session or "none", robot.name, failure)

@@ -1,4 +1,4 @@
-"""Messages of mapped robots as they come from Zenoh."""
+"""Messages on the ROS 2 topics of mapped robots, as Zenoh delivers them."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,15 @@ from voa_ros.topics import MessageType
 
 @dataclass(frozen=True)
 class Sample:
-    """A message on one of a robot's topics, as it came."""
+    """A message on a topic of a mapped robot.
+
+    Attributes:
+        type: of the message.
+        key: key expression that it was published on.
+        payload: the message as CDR.
+        attachment: bytes beside the payload, if there are any.
+        received_s: monotonic time of this process, in seconds.
+    """
 
     type: MessageType
     key: str

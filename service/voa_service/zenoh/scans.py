@@ -1,7 +1,7 @@
-"""`scan/<session>/<robot>`: raw scans that nobody waits for an answer to.
+"""Raw scans on `scan/<session>/<robot>`: applied to their session, without a response to the robot.
 
-A sample has a name, so that it takes effect once although every replica hears it: its attachment's `id`, else its
-publisher and sequence number, else the time that the router gave it with a digest of its payload.
+Every replica receives every sample, and a sample takes effect once because its name is its idempotency key: the `id` of
+its attachment, else its publisher and sequence number, else its router's timestamp with a digest of its payload.
 """
 
 import hashlib
@@ -24,12 +24,13 @@ from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge
 from voa_service.guard import guarded
+from voa_service.requests.attachments import add_place, read_attachment
+from voa_service.requests.bodies import json_object, message
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
-from voa_service.requests.reading import json_object, message
-from voa_service.rpc.methods import attachment_of, place_in
 from voa_service.services import Services
 from voa_service.usecases.robots import LookOutcome
-from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Later, Mailboxes
+from voa_service.zenoh.deferred import Deferred
+from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
@@ -39,8 +40,19 @@ _END_SECONDS = 0.4
 
 
 @dataclass(frozen=True)
-class Heard:
-    """A sample with a scan, as it came in."""
+class ReceivedScan:
+    """A sample with a scan, as it was received.
+
+    Attributes:
+        session: id of the session that the scan is for.
+        robot: name of the robot that sent it.
+        key: key expression that it was published on.
+        payload: the scan, as JSON or CDR.
+        encoding: of the payload, as Zenoh states it.
+        attachment: bytes beside the payload, if there are any.
+        name: of the sample, unique to it; None: an equal sample could not be distinguished.
+        is_deferred: True where another replica is responsible for it, and should have handled it before.
+    """
 
     session: str
     robot: str
@@ -49,13 +61,19 @@ class Heard:
     encoding: str
     attachment: bytes | None
     name: str | None
-    """Of the sample; None: nothing tells it from another one like it."""
-    second: bool = False
-    """Another replica should have worked on it by now."""
+    is_deferred: bool = False
 
 
 class Scans:
-    """The subscriber, and the workers behind it."""
+    """The subscriber to raw scans, with its workers.
+
+    Args:
+        services: use cases and limits.
+        keys: key expressions of the service.
+        replicas: decides which replica handles a scan at once.
+        outbox: publishes refusals.
+        grace_seconds: delay after which a replica that is not responsible handles a scan.
+    """
 
     def __init__(
         self, services: Services, keys: Keys, replicas: Replicas, outbox: Outbox, grace_seconds: float
@@ -65,31 +83,35 @@ class Scans:
         self._replicas = replicas
         self._outbox = outbox
         self._boxes = Mailboxes(self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES)
-        self._later: Later[Heard] = Later(grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES)
-        replicas.when_one_leaves(self._later.hasten)
-        services.metrics.gauge("voa_scans_waiting", "Scans heard, not applied yet.", lambda: self._boxes.waiting)
+        self._deferred: Deferred[ReceivedScan] = Deferred(
+            grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES
+        )
+        replicas.when_one_leaves(self._deferred.hasten)
+        services.metrics.gauge(
+            "voa_scans_waiting", "Scans that were received and not applied yet.", lambda: self._boxes.waiting
+        )
 
     def close(self) -> None:
         """End the workers."""
-        self._later.close()
+        self._deferred.close()
         self._boxes.close()
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Hear scans for the length of a `with`."""
-        with session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._heard, indirect=False)):
+        """Subscribe to scans within a `with` block."""
+        with session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._receive, indirect=False)):
             yield
         for _ in range(self._boxes.drain(_END_SECONDS)):
             self._services.metrics.zenoh("scan dropped at the end")
 
-    def _heard(self, sample: zenoh.Sample) -> None:
-        """In a Zenoh thread: hand over, or refuse."""
+    def _receive(self, sample: zenoh.Sample) -> None:
+        """Queue a scan for a worker thread, or refuse it; called in a Zenoh thread."""
         if sample.kind != zenoh.SampleKind.PUT:
             return
         key = str(sample.key_expr)
-        self._services.metrics.zenoh("scan heard")
+        self._services.metrics.zenoh("scan received")
         if "*" in key:
-            self._services.metrics.zenoh("scan refused: for nobody in particular")
+            self._services.metrics.zenoh("scan refused: no single session and robot")
             return
         session, robot = key.split("/")[-2:]
         self._services.robots.received(robot, "scan", key, session)
@@ -100,56 +122,56 @@ class Scans:
             return
         payload = sample.payload.to_bytes()
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
-        heard = Heard(session, robot, key, payload, str(sample.encoding), attachment, name_of(sample, payload))
+        scan = ReceivedScan(session, robot, key, payload, str(sample.encoding), attachment, name_of(sample, payload))
         if self._replicas.owns(f"{session}/{robot}"):
-            self._hand_on(heard)
-        elif heard.name is None:  # nothing could tell whether another replica has worked on it
+            self._hand_on(scan)
+        elif scan.name is None:  # no replica could detect that another one has applied it
             self._services.metrics.zenoh("scan without a name left to another replica")
         else:
-            for _ in range(self._later.put(replace(heard, second=True), size)):
-                self._services.metrics.zenoh("scan of another replica forgotten")
+            for _ in range(self._deferred.put(replace(scan, is_deferred=True), size)):
+                self._services.metrics.zenoh("scan of another replica dropped")
 
-    def _hand_on(self, heard: Heard) -> None:
-        if not self._boxes.put(f"{heard.session}/{heard.robot}", heard, len(heard.payload)):
-            detail = "more scans of this robot are waiting than can be worked on: send fewer, or by scan.apply"
-            self._refuse(heard.session, heard.robot, heard.key, Overloaded(detail))
+    def _hand_on(self, scan: ReceivedScan) -> None:
+        if not self._boxes.put(f"{scan.session}/{scan.robot}", scan, len(scan.payload)):
+            detail = "too many scans of this robot are waiting: send fewer, or by the remote call scan.apply"
+            self._refuse(scan.session, scan.robot, scan.key, Overloaded(detail))
 
-    def _work(self, heard: Heard) -> None:
-        """In a worker thread."""
+    def _work(self, scan: ReceivedScan) -> None:
+        """Apply a scan, or publish why it had no effect; in a worker thread."""
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
         try:
             with guarded():
-                self._apply(heard)
+                self._apply(scan)
         except Failure as failure:
-            self._refuse(heard.session, heard.robot, heard.key, failure)
+            self._refuse(scan.session, scan.robot, scan.key, failure)
 
-    def _apply(self, heard: Heard) -> None:
-        attached = attachment_of(heard.attachment)
-        fields = _fields(heard, self._services)
-        place_in(fields, attached)
+    def _apply(self, scan: ReceivedScan) -> None:
+        attachment = read_attachment(scan.attachment)
+        fields = _fields(scan, self._services)
+        add_place(fields, attachment)
         request = message(ScanRequest, fields, self._services.limits)
-        key = idempotency_key(attached.id or heard.name, scope_of(heard.session), "scan", request)
+        key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
         sessions, updates = self._services.sessions, self._services.updates
-        if heard.second and key is not None and sessions.has_response(key):
+        if scan.is_deferred and key is not None and sessions.has_response(key):
             return
-        answered = updates.apply_scan(heard.session, request, write_of("scan", json.dumps(fields).encode(), key))
-        outcome = LookOutcome.model_validate_json(answered.body)
-        self._services.robots.looked(heard.robot, "scan", heard.key, heard.session, request, outcome)
+        response = updates.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
+        outcome = LookOutcome.model_validate_json(response.body)
+        self._services.robots.looked(scan.robot, "scan", scan.key, scan.session, request, outcome)
         if not outcome.update.accepted:
-            self._refuse(heard.session, heard.robot, heard.key, not_accepted(outcome.update.reason))
+            self._refuse(scan.session, scan.robot, scan.key, not_accepted(outcome.update.reason))
 
     def _refuse(self, session: str, robot: str, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"
         self._services.metrics.zenoh(f"scan refused: {failure.kind}")
         if self._services.robots.refused(robot, "scan", key, why):
-            structlog.get_logger().warning("scan refused", key=key, why=why)
-        if self._replicas.owns(f"{session}/{robot}"):  # else another replica says so to the robot
+            structlog.get_logger().warning("a scan was refused", key=key, why=why)
+        if self._replicas.owns(f"{session}/{robot}"):  # else the responsible replica publishes the refusal
             self._outbox.refused(session, robot, failure)
 
 
 def name_of(sample: zenoh.Sample, payload: bytes) -> str | None:
-    """What tells a sample from every other one, for all who hear it; None: nothing does."""
+    """Return a name for a sample, unique to it and equal at every replica; None where it has nothing unique."""
     source = sample.source_info
     if source is not None:
         return f"{source.source_id.zid}:{source.source_id.eid}:{source.source_sn}"
@@ -158,26 +180,26 @@ def name_of(sample: zenoh.Sample, payload: bytes) -> str | None:
     return None
 
 
-def _fields(heard: Heard, services: Services) -> dict[str, Any]:
-    """The fields of a `ScanRequest` that the payload holds.
+def _fields(received: ReceivedScan, services: Services) -> dict[str, Any]:
+    """Read the fields of a `ScanRequest` from a payload of JSON, or of the CDR of a `sensor_msgs/LaserScan`.
 
     Raises:
-        Failure: it is neither the JSON nor the CDR of a scan.
+        Failure: the payload is neither.
     """
-    kind, _, schema = heard.encoding.partition(";")
+    kind, _, schema = received.encoding.partition(";")
     bare = kind in ("zenoh/bytes", "zenoh/string", "")
-    if kind in ("application/json", "text/json") or (bare and heard.payload.lstrip()[:1] == b"{"):
-        return json_object(heard.payload, services.limits)
-    if kind == "application/cdr" or (bare and heard.payload[:1] == b"\0"):
-        found = type_name(schema)
-        if found not in (None, LASER_SCAN.name):
-            raise InvalidRequest(f"expected a {LASER_SCAN.name}, found a {found}")
+    if kind in ("application/json", "text/json") or (bare and received.payload.lstrip()[:1] == b"{"):
+        return json_object(received.payload, services.limits)
+    if kind == "application/cdr" or (bare and received.payload[:1] == b"\0"):
+        type_ = type_name(schema)
+        if type_ not in (None, LASER_SCAN.name):
+            raise InvalidRequest(f"expected a {LASER_SCAN.name}, found a {type_}")
         try:
-            scan = decode_laser_scan(heard.payload, services.limits.beams)
+            scan = decode_laser_scan(received.payload, services.limits.beams)
         except InvalidCdr as error:
             raise InvalidRequest(str(error)) from error
-        wrong = header_contradiction(scan)
-        if wrong is not None:
-            raise BeamGridMismatch(wrong)
+        contradiction = header_contradiction(scan)
+        if contradiction is not None:
+            raise BeamGridMismatch(contradiction)
         return {"scan": scan_message(scan).model_dump(exclude_unset=True)}
-    raise InvalidRequest(f"expected application/json or application/cdr, got {heard.encoding!r}")
+    raise InvalidRequest(f"expected application/json or application/cdr, got {received.encoding!r}")

@@ -1,4 +1,4 @@
-"""Whether two looks of a robot, taken by different processes, are of one stop."""
+"""Comparison of two looks of a robot by different replicas: were they taken at one stop?"""
 
 from collections.abc import Callable
 
@@ -11,18 +11,18 @@ from voa_ros.scans import laser_scan
 from voa_ros.scenes import CLEARLY, scene_difference
 
 SameStop = Callable[[ScanRequest, ScanRequest], bool]
-"""Whether two looks are of one stop."""
+"""Predicate that is True for two looks of one stop."""
 
 
 def same_stop(rule: LookRule, grid: BeamGrid) -> SameStop | None:
-    """Build the comparison of looks that suits a rule; None where the rule knows no stops.
+    """Build the comparison of looks for a look rule; None where the rule has no stops.
 
-    Two looks are of one stop where a robot that has had the one would not count as having moved on at the other. It is
-    to be asked only of looks that the robot can have had at one time: it may come back to a place later.
+    Two looks are of one stop if the robot would not count as having moved between them. Compare only looks that can be
+    of one time, for a robot may come back to a place.
 
     Args:
-        rule: when scans are a look.
-        grid: of the scenario's lidar.
+        rule: states when scans are a look.
+        grid: beam grid of the scenario's lidar.
     """
     if rule.mode != "stationary":
         return None

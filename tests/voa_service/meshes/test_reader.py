@@ -49,7 +49,7 @@ def test_a_mesh_that_takes_more_than_any_usable_one_is_the_callers_fault() -> No
 
 @pytest.mark.parametrize(("mebibytes", "mesh"), [(16, BOX), (300, LONG_POLYGON)])
 def test_a_mesh_that_fails_for_want_of_memory_here_is_not_the_callers_fault(mebibytes: int, mesh: bytes) -> None:
-    with pytest.raises(Failure, match=f"{mebibytes} MiB were too little") as refused:
+    with pytest.raises(Failure, match=f"{mebibytes} MiB of address space were too little") as refused:
         reader(mebibytes=mebibytes)(mesh, "obj", 1.0, "+Z")
     assert (refused.value.kind, refused.value.status) == ("overloaded", 503)
     assert int(refused.value.headers["Retry-After"]) >= 1
@@ -97,7 +97,7 @@ def test_a_service_that_ends_ends_the_processes_that_read(monkeypatch: pytest.Mo
         with pytest.raises(Failure) as refused:
             call.result(30)
     assert (refused.value.kind, refused.value.status) == ("not-ready", 503)
-    with pytest.raises(Failure, match="ending"):
+    with pytest.raises(Failure, match="stopping"):
         own(BOX, "obj", 1.0, "+Z")
 
 

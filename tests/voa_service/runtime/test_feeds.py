@@ -41,7 +41,7 @@ class World:
     def move(self, versions: int = 1) -> None:
         assert self.version is not None
         self.version += versions
-        self.changes.moved(SESSION)
+        self.changes.changed(SESSION)
 
     @asynccontextmanager
     async def following(self, seen: int | None = None) -> AsyncIterator[Callable[[], Awaitable[str]]]:
@@ -132,7 +132,7 @@ def test_a_session_that_is_gone_ends_the_streams_of_all() -> None:
         async with world.following() as one, world.following() as other:
             assert (await one(), await other()) == ("0", "0")
             world.version = None
-            world.changes.moved(SESSION)
+            world.changes.changed(SESSION)
             for following in (one, other):
                 assert await following() == "deleted"
                 with pytest.raises(StopAsyncIteration):

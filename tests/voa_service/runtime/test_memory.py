@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.support.serving import serving
-from voa_service.runtime.memory import MESH_NEEDS_MEBIBYTES, Found, MemoryBudget, budget, find
+from voa_service.runtime.memory import MESH_NEEDS_MEBIBYTES, AvailableMemory, MemoryBudget, available_memory, budget
 from voa_service.settings import MEBIBYTE, Settings
 
 
@@ -46,20 +46,20 @@ UNLIMITED = "9223372036854771712\n"
 def test_the_least_limit_is_found(
     tmp_path: Path, cgroup: str | None, limits: dict[str, str], expected: tuple[int, str]
 ) -> None:
-    assert find(Settings(), machine(tmp_path, cgroup, **limits)) == Found(*expected)  # type: ignore[arg-type]
+    assert available_memory(Settings(), machine(tmp_path, cgroup, **limits)) == AvailableMemory(*expected)  # type: ignore[arg-type]
 
 
 def test_the_setting_wins(tmp_path: Path) -> None:
     root = machine(tmp_path, V2, **{"memory.max": f"{2**30}\n"})
-    assert find(Settings(memory_mebibytes=3000), root) == Found(3000, "setting")
+    assert available_memory(Settings(memory_mebibytes=3000), root) == AvailableMemory(3000, "setting")
 
 
 def test_this_machine_has_memory() -> None:
-    assert find(Settings()).mebibytes > 256
+    assert available_memory(Settings()).mebibytes > 256
 
 
 def divided(mebibytes: int, processors: int = 8, **settings: Any) -> MemoryBudget:
-    return budget(Settings(**settings), Found(mebibytes, "machine"), processors)
+    return budget(Settings(**settings), AvailableMemory(mebibytes, "machine"), processors)
 
 
 @pytest.mark.parametrize("mebibytes", [1024, 1500, 2048, 3000, 4096, 8192, 24_000, 500_000])

@@ -10,7 +10,7 @@ import trimesh
 
 from tests.support.serving import Service, box_obj, data_scenario, serving
 from tests.voa_service.runtime.test_queues import Gate
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from tests.support.serving import POSES, Service, data_scenario, json_of, servin
 from tests.support.waiting import wait_for
 from tests.voa_service.runtime.test_queues import Gate
 from voa_service.http.routes.responses import unless_gone
-from voa_service.rpc.methods import Rpc
+from voa_service.rpc.entry import Rpc
 
 BELIEF = [0.2, 0.3, 0.5]
 

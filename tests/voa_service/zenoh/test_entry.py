@@ -217,7 +217,7 @@ def test_a_payload_that_is_too_large_is_not_even_read(service: Service, bus: Str
 
 def test_a_scan_for_nobody_in_particular_is_counted(service: Service, bus: Stranger) -> None:
     bus.session.put("**", json.dumps(GOOD))
-    told = 'event="scan refused: for nobody in particular"'
+    told = 'event="scan refused: no single session and robot"'
     wait_for(lambda: told in service.http.get("/metrics").text, "the count")
 
 

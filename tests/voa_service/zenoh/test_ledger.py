@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +12,11 @@ from tests.support.serving import Service, data_scenario, serving
 from tests.voa_service.zenoh.test_ros2 import laser_scan
 from voa_ros.robots import RobotMapping, load
 from voa_ros.topics import LASER_SCAN
-from voa_service.failures import Failure, Overloaded
+from voa_service.failures import Failure
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.samples import Sample
+from voa_store.errors import Unavailable
 
 GOOD = (0.5, 0.5, math.inf, 1.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)
@@ -352,30 +353,38 @@ def test_a_look_that_is_due_goes_where_it_was_due_although_the_robot_is_claimed(
 
 
 def once(call: Callable[..., Any]) -> Callable[..., Any]:
-    """The call, which fails at first as it does where the database does not answer."""
+    """Make a call that fails the first time, as where the database does not answer."""
     calls = iter([True])
 
     def called(*given: Any) -> Any:
         if next(calls, False):
-            raise Overloaded("the database does not answer")
+            raise Unavailable("the database does not answer")
         return call(*given)
 
     return called
 
 
 def committed_once(call: Callable[..., Any]) -> Callable[..., Any]:
-    """The call, which is made at first although it fails."""
+    """Make a call that fails the first time although its work is done, as where the response is lost."""
     failing = once(lambda: None)
 
-    def called(*given: Any) -> Any:
-        answered = call(*given)
+    @contextmanager
+    def block(inner: AbstractContextManager[Any]) -> Iterator[Any]:
+        with inner as change:
+            yield change
         failing()
-        return answered
+
+    def called(*given: Any) -> Any:
+        result = call(*given)
+        if isinstance(result, AbstractContextManager):
+            return block(result)
+        failing()
+        return result
 
     return called
 
 
-@pytest.mark.parametrize("method", ["settle_robot", "change_session", "robot_looks", "history", "get_session"])
+@pytest.mark.parametrize("method", ["settle_robot", "change", "robot_looks", "history", "get_session"])
 @pytest.mark.parametrize("fails", [once, committed_once])
 def test_a_call_of_the_database_that_fails_loses_no_look_and_doubles_none(
     pair: Pair, monkeypatch: pytest.MonkeyPatch, method: str, fails: Callable[..., Any]
@@ -408,5 +417,5 @@ def test_a_mapping_of_what_is_not_there_asks_once_in_a_while(pair: Pair, monkeyp
     for _ in range(100):
         with pytest.raises(Failure, match="there is no session 'nothing'"):
             pair.revolution("Q1", [one])
-    assert one.robot.waiting_for == "what the mapping names: there is no session 'nothing'"
+    assert one.robot.waiting_for == "the mapping's scenario or session: there is no session 'nothing'"
     assert len(asked) <= 1 + int(10 / FOLLOW_SECONDS)

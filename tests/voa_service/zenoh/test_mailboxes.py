@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.waiting import wait_for
-from voa_service.zenoh.mailboxes import Later, Mailboxes
+from voa_service.zenoh.mailboxes import Mailboxes
 
 
 class Worker:
@@ -82,44 +82,3 @@ def test_closing_drops_what_waits_and_takes_nothing_more(worker: Worker) -> None
     assert not closing.is_alive()
     assert not own.put("a", ("a", 2), 1)
     assert len(worker.done) <= 2
-
-
-def test_what_is_put_off_comes_later_in_order() -> None:
-    came: list[int] = []
-    later = Later(0.05, came.append, 100, 100)
-    assert [later.put(number, 1) for number in range(10)] == [0] * 10
-    assert came == []
-    wait_for(lambda: len(came) == 10, "all of them")
-    assert came == list(range(10))
-    later.close()
-
-
-def test_what_is_put_off_can_be_hastened_and_what_comes_later_is_put_off_again() -> None:
-    came: list[int] = []
-    later = Later(3600.0, came.append, 100, 100)
-    for number in range(5):
-        later.put(number, 20)
-    later.hasten()
-    wait_for(lambda: len(came) == 5, "all of them")
-    later.put(5, 20)
-    assert later.put(6, 90) == 1, "the bytes of those that went are free again"
-    later.close()
-    assert came == list(range(5))
-
-
-def test_what_is_put_off_is_forgotten_at_the_end() -> None:
-    came: list[int] = []
-    never = Later(3600.0, came.append, 100, 100)
-    never.put(1, 1)
-    never.close()
-    assert came == []
-
-
-@pytest.mark.parametrize(("most", "most_bytes"), [(2, 1000), (1000, 20)])
-def test_beyond_the_bounds_the_oldest_are_forgotten_and_counted(most: int, most_bytes: int) -> None:
-    came: list[int] = []
-    few = Later(0.2, came.append, most, most_bytes)
-    assert sum(few.put(number, 10) for number in range(5)) == 3
-    wait_for(lambda: len(came) == 2, "the newest")
-    few.close()
-    assert came == [3, 4]

@@ -187,7 +187,7 @@ def test_a_mapping_of_what_is_not_there_is_shown_and_only_its_scans_are_refused(
     own.revolutions(2)
     wait_for(lambda: own.report()["refused"] == 2, "the refusals")
     assert own.report()["last_refusal"].startswith("not-found: " + what)
-    assert own.report()["waiting_for"].startswith("what the mapping names: " + what)
+    assert own.report()["waiting_for"].startswith("the mapping's scenario or session: " + what)
 
 
 def drive_until(own: Lab, session: str) -> None:
@@ -298,7 +298,7 @@ def test_a_look_that_waited_and_finds_no_room_is_taken_again(
         wait_for(lambda: own.version(session) == 1, "the look")
 
 
-@pytest.mark.parametrize("method", ["settle_robot", "change_session"])
+@pytest.mark.parametrize("method", ["settle_robot", "change"])
 def test_reports_do_not_wait_for_a_robot_whose_look_is_being_applied(
     own: Lab, monkeypatch: pytest.MonkeyPatch, method: str
 ) -> None:

@@ -144,7 +144,7 @@ def cut(lab: Lab) -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "most", "counted"), [(fill, 3, "belief dropped"), (cut, 100, "belief that nobody could hear")]
+    ("before", "most", "counted"), [(fill, 3, "belief dropped"), (cut, 100, "belief dropped without a router")]
 )
 def test_what_does_not_fit_or_nobody_can_hear_is_counted_and_not_kept(
     lab: Lab, before: Callable[[Lab], None], most: int, counted: str, monkeypatch: pytest.MonkeyPatch

@@ -17,9 +17,9 @@ from tests.support.routers import Router, router
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_service.zenoh.test_ros2 import laser_scan
-from voa_service.failures import Overloaded
 from voa_service.settings import Limits
 from voa_service.zenoh.replicas import Replicas
+from voa_store.errors import Unavailable
 
 GRACE_SECONDS = 0.2
 MOST_BYTES = 20_000
@@ -253,7 +253,7 @@ def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:
 
 
 def refusing(*_: Any) -> Any:
-    raise Overloaded("the database does not answer")
+    raise Unavailable("the database does not answer")
 
 
 @pytest.mark.parametrize("source", ["ros2", "scan"])
@@ -264,7 +264,7 @@ def test_what_waits_for_a_replica_that_leaves_is_applied_at_once(
     with router() as own, paired(tmp_path, own, endless, first) as pair:
         session = pair.open()
         pair.map(session, "Q1")
-        monkeypatch.setattr(pair.services[0].inside.sessions.store, "change_session", refusing)
+        monkeypatch.setattr(pair.services[0].inside.sessions.store, "change", refusing)
         for robot in ROBOTS:
             if source == "ros2":
                 pair.bus.session.put(f"{robot}/scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0))

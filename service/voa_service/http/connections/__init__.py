@@ -1,5 +1,9 @@
-"""Layer between the network and requests: bytes are counted and timed before anything is made of them.
+"""Connections of the HTTP server: their bytes are counted and timed before they become requests.
 
-`connection` is a connection's protocol, `guard` looks after all connections, `refusals` lists why one is refused, and
-`in_flight` counts the bytes of bodies that the application holds.
+| file         | purpose                                                                          |
+|--------------|----------------------------------------------------------------------------------|
+| `connection` | the protocol of a connection: parses its bytes and times its stages              |
+| `supervisor` | bounds the number of connections, and ends those that make no progress           |
+| `refusals`   | the reasons for which a connection is refused or ended, and the responses        |
+| `in_flight`  | bounds the bytes of request bodies that the application holds                    |
 """

@@ -1,4 +1,4 @@
-"""One connection: uvicorn's protocol, with its bytes counted and its stages timed."""
+"""The protocol of an HTTP connection: uvicorn's, with its bytes counted and its stages timed."""
 
 import asyncio
 import socket
@@ -15,7 +15,7 @@ from voa_service.http.connections.refusals import Refusal
 from voa_service.settings import ConnectionSettings
 
 if TYPE_CHECKING:
-    from voa_service.http.connections.guard import Guard
+    from voa_service.http.connections.supervisor import ConnectionSupervisor
 
 _MOST_PIPELINED = 16
 _RESET = struct.pack("ii", 1, 0)  # SO_LINGER: on, for no time
@@ -24,62 +24,62 @@ _PROBES = (b"/livez", b"/readyz", b"/metrics")
 
 
 class Stage(Enum):
-    """How far a connection is with the request that it sends."""
+    """Stages of a request on a connection."""
 
-    SILENT = "no byte of a request has come"
-    HEADERS = "some of its headers have come"
-    BODY = "its headers have come, its body has not ended"
-    WORKING = "all of it has come"
-    CLOSING = "it was refused: whatever else comes is thrown away"
+    SILENT = "no byte of a request has arrived"
+    HEADERS = "some of its headers have arrived"
+    BODY = "its headers have arrived, its body has not ended"
+    WORKING = "all of it has arrived"
+    CLOSING = "it was refused: further bytes are dropped"
 
 
 class Connection(HttpToolsProtocol):
     """A connection of the HTTP server.
 
     Args:
-        guard: looks after all connections.
-        settings: bounds.
-        uvicorns: what uvicorn gives to its protocols.
+        supervisor: of all connections of the server.
+        settings: bounds on headers, bodies and times.
+        uvicorns: arguments that uvicorn passes to its protocols.
     """
 
-    def __init__(self, guard: "Guard", settings: ConnectionSettings, **uvicorns: Any) -> None:
+    def __init__(self, supervisor: "ConnectionSupervisor", settings: ConnectionSettings, **uvicorns: Any) -> None:
         super().__init__(**uvicorns)
-        self._guard = guard
+        self._supervisor = supervisor
         self._settings = settings
         self._too_large = refusals.headers_too_large(settings.header_bytes, settings.headers)
         self.stage = Stage.SILENT
         self.since = self.loop.time()
         self.is_probe = False
-        """Whether only health probes are answered, as there are too many connections."""
+        """True where only health probes are answered, because there are too many connections."""
         self._refusal: Refusal | None = None
         self._chunk = 0  # bytes of the piece that is being parsed
         self._parsing = 0  # bytes of whole pieces since the last part of a request; the parser may hold them
-        self._came = 0  # bytes of the body since `since`
+        self._body_bytes = 0  # bytes of the body that arrived since `since`
         self._was_paused = False
         self._is_upgraded = False
-        self._has_asked = False
+        self._has_requested = False
         self._unanswered = 0
         self._most_unsent = 0
         self.sent_at = self.since
-        """When the peer was last seen to read, or there was nothing to read."""
+        """Time of the event loop at which the peer last read bytes, or had none to read."""
 
     @property
     def unsent(self) -> int:
-        """Bytes of answers that wait for the peer to read."""
+        """Bytes of responses that the peer has not read yet."""
         return self.transport.get_write_buffer_size()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as uvicorn's
-        """Begin."""
+        """Register a new connection."""
         super().connection_made(transport)
-        self._guard.opened(self)
+        self._supervisor.opened(self)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """End."""
-        self._guard.closed(self)
+        """Unregister a connection that has ended."""
+        self._supervisor.closed(self)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Parse a piece of what the peer sends, unless it is too much."""
+        """Parse bytes from the peer; refuses them where they are too many, or not HTTP."""
         if self.stage is Stage.CLOSING or self._is_upgraded:
             return
         self._unset_keepalive_if_required()
@@ -90,7 +90,7 @@ class Connection(HttpToolsProtocol):
         try:
             self.parser.feed_data(data)
         except httptools.HttpParserUpgrade:
-            # Not spoken here: the request is answered, and what follows, in another protocol, is not read.
+            # No other protocol is supported: the request is answered, and the bytes after it are not read.
             self._is_upgraded = True
             if self._refusal is None:
                 self.cycle.keep_alive = False
@@ -104,68 +104,68 @@ class Connection(HttpToolsProtocol):
             self.refuse(self._refusal)
 
     def on_message_begin(self) -> None:
-        """Begin a request."""
+        """Note the start of a request."""
         self._parsing = -self._chunk
         if self.stage is not Stage.HEADERS:
             self._enter(Stage.HEADERS)
         super().on_message_begin()
 
     def on_headers_complete(self) -> None:
-        """Begin to serve a request, unless it is refused for its headers."""
+        """Start serving a request, unless its headers are refused."""
         self._refusal = self._refusal or self._refusal_of_headers()
         if self._refusal is not None:
             return
         self._parsing = -self._chunk
-        self._came = 0
+        self._body_bytes = 0
         self._was_paused = False
         self._enter(Stage.BODY)
-        self._has_asked = True
+        self._has_requested = True
         self._unanswered += 1
         super().on_headers_complete()
         if self.is_probe:
             self.cycle.keep_alive = False
 
     def on_body(self, body: bytes) -> None:
-        """Take a piece of a body."""
+        """Pass on a part of a request's body."""
         if self._refusal is None:
             self._parsing = -self._chunk
-            self._came += len(body)
+            self._body_bytes += len(body)
             super().on_body(body)
 
     def on_message_complete(self) -> None:
-        """End a request."""
+        """Note the end of a request, whose response may still be under way."""
         if self._refusal is None:
             super().on_message_complete()
             self._enter(Stage.SILENT if self.cycle.response_complete else Stage.WORKING)
 
     def on_response_complete(self) -> None:
-        """End an answer."""
+        """Note the end of a response."""
         self._unanswered -= 1
         super().on_response_complete()
         if self._unanswered == 0 and self.stage is Stage.WORKING:
             self._enter(Stage.SILENT)
 
     def overdue(self, now: float) -> Refusal | None:
-        """Say why the connection should end, if it should; for a call every second or so, at the loop's time `now`."""
+        """Return the reason to end the connection, or None; called every second with the event loop's time."""
         settings, seconds = self._settings, now - self.since
         stalled = self._is_stalled(now)
         if self.stage is Stage.CLOSING or stalled:
             return refusals.STALLED if stalled or seconds > _LINGER_SECONDS else None
         if self.stage is Stage.HEADERS and seconds > settings.header_seconds:
             return refusals.header_timeout(settings.header_seconds)
-        if self.stage is Stage.SILENT and not self._has_asked and seconds > settings.header_seconds:
+        if self.stage is Stage.SILENT and not self._has_requested and seconds > settings.header_seconds:
             return refusals.SILENT
         if self.stage is Stage.BODY and seconds > settings.progress_seconds:
-            # What is not read by the application does not come, and that is not the peer's fault.
+            # Where the application does not read, no bytes arrive, and the peer is not to blame.
             paused = self.flow.read_paused
-            if not (paused or self._was_paused or self._came >= settings.progress_bytes):
+            if not (paused or self._was_paused or self._body_bytes >= settings.progress_bytes):
                 return refusals.body_timeout(settings.progress_bytes, settings.progress_seconds)
-            self.since, self._came, self._was_paused = now, 0, paused
+            self.since, self._body_bytes, self._was_paused = now, 0, paused
         return None
 
     def refuse(self, refusal: Refusal) -> None:
-        """Answer a refusal where that is still possible, and end the connection."""
-        self._guard.count(refusal)
+        """Send the response of a refusal where a response is still possible, and end the connection."""
+        self._supervisor.count(refusal)
         if self.stage is Stage.CLOSING or self.transport.is_closing():
             self._abort()
             return
@@ -178,12 +178,12 @@ class Connection(HttpToolsProtocol):
             return
         self.transport.write(refusals.response(refusal))
         self._enter(Stage.CLOSING)
-        # The peer may still be sending: were its bytes not read, the answer could be lost with the connection.
+        # The peer may still be sending: if its bytes were not read, the response could be lost with the connection.
         self.flow.resume_reading()
         self.transport.write_eof()
 
     def close(self) -> None:
-        """End a connection without a request under way."""
+        """End a connection that has no request under way."""
         if self.stage is Stage.SILENT and self.unsent == 0:
             self.transport.close()
         else:
@@ -192,10 +192,10 @@ class Connection(HttpToolsProtocol):
     def _enter(self, stage: Stage) -> None:
         self.stage = stage
         self.since = self.loop.time()
-        self._guard.moved(self)
+        self._supervisor.moved(self)
 
     def _abort(self) -> None:
-        """End the connection with a reset, so that the system does not keep what the peer does not read either."""
+        """End the connection with a reset, so that the kernel drops the bytes that the peer does not read."""
         opened = self.transport.get_extra_info("socket")
         if opened is not None:
             with suppress(OSError):
@@ -203,13 +203,13 @@ class Connection(HttpToolsProtocol):
         self.transport.abort()
 
     def _can_answer(self) -> bool:
-        """Tell whether the next bytes to be sent are those of an answer to what is being received."""
+        """Return True if the next bytes sent would be the response to the request that is being received."""
         if self.stage in (Stage.SILENT, Stage.HEADERS):
             return self.stage is Stage.HEADERS and self._unanswered == 0
         return self._unanswered == 1 and not self.cycle.response_started
 
     def _holds_too_much(self) -> bool:
-        """Tell whether the parser, or the request's headers, grow without end."""
+        """Return True if the headers of a request, or the bytes that the parser keeps, exceed their bounds."""
         if self.stage is Stage.HEADERS and len(self.headers or ()) > self._settings.headers:
             return True
         return self.stage in (Stage.HEADERS, Stage.BODY) and self._parsing > self._settings.header_bytes
@@ -218,18 +218,18 @@ class Connection(HttpToolsProtocol):
         most = self._settings.header_bytes
         if len(self.headers) > self._settings.headers:
             return self._too_large
-        if self._parsing + 2 * self._chunk > most:  # else they cannot be too large
+        if self._parsing + 2 * self._chunk > most:  # a smaller request cannot have too large headers
             size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
             if size > most:
                 return self._too_large
         if len(self.pipeline) >= _MOST_PIPELINED:
             return refusals.PIPELINED
         if self.is_probe and self.url.partition(b"?")[0] not in _PROBES:
-            return self._guard.too_many
+            return self._supervisor.too_many
         return None
 
     def _is_stalled(self, now: float) -> bool:
-        """Tell whether the peer has read next to nothing of what waits for it."""
+        """Return True if the peer has hardly read from its responses for `progress_seconds`."""
         unsent = self.unsent
         if unsent == 0 or unsent <= self._most_unsent - self._settings.progress_bytes:
             self._most_unsent, self.sent_at = unsent, now

@@ -1,4 +1,4 @@
-"""Bytes of request bodies that the application holds, bounded for the whole process."""
+"""A bound, for the whole process, on the bytes of request bodies that the application holds."""
 
 from collections.abc import Callable
 
@@ -10,15 +10,15 @@ from voa_service.http.connections.refusals import Refusal
 from voa_service.http.problems import problem_response
 
 FREE_BYTES = 65_536
-"""Of each body, not counted: what robots send is taken however many large bodies are under way."""
+"""First bytes of each body that are not counted, so that scans are accepted however many large bodies there are."""
 
 
 class ByteBudget:
-    """Bytes that may be held at once.
+    """A budget of bytes that may be held at once.
 
     Args:
-        most: bytes.
-        refused: is called for each body that does not fit.
+        most: size of the budget, bytes.
+        refused: called for each body that exceeds the budget.
     """
 
     def __init__(self, most: int, refused: Callable[[Refusal], None] = lambda _: None) -> None:
@@ -28,7 +28,7 @@ class ByteBudget:
         self.refusal = refusals.bytes_in_flight(most)
 
     def take(self, count: int) -> bool:
-        """Take bytes; False, and nothing is taken: there are not so many left."""
+        """Take bytes from the budget; returns False and takes none where fewer are left."""
         if self.held + count > self._most:
             self._refused(self.refusal)
             return False
@@ -36,15 +36,15 @@ class ByteBudget:
         return True
 
     def give(self, count: int) -> None:
-        """Give bytes back."""
+        """Return bytes to the budget."""
         self.held -= count
 
 
 class BytesInFlight:
-    """Counts bodies while their requests are served, and answers 503 to one that the budget has no bytes for.
+    """ASGI middleware that counts the bodies of requests, and answers 503 where they exceed the budget.
 
     Args:
-        app: what is served.
+        app: the application behind this middleware.
         budget: of the process.
     """
 
@@ -53,18 +53,18 @@ class BytesInFlight:
         self._budget = budget
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve a request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        came = held = 0
+        arrived = held = 0
         refused = begun = False
 
         async def counted() -> Message:
-            nonlocal came, held, refused
+            nonlocal arrived, held, refused
             message = await receive()
-            came += len(message.get("body", b""))
-            more = max(0, came - FREE_BYTES) - held
+            arrived += len(message.get("body", b""))
+            more = max(0, arrived - FREE_BYTES) - held
             if more and not self._budget.take(more):
                 refused = True
                 raise HTTPException(503, self._budget.refusal.detail)
@@ -74,7 +74,7 @@ class BytesInFlight:
         async def send_unless_refused(message: Message) -> None:
             nonlocal begun
             if refused and not begun:
-                return  # whatever the application makes of it
+                return  # the refusal is sent below, whatever the application answers
             begun = True
             await send(message)
 

@@ -38,11 +38,11 @@ def test_a_body_without_room_is_503_and_gives_back_what_it_held() -> None:
         assert two.statuses == [503]
         assert two.problem["type"] == "urn:voa:problem:overloaded"
         assert two.problem["retry_after_s"] == 5
-        assert host.guard.budget.held == 600_000 - FREE_BYTES
+        assert host.supervisor.budget.held == 600_000 - FREE_BYTES
         first.data_received(b"a" * (MEBIBYTE - 600_000))
         await settled()
         assert one.statuses == [200]
-        assert host.guard.budget.held == 0
+        assert host.supervisor.budget.held == 0
         assert host.refused("bytes-in-flight") == 1
         # The rest of the refused body is thrown away, and its connection goes on.
         second.data_received(b"a" * (MEBIBYTE - 600_000) + post(1) + b"a")
@@ -55,7 +55,7 @@ def test_a_body_without_room_is_503_and_gives_back_what_it_held() -> None:
 def test_a_small_body_needs_no_room() -> None:
     async def tell() -> None:
         host = Host(in_flight_mebibytes=1)
-        assert host.guard.budget.take(MEBIBYTE)
+        assert host.supervisor.budget.take(MEBIBYTE)
         connection, wire = host.connect()
         connection.data_received(post(FREE_BYTES) + b"a" * FREE_BYTES)
         await settled()
@@ -71,10 +71,10 @@ def test_a_caller_that_leaves_gives_back_what_it_held() -> None:
         connection.data_received(post(MEBIBYTE))
         connection.data_received(b"a" * 200_000)
         await settled()
-        assert host.guard.budget.held == 200_000 - FREE_BYTES
+        assert host.supervisor.budget.held == 200_000 - FREE_BYTES
         connection.connection_lost(ConnectionResetError())
         await settled()
-        assert host.guard.budget.held == 0
+        assert host.supervisor.budget.held == 0
 
     story(tell)
 

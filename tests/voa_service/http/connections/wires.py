@@ -10,8 +10,8 @@ from uvicorn.server import ServerState
 
 from voa_service.http.asgi import Receive, Scope, Send
 from voa_service.http.connections.connection import Connection
-from voa_service.http.connections.guard import Guard
 from voa_service.http.connections.in_flight import BytesInFlight
+from voa_service.http.connections.supervisor import ConnectionSupervisor
 from voa_service.runtime.metrics import Metrics
 from voa_service.settings import ConnectionSettings
 
@@ -95,16 +95,16 @@ class Application:
 
 
 class Host:
-    """A guard, an application, and connections to it."""
+    """A supervisor, an application, and connections to it."""
 
     def __init__(self, files: int = 10_000, **settings: Any) -> None:
         self.settings = ConnectionSettings(**settings)
         self.metrics = Metrics()
-        self.guard = Guard(self.settings, self.metrics, files)
+        self.supervisor = ConnectionSupervisor(self.settings, self.metrics, files)
         self.application = Application()
         self._state = ServerState()
         self._config = uvicorn.Config(
-            BytesInFlight(self.application, self.guard.budget),
+            BytesInFlight(self.application, self.supervisor.budget),
             http=Connection,
             ws="none",
             log_config=None,
@@ -112,7 +112,7 @@ class Host:
 
     def connect(self) -> tuple[Connection, Wire]:
         """Open a connection."""
-        connection = self.guard.protocol(config=self._config, server_state=self._state, app_state={})
+        connection = self.supervisor.protocol(config=self._config, server_state=self._state, app_state={})
         wire = Wire()
         connection.connection_made(wire)
         return connection, wire

@@ -1,6 +1,6 @@
-"""Large messages to JSON and back, in steps short enough that other threads get their turn.
+"""Large messages written as JSON and read back, in steps between which other threads can run.
 
-C code holds Python's interpreter lock until it ends; here each call of it makes at most some thousand values.
+C code holds Python's interpreter lock until it ends; here each call of C code handles at most some thousand values.
 """
 
 import json
@@ -16,7 +16,7 @@ _BLOCK_BYTES = 1_000_000
 
 
 def plain(value: Any) -> Any:
-    """Give a message as what JSON knows: objects and lists; lists of numbers are shared with it, not copied."""
+    """Convert a message to dicts and lists; lists of numbers are shared with the message, not copied."""
     match value:
         case BaseModel():
             return {name: plain(getattr(value, name)) for name in type(value).model_fields}
@@ -29,7 +29,7 @@ def plain(value: Any) -> Any:
 
 
 def pieces(value: Any) -> Iterator[str]:
-    """Write a value as JSON, without spaces, keys in order, in pieces."""
+    """Write a value as JSON without spaces, its keys sorted, piece by piece."""
     match value:
         case dict() if value:
             for index, name in enumerate(sorted(value)):
@@ -51,10 +51,10 @@ def pieces(value: Any) -> Iterator[str]:
 
 
 def blocks(value: Any) -> Iterator[bytes]:
-    """Write a value as JSON, in pieces of about a megabyte, to be hashed one by one.
+    """Write a value as JSON in blocks of about a megabyte, for a hash function.
 
-    A hash function releases the interpreter lock for each piece. Where pieces are small it has it back before a
-    waiting thread is awake, and that thread then waits a tenth of a second and more.
+    A hash function releases the interpreter lock for each block. With small blocks it takes the lock back before a
+    waiting thread has woken, and that thread then waits for a tenth of a second or more.
     """
     block = bytearray()
     for piece in pieces(value):
@@ -66,12 +66,12 @@ def blocks(value: Any) -> Iterator[bytes]:
 
 
 def text(value: Any) -> str:
-    """Write a value as JSON, without spaces, keys in order."""
+    """Write a value as JSON without spaces, its keys sorted."""
     return "".join(pieces(value))
 
 
 def dumped(message: BaseModel, *, exclude_unset: bool = False) -> bytes:
-    """Write a message as the body of an answer; the content of a scenario in steps, where it may be large."""
+    """Write a message as the body of a response; a scenario, which may be large, piece by piece."""
     if not isinstance(message, Scenario):
         return message.model_dump_json(exclude_unset=exclude_unset).encode()
     content = {name: getattr(message, name) for name in ScenarioRequest.model_fields}
@@ -83,7 +83,7 @@ def dumped(message: BaseModel, *, exclude_unset: bool = False) -> bytes:
 
 
 def loads(text: str) -> Any:
-    """Read JSON that the service wrote."""
+    """Read JSON that the service wrote, in steps between which other threads can run."""
     return json.loads(text, parse_float=_float, parse_int=_int)
 
 

@@ -1,4 +1,4 @@
-"""All connections of the HTTP server: how many there may be, which is closed for another, and which has hung."""
+"""Supervision of all HTTP connections: bounds their number, closes idle ones, and ends those that make no progress."""
 
 import asyncio
 from collections.abc import Callable
@@ -14,26 +14,26 @@ from voa_service.runtime.metrics import Metrics
 from voa_service.settings import MEBIBYTE, ConnectionSettings
 
 RESERVED_FILES = 256
-"""Of the files that the process may open: for the database, Zenoh, meshes, and what follows."""
+"""Files of the process that are kept for the database, Zenoh, mesh readers and followers, and not for connections."""
 SPARE = 64
-"""Connections above the most, on which health probes are answered and everything else refused."""
+"""Connections beyond the limit on which health probes are answered and other requests refused."""
 _IDLE = frozenset({Stage.SILENT, Stage.HEADERS, Stage.CLOSING})
-_LOOK_SECONDS = 1.0
+_CHECK_SECONDS = 1.0
 _QUIET_SECONDS = 60.0
 
 
 def most_connections(settings: ConnectionSettings, files: int) -> int:
-    """Give how many connections there may be where the process may open so many files."""
+    """Return the number of connections allowed, from the settings and the number of files that the process may open."""
     return min(settings.most, max(files - RESERVED_FILES, files // 2))
 
 
-class Guard:
-    """Looks after connections: call `protocol` for each new one.
+class ConnectionSupervisor:
+    """Supervises connections, which its `protocol` makes.
 
     Args:
-        settings: bounds.
+        settings: bounds on connections.
         metrics: counts refusals by reason.
-        files: how many the process may open (RLIMIT_NOFILE).
+        files: number of files that the process may open (RLIMIT_NOFILE).
     """
 
     def __init__(self, settings: ConnectionSettings, metrics: Metrics, files: int) -> None:
@@ -43,24 +43,24 @@ class Guard:
         self._unsent = settings.in_flight_mebibytes * MEBIBYTE
         self.budget = ByteBudget(self._unsent, self.count)
         self._open: set[Connection] = set()
-        self._idle: dict[Connection, None] = {}  # those without a request under way, the longest first
-        self._probes: dict[Connection, None] = {}  # those above the most, the oldest first
+        self._idle: dict[Connection, None] = {}  # without a request under way, the longest idle first
+        self._probes: dict[Connection, None] = {}  # beyond the limit, the oldest first
         self._seen: dict[str, float] = {}
-        self._look: asyncio.TimerHandle | None = None
+        self._next_check: asyncio.TimerHandle | None = None
         self.too_many = refusals.too_many_connections(self._most)
-        metrics.gauge("voa_http_connections", "Connections that are open.", lambda: len(self._open))
-        metrics.gauge("voa_http_bytes_in_flight", "Bytes of large bodies that are held.", lambda: self.budget.held)
+        metrics.gauge("voa_http_connections", "HTTP connections that are open.", lambda: len(self._open))
+        metrics.gauge("voa_http_bytes_in_flight", "Bytes of large request bodies in memory.", lambda: self.budget.held)
 
     @property
     def protocol(self) -> Callable[..., Connection]:
-        """Give what uvicorn makes a protocol with."""
+        """Factory of the protocol of a connection, for uvicorn."""
         return partial(Connection, self, self._settings)
 
     def opened(self, connection: Connection) -> None:
-        """Count a new connection; where there are too many, close the one that is idle the longest."""
+        """Register a new connection; where there are too many, close the one that has been idle the longest."""
         self._open.add(connection)
-        if self._look is None:
-            self._look = connection.loop.call_later(_LOOK_SECONDS, self.look, connection.loop)
+        if self._next_check is None:
+            self._next_check = connection.loop.call_later(_CHECK_SECONDS, self.check, connection.loop)
         if len(self._open) - len(self._probes) <= self._most:
             self._idle[connection] = None
         elif self._idle:
@@ -73,19 +73,19 @@ class Guard:
             self._probes[connection] = None
 
     def closed(self, connection: Connection) -> None:
-        """Forget a connection."""
+        """Unregister a connection that has ended."""
         self._open.discard(connection)
         self._idle.pop(connection, None)
         self._probes.pop(connection, None)
 
     def moved(self, connection: Connection) -> None:
-        """Note that a connection entered another stage."""
+        """Note that a connection has entered another stage."""
         self._idle.pop(connection, None)
         if connection.stage in _IDLE and connection in self._open and not connection.is_probe:
             self._idle[connection] = None
 
     def count(self, refusal: Refusal) -> None:
-        """Count a refusal, and log one line when its kind begins, or begins again after a minute without."""
+        """Count a refusal; log it if it is the first of its reason, or the first after a minute without one."""
         self._metrics.connection(refusal.reason)
         now = asyncio.get_running_loop().time()
         if now - self._seen.get(refusal.reason, -_QUIET_SECONDS) >= _QUIET_SECONDS:
@@ -95,7 +95,7 @@ class Guard:
         self._seen[refusal.reason] = now
 
     def end(self) -> None:
-        """End every connection, as the service stops: those that wait for an answer are told."""
+        """End every connection, as the service stops; requests that wait for a response are answered 503."""
         for connection in list(self._open):
             connection.refuse(refusals.STOPPING)
 
@@ -104,18 +104,18 @@ class Guard:
         self.closed(connection)
         connection.close()
 
-    def look(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Refuse or end what has hung; called every second while there are connections."""
+    def check(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Refuse or end connections that make no progress; called every second while connections are open."""
         now = loop.time()
         for connection in list(self._open):
             refusal = connection.overdue(now)
             if refusal is not None:
                 connection.refuse(refusal)
         self._end_the_unread()
-        self._look = loop.call_later(_LOOK_SECONDS, self.look, loop) if self._open else None
+        self._next_check = loop.call_later(_CHECK_SECONDS, self.check, loop) if self._open else None
 
     def _end_the_unread(self) -> None:
-        """Keep the answers that wait for slow readers within bounds."""
+        """End the slowest readers while responses that wait to be read take too much memory."""
         waiting = sorted((each for each in self._open if each.unsent), key=lambda each: each.sent_at)
         held = sum(each.unsent for each in waiting)
         for connection in waiting:

@@ -12,7 +12,7 @@ from tests.support.serving import PREDICTIONS, data_scenario, json_of, scan_of
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import ScanRequest
 from voa_service.failures import Failure
-from voa_service.requests.reading import LARGE_BYTES, Reader, json_object, json_value, read
+from voa_service.requests.bodies import LARGE_BYTES, Reader, json_object, json_value, read
 from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
 

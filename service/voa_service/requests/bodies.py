@@ -1,38 +1,37 @@
-"""Messages from bytes, for every entrypoint: the same limits, the same errors, and never for long without a pause.
+"""Messages from the JSON bodies of requests, for every entrypoint, with equal limits and equal errors.
 
 C code that parses or validates holds Python's interpreter lock until it ends: a body of many megabytes would stop all
 other threads, the event loop among them. Numbers and objects of large bodies are therefore made by small Python
-functions, which let others in, and lists are validated one by one (`voa_msgs.bounds`).
+functions, between which other threads run, and lists are validated one by one (`voa_msgs.bounds`).
 """
 
 import json
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from voa_msgs.reading import models_of, within
-from voa_service.failures import Failure, InvalidRequest, MalformedJson, TooLarge, malformed, of_message
+from voa_service.failures import InvalidRequest, MalformedJson, malformed, of_message
+from voa_service.requests.limits import check_size, limited_objects
 from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
 
 M = TypeVar("M", bound=BaseModel)
 
 LARGE_BYTES = 65_536
-"""Bodies that are larger are read off the event loop, and few at a time."""
+"""Bodies that are larger are read in worker threads, and few at a time."""
 _WIDE = 64
 _MANY = 200
-_CHUNK = 1_000_000
 _MOST_NAMED = 5
 
 
 class Reader:
-    """Reads messages: small ones at once, large ones in a queue of their own.
+    """Reads messages from bodies: small ones in the caller's thread, large ones in a queue of their own.
 
     Args:
-        limits: of every message.
-        queue: where large messages are read.
+        limits: on the size of every body, and of the lists in it.
+        queue: whose workers read bodies of more than `LARGE_BYTES` bytes.
     """
 
     def __init__(self, limits: Limits, queue: WorkQueue) -> None:
@@ -40,50 +39,50 @@ class Reader:
         self._queue = queue
 
     async def received(self, kind: type[M], body: bytes) -> M:
-        """Read a message without holding up the event loop; raises Failure."""
+        """Read a message on the event loop, without blocking it where the body is large; raises Failure."""
         if len(body) <= LARGE_BYTES:
             return read(kind, body, self.limits)
         return await self._queue.run(lambda: read(kind, body, self.limits))
 
     def fields(self, payload: bytes) -> dict[str, Any]:
-        """Read a JSON object in a worker thread, which waits for its turn; raises Failure."""
+        """Read a JSON object in a worker thread, which waits for the queue where it is large; raises Failure."""
         if len(payload) <= LARGE_BYTES:
             return json_object(payload, self.limits)
         return self._queue.submit(lambda: json_object(payload, self.limits)).result()
 
     def message(self, kind: type[M], fields: dict[str, Any], size: int) -> M:
-        """Read a message from its fields, which came in `size` bytes, in a worker thread; raises Failure."""
+        """Read a message from fields parsed from `size` bytes, in a worker thread; raises Failure."""
         if size <= LARGE_BYTES:
             return message(kind, fields, self.limits)
         return self._queue.submit(lambda: message(kind, fields, self.limits)).result()
 
 
 def read(kind: type[M], body: bytes, limits: Limits) -> M:
-    """Read a message.
+    """Read a message of a type from a JSON body.
 
     Raises:
-        Failure: too large, not JSON in UTF-8, or not such a message.
+        Failure: the body is too large, not JSON in UTF-8, or not a message of that type.
     """
     return message(kind, json_value(body, limits), limits)
 
 
 def json_object(payload: bytes, limits: Limits) -> dict[str, Any]:
-    """Read the JSON object in a payload; an empty one where there is none.
+    """Read the JSON object in a payload; an empty object from an empty payload.
 
     Raises:
-        Failure: too large, not JSON in UTF-8, or not an object.
+        Failure: the payload is too large, not JSON in UTF-8, or not an object.
     """
-    found = json_value(payload, limits) if payload else {}
-    if not isinstance(found, dict):
-        raise InvalidRequest(f"expected a JSON object, got {type(found).__name__}")
-    return found
+    value = json_value(payload, limits) if payload else {}
+    if not isinstance(value, dict):
+        raise InvalidRequest(f"expected a JSON object, got {type(value).__name__}")
+    return value
 
 
 def json_value(payload: bytes, limits: Limits) -> Any:
     """Read any JSON value, NaN and Infinity included.
 
     Raises:
-        Failure: too large, not JSON in UTF-8, or a key stands twice in one object.
+        Failure: the payload is too large, not JSON in UTF-8, or has an object with a repeated key or too many keys.
     """
     check_size(payload, limits)
     try:
@@ -92,37 +91,22 @@ def json_value(payload: bytes, limits: Limits) -> Any:
         raise MalformedJson(f"expected JSON in UTF-8: {error}") from error
     if "\0" in text:
         raise MalformedJson("expected JSON in UTF-8, got a NUL byte")
-    made = _maker(max(limits.poses, limits.sensors))
+    made = limited_objects(limits)
     try:
         if len(payload) <= LARGE_BYTES:
             return json.loads(text, object_pairs_hook=made)
         return json.loads(text, object_pairs_hook=made, parse_float=_float, parse_int=_int)
     except json.JSONDecodeError as error:
         raise malformed(error.msg, text, error.pos) from error
-    except (ValueError, RecursionError) as error:  # a number of thousands of digits; nested without end
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits, or nested too deep
         raise MalformedJson("expected JSON in UTF-8, nested a few hundred deep at most") from error
 
 
-def check_size(payload: bytes, limits: Limits) -> None:
-    """Measure a payload before anything is made of it; raises Failure."""
-    if len(payload) > limits.body_bytes:
-        raise TooLarge(f"expected a payload of at most {limits.body_bytes} bytes, got {len(payload)}")
-    numbers = parts = 0
-    for at in range(0, len(payload), _CHUNK):
-        chunk = payload[at : at + _CHUNK]
-        numbers += chunk.count(b",")
-        parts += chunk.count(b"[") + chunk.count(b"{") + chunk.count(b'"') // 2 + chunk.count(b"\\")
-    if numbers > limits.numbers:
-        raise TooLarge(f"expected a payload of at most {limits.numbers} values")
-    if parts > limits.parts:
-        raise TooLarge(f"expected a payload of at most {limits.parts} texts, lists, objects and escapes")
-
-
 def message(kind: type[M], fields: Any, limits: Limits) -> M:
-    """Read a message from its fields.
+    """Read a message of a type from its fields.
 
     Raises:
-        Failure: it is not as expected, or larger than the limits.
+        Failure: a field is missing, unknown or wrong, or a list is longer than the limits allow.
     """
     try:
         return kind.model_validate(fields, context=limits)
@@ -132,30 +116,8 @@ def message(kind: type[M], fields: Any, limits: Limits) -> M:
         raise of_message(kind, error, "body") from error
 
 
-def _maker(most: int) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
-    """Make a function that makes an object of what a JSON parser found in it: at most `most` keys, each once."""
-
-    def made(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        if len(pairs) > most:
-            raise InvalidRequest(f"body: expected at most {most} keys in an object (poses), got {len(pairs)}")
-        found = dict(pairs)
-        if len(found) != len(pairs):
-            raise _repeated([name for name, _ in pairs])
-        return found
-
-    return made
-
-
-def _repeated(names: list[str]) -> Failure:
-    name = Counter(names).most_common(1)[0][0][:80]
-    return InvalidRequest(
-        f"body: expected every key of an object once, got {name!r} twice",
-        errors=[{"field": name, "problem": "expected once in its object"}],
-    )
-
-
 def _float(text: str) -> float:
-    """Make a number; a function of Python's, so that other threads get their turn."""
+    """Read a number, in Python code so that other threads can run between two numbers."""
     return float(text)
 
 
@@ -164,7 +126,7 @@ def _int(text: str) -> int:
 
 
 def _refuse_many_names(kind: type[BaseModel], fields: Any) -> None:
-    """Refuse an object with far more fields than its message has, without a look at each of its mistakes."""
+    """Refuse an object with far more fields than its message has, without a message for each mistake."""
     for path, known, unknown in _too_wide([kind], fields, "body"):
         named = [f"{path}.{name[:80]}" for name in unknown]
         problem = f"no such field: expected one of {', '.join(known)}"
@@ -174,7 +136,7 @@ def _refuse_many_names(kind: type[BaseModel], fields: Any) -> None:
 
 
 def _too_wide(kinds: list[Any], value: Any, path: str) -> Iterator[tuple[str, list[str], list[str]]]:
-    """Find objects of messages with more than `_WIDE` fields: where, the fields there are, the first that are not."""
+    """Yield objects with more than `_WIDE` fields: their path, the known fields, and the first unknown ones."""
     if isinstance(value, dict):
         models = [model for kind in kinds for model in models_of(kind)]
         if models and len(value) > _WIDE:

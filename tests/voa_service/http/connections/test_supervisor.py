@@ -1,10 +1,10 @@
-"""The guard keeps connections below the file limit, answers health probes always, and logs what begins once."""
+"""The supervisor keeps connections below the file limit, answers health probes always, and logs what begins once."""
 
 import pytest
 from structlog.testing import capture_logs
 
 from tests.voa_service.http.connections.wires import Host, settled, story
-from voa_service.http.connections.guard import SPARE, most_connections
+from voa_service.http.connections.supervisor import SPARE, most_connections
 from voa_service.settings import ConnectionSettings
 
 GET = b"GET /livez HTTP/1.1\r\nHost: here\r\n\r\n"
@@ -89,7 +89,7 @@ def test_of_too_many_answers_that_are_not_read_the_oldest_ends() -> None:
             wire.unsent = 500_000
         for number, (connection, _) in enumerate(opened):
             connection.sent_at += number
-        host.guard.look(opened[0][0].loop)
+        host.supervisor.check(opened[0][0].loop)
         assert [wire.aborted for _, wire in opened] == [True, False, False]
         assert host.refused("answers-unread") == 1
 
@@ -116,7 +116,7 @@ def test_whoever_waits_when_the_service_stops_is_told() -> None:
         working.data_received(HELD)
         unfinished.data_received(GET[:10])
         await settled()
-        host.guard.end()
+        host.supervisor.end()
         assert one.statuses == [503]
         assert one.problem["type"] == "urn:voa:problem:not-ready"
         assert (idle.written, idle.ended) == (b"", True)

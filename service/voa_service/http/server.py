@@ -1,0 +1,57 @@
+"""The HTTP server process: uvicorn's, with a stop in bounded time."""
+
+import asyncio
+import socket
+from types import FrameType
+
+import uvicorn
+
+from voa_service.http.connections.supervisor import ConnectionSupervisor
+from voa_service.runtime.changes import Changes
+from voa_service.runtime.stopping import Deadline
+
+_ANSWERED_BY = 0.4
+"""Share of the time to stop after which requests that are still under way are answered 503."""
+_DRAINED_BY = 0.5
+"""Share of the time to stop after which the HTTP server waits for no request any more."""
+
+
+class Server(uvicorn.Server):
+    """An HTTP server that stops in bounded time.
+
+    Args:
+        config: of the server, as uvicorn expects it.
+        changes: ends the event streams, which would go on for ever.
+        connections: of the server.
+        deadline: starts when the process receives a signal to stop.
+        stop_seconds: from that signal to the end of the process.
+    """
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        changes: Changes,
+        connections: ConnectionSupervisor,
+        deadline: Deadline,
+        stop_seconds: float,
+    ) -> None:
+        config.timeout_graceful_shutdown = max(1, round(stop_seconds * _DRAINED_BY))
+        super().__init__(config)
+        self._changes = changes
+        self._connections = connections
+        self._deadline = deadline
+        self._answered_by = stop_seconds * _ANSWERED_BY
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Begin to stop, in the handler of a signal."""
+        self._deadline.begin()
+        self._changes.close()
+        super().handle_exit(sig, frame)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Wait for requests to end, then answer those still under way that the service is stopping."""
+        late = asyncio.get_running_loop().call_later(self._answered_by, self._connections.end)
+        try:
+            await super().shutdown(sockets)
+        finally:
+            late.cancel()

@@ -1,0 +1,46 @@
+"""Attachments of requests on Zenoh: JSON beside the payload, for the place of a scan, an idempotency key and more."""
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from voa_msgs.keys import Attachment
+from voa_service.failures import Failure, InvalidRequest, of_message
+from voa_service.requests.bodies import json_value
+from voa_service.settings import Limits
+
+_MOST_BYTES = 65_536
+
+
+def read_attachment(attachment: bytes | None) -> Attachment:
+    """Read the attachment of a request; an empty `Attachment` where there is none.
+
+    Raises:
+        Failure: larger than 64 KiB, not JSON, or with fields that an attachment does not have.
+    """
+    if not attachment:
+        return Attachment()
+    if len(attachment) > _MOST_BYTES:
+        raise InvalidRequest(f"expected an attachment of at most {_MOST_BYTES} bytes, got {len(attachment)}")
+    try:
+        fields = json_value(attachment, Limits())
+    except Failure as failure:
+        raise InvalidRequest(f"attachment: {failure.detail}") from failure
+    try:
+        return Attachment.model_validate(fields)
+    except ValidationError as error:
+        raise of_message(Attachment, error, "attachment") from error
+
+
+def add_place(fields: dict[str, Any], attachment: Attachment) -> None:
+    """Add the place where a scan was taken, `sensor` or `sensor_pose`, from the attachment to the fields of its body.
+
+    Raises:
+        Failure: the body and the attachment both name a place.
+    """
+    place = attachment.model_dump(include={"sensor", "sensor_pose"}, exclude_none=True)
+    if not place:
+        return
+    if fields.get("sensor") is not None or fields.get("sensor_pose") is not None:
+        raise InvalidRequest("the payload and its attachment both say where the scan was taken: expected one of them")
+    fields.update(place)

@@ -1,0 +1,89 @@
+"""The entry of remote calls: finds the method of a call, does its work in this thread, and writes the response."""
+
+import secrets
+import time
+from dataclasses import dataclass
+
+import structlog
+
+from voa_msgs import WIRE_VERSION
+from voa_service.failures import Failure, NotFound, document, wire_failure
+from voa_service.guard import guarded
+from voa_service.requests.attachments import read_attachment
+from voa_service.requests.large_json import dumped
+from voa_service.rpc.calls import Call
+from voa_service.rpc.methods import methods_of
+from voa_service.runtime.logs import is_wanted
+from voa_service.runtime.queues import WorkQueue
+from voa_service.services import Services
+from voa_store.records import StoredResponse
+
+
+@dataclass(frozen=True)
+class RpcAnswer:
+    """Response to a remote call.
+
+    Attributes:
+        body: the response's JSON, or a problem document.
+        is_problem: True where the body is a problem document.
+        version: of the session, where the response is about one.
+    """
+
+    body: bytes
+    is_problem: bool
+    version: int | None = None
+
+
+class Rpc:
+    """All methods of the service, by name.
+
+    Args:
+        services: the use cases that the methods call.
+    """
+
+    def __init__(self, services: Services) -> None:
+        self._services = services
+        self._methods = methods_of(services)
+
+    def queue(self, method: str) -> WorkQueue:
+        """Return the queue in which calls of a method wait; calls of unknown methods wait with the reads."""
+        known = self._methods.get(method)
+        return self._services.reads if known is None else known.queue
+
+    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> RpcAnswer:
+        """Call a method in this thread, log and count the call; a failure becomes a problem document.
+
+        Args:
+            method: name, as in `scan.apply`.
+            payload: JSON of the request; empty: no fields.
+            attachment: JSON beside it, or None.
+        """
+        structlog.contextvars.clear_contextvars()
+        structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
+        began = time.perf_counter()
+        status = 200
+        try:
+            with guarded():
+                return self._answer(method, payload, attachment)
+        except Failure as failure:
+            status = failure.status
+            return RpcAnswer(document(failure), is_problem=True)
+        finally:
+            seconds = time.perf_counter() - began
+            self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
+            if is_wanted("INFO"):
+                structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))
+
+    def _answer(self, method: str, payload: bytes, attachment: bytes | None) -> RpcAnswer:
+        known = self._methods.get(method)
+        if known is None:
+            raise NotFound(f"there is no method {method[:80]!r}", known=sorted(self._methods))
+        beside = read_attachment(attachment)
+        if beside.wire not in (None, WIRE_VERSION):
+            raise wire_failure(beside.wire)
+        response = known.work(Call(self._services.reader.fields(payload), beside, self._services, len(payload)))
+        if isinstance(response, StoredResponse):
+            return RpcAnswer(response.body.encode(), is_problem=False, version=response.version)
+        if isinstance(response, bytes):
+            return RpcAnswer(response, is_problem=False)
+        return RpcAnswer(dumped(response, exclude_unset=False), is_problem=False)
