@@ -153,9 +153,7 @@ def test_messages_in_an_unknown_compression_name_the_command_that_decompresses_t
             "compression_mode: ''", "compression_mode: message"
         )
     )
-    with pytest.raises(
-        UnreadableRecording, match=r"compressed by 'own', but only zstd can be read.*`ros2 bag convert -i"
-    ):
+    with pytest.raises(UnreadableRecording, match=r"compressed by 'own', but only zstd can be.*`ros2 bag convert -i"):
         read(folder)
 
 
