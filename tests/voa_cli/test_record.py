@@ -39,7 +39,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
 
 
 def sessions_in(path: Path) -> dict[str, int]:
-    """The sessions that can be made anew from what is on the disk now, and how many versions of each."""
+    """The sessions that can be rebuilt from what is on the disk now, and how many versions of each."""
     found = recorded_sessions(Recording(path, TYPES).messages())
     return {told.session: len(told.file.history) for told in found if told.file is not None}
 

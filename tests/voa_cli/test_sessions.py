@@ -137,7 +137,7 @@ def test_a_person_is_asked_before_sessions_are_deleted(
     monkeypatch.setattr(sys, "stdin", Terminal(typed))
     assert main(["sessions", "delete", *ids, "--url", process]) == (0 if deleted else 1)
     told = capsys.readouterr()
-    assert f"delete {ids[0]} at version 0 with everything that happened there? [y/N] " in told.err
+    assert f"delete {ids[0]} at version 0 with the whole history? [y/N] " in told.err
     assert ("nothing deleted" in told.err) is not bool(deleted)
     assert there(process, ids) == ([] if deleted else ids)
 

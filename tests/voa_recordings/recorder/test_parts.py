@@ -202,5 +202,5 @@ def test_the_line_says_how_it_stands() -> None:
     line = status.line(counts, 1_234_567, 2.0, 0, linked=True)
     assert line == "recording 15 messages, 1.2 MB, last 2 s ago  /scan 12  /odom 3"
     assert "no router  4 dropped" in status.line(counts, 0, None, 4, linked=False)
-    assert "nothing heard yet" in status.line(Counter(), 0, None, 0, linked=True)
+    assert "nothing received yet" in status.line(Counter(), 0, None, 0, linked=True)
     assert [status.size(count) for count in (999, 1000, 2_500_000_000_000)] == ["999 B", "1.0 kB", "2500.0 GB"]
