@@ -61,10 +61,8 @@ def _run(name: str, rest: list[str]) -> int:
     except ModuleNotFoundError as error:
         from voa_client.installing import install_hint  # noqa: PLC0415 - imports the client, which `--help` does not need
 
-        print(
-            f"voa {name}: {error.name} is not installed; install it with: {install_hint(command.extra)}",
-            file=sys.stderr,
-        )
+        missing = f"{(error.name or '').partition('.')[0]} is not installed"
+        print(f"voa {name}: {missing}; install it with: {install_hint(command.extra)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -22,7 +22,7 @@ def findings(**found: Any) -> list[Finding]:
 def test_a_database_in_order_is_one_line() -> None:
     (finding,) = findings(**RIGHT)
     assert finding.state == "ok"
-    assert finding.seen == "SQLite 3.53.4: 7 versions of 2 sessions, all checksums right"
+    assert finding.seen == "SQLite 3.53.4: 7 versions of 2 sessions, all checksums match"
 
 
 def test_what_is_damaged_is_named_and_no_more_than_five() -> None:
@@ -30,7 +30,7 @@ def test_what_is_damaged_is_named_and_no_more_than_five() -> None:
     found = findings(**RIGHT | {"damaged": damaged, "pages": ["row 3 missing from index"]})
     assert {finding.state for finding in found} == {"wrong"}
     assert found[0].seen == "the file's structure is damaged: row 3 missing from index"
-    assert found[1].seen == "session s0: version 0 is not as it was written"
+    assert found[1].seen == "session s0: the stored version 0 was changed after it was written"
     assert found[-1].seen == "7 sessions are damaged in all"
     assert len(found) == 1 + 5 + 1
 
@@ -57,5 +57,5 @@ def test_doctor_finds_a_changed_version_beside_a_service_that_runs(
             main(arguments)
             found = json.loads(capsys.readouterr().out)["findings"]
             seen.append([each["seen"] for each in found if each["check"] == "database"])
-    assert seen[0] == [f"SQLite {sqlite_driver().sqlite_version}: 2 versions of 1 sessions, all checksums right"]
-    assert seen[1] == [f"session {session}: version 1 is not as it was written"]
+    assert seen[0] == [f"SQLite {sqlite_driver().sqlite_version}: 2 versions of 1 sessions, all checksums match"]
+    assert seen[1] == [f"session {session}: version 1 was changed after it was written"]

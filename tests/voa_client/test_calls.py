@@ -164,5 +164,5 @@ def test_an_id_is_one_segment_of_the_path(id_: str, quoted: str) -> None:
 
 
 def test_an_empty_id_is_no_id() -> None:
-    with pytest.raises(UsageError, match=r"session\.get: expected the session"):
+    with pytest.raises(UsageError, match=r"session\.get: session: expected an id"):
         calls.get_session("")

@@ -91,7 +91,7 @@ def test_a_query_that_is_dropped_is_unreachable_and_one_that_is_kept_times_out(o
     with (
         answering(own, dropped),
         connect(retries=ONCE) as client,
-        pytest.raises(UnreachableError, match="nobody answers"),
+        pytest.raises(UnreachableError, match="no answer at"),
     ):
         client.ready()
     kept: list[zenoh.Query] = []
@@ -146,7 +146,7 @@ def test_a_router_with_passwords_wants_the_right_one(connect: Connect, tmp_path:
     secured = {"transport/auth/usrpwd": {"user": "router", "password": "r", "dictionary_file": str(users)}}
     with router(secured) as own:
         good, bad = (f"zenoh://arm:{word}@127.0.0.1:{own.port}" for word in ("s3cret", "wrong"))
-        with connect(good, retries=ONCE) as client, pytest.raises(UnreachableError, match="nobody answers"):
+        with connect(good, retries=ONCE) as client, pytest.raises(UnreachableError, match="no answer at"):
             client.ready()
         with connect(bad, timeout_s=1.0) as client, pytest.raises(TimedOutError, match="refuses the cred") as refused:
             client.ready()

@@ -63,8 +63,8 @@ def test_something_that_takes_connections_and_is_silent(capsys: pytest.CaptureFi
         where = ["--url", f"http://127.0.0.1:{port}", "--zenoh", f"tcp/127.0.0.1:{port}"]
         code, found = examined(capsys, *where)
     assert code == 1
-    assert found["service"]["seen"] == "takes connections and does not answer"
-    assert found["zenoh session"]["seen"] == "takes connections and does not answer"
+    assert found["service"]["seen"] == "accepts connections and does not answer"
+    assert found["zenoh session"]["seen"] == "accepts connections and does not answer"
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_options_that_make_no_sense(
 
 @pytest.mark.parametrize(
     ("options", "says"),
-    [(["--robots", "x.toml"], "--robots needs --zenoh"), (["--url", "zenoh://x"], "a router goes with --zenoh")],
+    [(["--robots", "x.toml"], "--robots needs --zenoh"), (["--url", "zenoh://x"], "name a Zenoh router by --zenoh")],
 )
 def test_options_that_do_not_go_together(capsys: pytest.CaptureFixture[str], options: list[str], says: str) -> None:
     with pytest.raises(SystemExit) as ended:

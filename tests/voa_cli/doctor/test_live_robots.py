@@ -102,7 +102,7 @@ def test_a_robot_from_one_fault_to_the_next(robot: Robot, capsys: pytest.Capture
     found = robot.examined(capsys)
     assert "no beam of 8 scans measures a distance" in wrong(found)[TOPIC]
     assert "s ago at sensor 'Q1', was not accepted: the belief is unchanged, no_beams" in wrong(found)[ROBOT]
-    assert "does the lidar turn" in found[ROBOT]["advice"]
+    assert "check that the lidar turns" in found[ROBOT]["advice"]
 
     robot.become(GOOD)
     robot.wait(lambda report: report.last_look is not None and report.last_look.accepted, "a look that counts")

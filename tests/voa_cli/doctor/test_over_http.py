@@ -49,7 +49,7 @@ def health(**changes: Any) -> bytes:
     ("path", "status", "body", "check", "state", "says"),
     [
         ("/livez", 502, b"no upstream", "service", "wrong", "/livez answers 502"),
-        ("/livez", 200, b"<html>", "service", "wrong", "not ours"),
+        ("/livez", 200, b"<html>", "service", "wrong", "not the service's"),
         ("/readyz", 503, b"{}", "ready", "wrong", "/readyz answers 503"),
         (
             "/readyz",
@@ -67,7 +67,7 @@ def health(**changes: Any) -> bytes:
             "wrong",
             f"version {WIRE_VERSION + 1} there",
         ),
-        ("/readyz", 200, {"version": "0.0.1"}, "software", "warning", "0.0.1 there"),
+        ("/readyz", 200, {"version": "0.0.1"}, "software", "warning", "0.0.1 of the service"),
         ("/readyz", 200, {"ahead": 3600.0}, "clock", "warning", "ahead of ours"),
         ("/readyz", 200, {"ahead": -3600.0}, "clock", "warning", "behind ours"),
     ],

@@ -25,14 +25,14 @@ def test_a_frozen_router(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
         code, found = examined(capsys, "--url", lab.url, "--zenoh", frozen.endpoint)
         frozen.signal(signal.SIGCONT)
     assert code == 1
-    assert wrong(found) == {"zenoh session": "takes connections and does not answer"}
+    assert wrong(found) == {"zenoh session": "accepts connections and does not answer"}
 
 
 def test_another_root(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
     code, found = examined(capsys, "--url", lab.url, "--zenoh", f"{lab.zenoh}/voa/v1/other")
     assert code == 1
     assert wrong(found)["replicas"] == "none under voa/v1/other, but under voa/v1/default"
-    assert wrong(found)["asking"] == "nobody answers at voa/v1/other/rpc/service.health"
+    assert wrong(found)["asking"] == "no answer at voa/v1/other/rpc/service.health"
     assert "is not seen under voa/v1/other" in wrong(found)["HTTP and Zenoh"]
 
 
@@ -40,7 +40,7 @@ def test_another_router_than_the_service_s(capsys: pytest.CaptureFixture[str], l
     with router() as other:
         code, found = examined(capsys, "--url", lab.url, "--zenoh", other.endpoint)
     assert (code, list(wrong(found))) == (1, ["replicas", "asking", "HTTP and Zenoh"])
-    assert "two routers, or two roots" in found["HTTP and Zenoh"]["advice"]
+    assert "it uses another router or root" in found["HTTP and Zenoh"]["advice"]
     assert "not running, or on another router or root" in found["asking"]["advice"]
     assert "access_control" in found["asking"]["advice"]
 
@@ -48,7 +48,7 @@ def test_another_router_than_the_service_s(capsys: pytest.CaptureFixture[str], l
 def test_a_service_without_a_router(capsys: pytest.CaptureFixture[str], process: str, own_router: Router) -> None:
     code, found = examined(capsys, "--url", process, "--zenoh", own_router.endpoint)
     assert code == 1
-    assert wrong(found)["HTTP and Zenoh"] == "the service behind the URL is not told of any router"
+    assert wrong(found)["HTTP and Zenoh"] == "the service at the URL does not use Zenoh"
 
 
 def test_a_service_that_waits_for_its_router(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_a_service_that_waits_for_its_router(capsys: pytest.CaptureFixture[str],
     with service_on(absent, tmp_path, joined=False) as waiting, router() as other:
         code, found = examined(capsys, "--url", waiting.url, "--zenoh", other.endpoint)
     assert code == 1
-    assert wrong(found)["HTTP and Zenoh"] == "the service behind the URL has not reached its router"
+    assert wrong(found)["HTTP and Zenoh"] == "the service at the URL has not reached its router"
 
 
 @contextmanager
@@ -69,7 +69,7 @@ def guarded(folder: Path, more: dict[str, Any] | None = None) -> Iterator[Router
         yield own
 
 
-@pytest.mark.parametrize(("user", "as_whom"), [("robot:wrong@", "as 'robot'"), ("", "as nobody")])
+@pytest.mark.parametrize(("user", "as_whom"), [("robot:wrong@", "as 'robot'"), ("", "without a user")])
 def test_a_router_that_refuses_us(
     capsys: pytest.CaptureFixture[str], lab: Lab, tmp_path: Path, user: str, as_whom: str
 ) -> None:
@@ -77,7 +77,7 @@ def test_a_router_that_refuses_us(
         code, found = examined(capsys, "--url", lab.url, "--zenoh", f"zenoh://{user}127.0.0.1:{own.port}")
         right = examined(capsys, "--url", lab.url, "--zenoh", f"zenoh://robot:right@127.0.0.1:{own.port}")[1]
     assert code == 1
-    assert wrong(found) == {"zenoh session": f"the router is there and refuses us {as_whom}"}
+    assert wrong(found) == {"zenoh session": f"the router runs, and refuses a session {as_whom}"}
     assert right["zenoh session"]["state"] == "ok"
 
 
