@@ -54,7 +54,7 @@ class Service:
     version: int | None = 0
     spoilt: Reply | VoaClientError | None = None
     now: float = 0.0
-    asked: list[str] = field(default_factory=list)
+    requested: list[str] = field(default_factory=list)
     paused: list[float] = field(default_factory=list)
     waited: list[float | None] = field(default_factory=list)
 
@@ -85,7 +85,7 @@ class Service:
                     self.paused.append(seconds)
                     self.now += seconds
                 case Send(call, _):
-                    self.asked.append(call.rpc)
+                    self.requested.append(call.rpc)
                     result = self._answer(call.rpc, call.query)
                 case Wait(seconds, _):
                     while left and not isinstance(left[0], Batch):

@@ -168,7 +168,7 @@ def test_the_service_says_when_to_come_back() -> None:
     assert (refused.value.retry_after_s, refused.value.kind, script.slept) == (7.0, "overloaded", [])
 
 
-def test_no_attempt_begins_later_than_the_retries_allow() -> None:
+def test_no_attempt_begins_after_the_time_of_the_retries() -> None:
     script = Script([NOWHERE])
     with pytest.raises(UnreachableError):
         script.client(retries=Retries(within_s=0.0)).ready()
@@ -216,7 +216,7 @@ def test_keys_differ_between_clients_and_calls() -> None:
     assert all(len(key) == 32 for key in keys)
 
 
-def test_health_is_asked_once() -> None:
+def test_health_makes_a_single_attempt() -> None:
     script = Script([problem("not-ready", 503), READY])
     with pytest.raises(UnavailableError):
         script.client().health()

@@ -123,19 +123,19 @@ def test_what_goes_over_http_only_says_so() -> None:
         calls.delete_session("s", 3).check_has_rpc()
 
 
-def test_a_mesh_that_was_not_asked_for_is_not_found() -> None:
+def test_another_mesh_than_the_requested_one_is_not_returned() -> None:
     """A service that does not know the question lists whatever it has."""
     call = calls.find_object("box.obj", b"v", 1.0)
     at = "2026-01-01T00:00:00Z"
     item = {"id": "a", "name": "box", "extents": [0.1] * 3, "faces": 12, "watertight": True, "created_at": at}
 
-    def found(**more: object) -> Object | None:
+    def result(**more: object) -> Object | None:
         page = {"items": [item, item | {"id": "b"} | more], "next": None}
         return calls.matching_object(call, ObjectPage.model_validate_json(json.dumps(page)))
 
-    assert found() is None
-    assert found(sha256="0" * 64) is None
-    there = found(sha256=call.query["sha256"])
+    assert result() is None
+    assert result(sha256="0" * 64) is None
+    there = result(sha256=call.query["sha256"])
     assert there is not None
     assert there.id == "b"
 
@@ -144,8 +144,13 @@ def test_an_upload_is_a_form_or_base64() -> None:
     call = calls.create_object("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
     assert call.upload is not None
     assert call.upload.form() == {"scale": "0.001", "name": "crate"}
-    told = ObjectUpload.model_validate_json(call.payload())
-    assert (told.filename, told.file, told.name, told.scale) == ("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
+    document = ObjectUpload.model_validate_json(call.payload())
+    assert (document.filename, document.file, document.name, document.scale) == (
+        "box.obj",
+        b"v 0 0 0\n\xff",
+        "crate",
+        0.001,
+    )
     plain = json.loads(calls.create_object("box.obj", b"v", None, 1).payload())
     turned = calls.create_object("box.obj", b"v", None, 1.0, "+Y")
     assert turned.upload is not None

@@ -36,7 +36,7 @@ def test_what_the_service_does_not_bear_out_is_nothing(forged: Batch) -> None:
     service = Service(0)
     sessions, lost = service.follow(service.following(), [forged, 1, HINT, 2, SILENCE])
     assert (versions(sessions), lost) == ([0, 1, 2], None)
-    assert service.asked == ["session.get"] * 4
+    assert service.requested == ["session.get"] * 4
     assert service.paused == [PAUSE_S]
 
 
@@ -50,7 +50,7 @@ def test_versions_between_two_questions_come_from_the_bus_as_the_history_has_the
     service = Service(0)
     sessions, _ = service.follow(service.following(), [8, hints(*range(1, 9)), hints(9, 10)])
     assert versions(sessions) == list(range(9))
-    assert service.asked == ["session.get"] * 2 + ["history.get"] * 3 + ["session.get"]
+    assert service.requested == ["session.get"] * 2 + ["history.get"] * 3 + ["session.get"]
 
 
 def test_hints_that_are_still_on_their_way_are_waited_for_a_moment() -> None:
@@ -108,7 +108,7 @@ def test_a_flood_costs_ten_questions_a_second_and_no_version_is_late_by_more_tha
     service = Service(0)
     sessions, _ = service.follow(service.following(), [*[HINT] * 100, 1, HINT, *[HINT] * 100, 2, HINT])
     assert versions(sessions) == [0, 1, 2]
-    assert len(service.asked) == 203
+    assert len(service.requested) == 203
     assert service.now == pytest.approx(200 * PAUSE_S)
 
 
@@ -172,7 +172,7 @@ def test_the_service_s_own_events_are_taken_as_they_come() -> None:
     events = [State(body(version)) for version in (2, 3, 3, 2, 4)]
     sessions, lost = service.follow(service.following(), [news(*events)], poll_s=None)
     assert (versions(sessions), lost) == ([2, 3, 4], None)
-    assert service.asked == ["session.get"], "the first one only"
+    assert service.requested == ["session.get"], "the first one only"
 
 
 @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ def test_events_that_skip_versions_are_checked_and_then_go_on() -> None:
     following = service.following()
     sessions, _ = service.follow(following, [news(*[State(body(each)) for each in (2, 5, 6, 9)])], poll_s=None)
     assert versions(sessions) == [2, 5, 6, 9]
-    assert service.asked == ["session.get"] * 3
+    assert service.requested == ["session.get"] * 3
 
 
 def test_an_end_that_the_service_confirms_is_one() -> None:
@@ -218,7 +218,7 @@ def test_a_watch_that_is_lost_says_so_after_what_came_before() -> None:
     assert (versions(sessions), lost) == ([0, 1], gone)
 
 
-def test_refusals_of_the_service_are_told_from_those_of_a_proxy() -> None:
+def test_refusals_of_the_service_differ_from_those_of_a_proxy() -> None:
     for reply, own in (
         (problem("not-found", 404), True),
         (Reply(synthetic_problem(404, "a proxy", "no"), refused=True), False),

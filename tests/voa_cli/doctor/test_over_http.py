@@ -20,11 +20,11 @@ def answering(path: str, status: int, body: bytes) -> Iterator[str]:
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            told = (status, body) if self.path == path else (200, b'{"status": "alive"}')
-            self.send_response(told[0])
-            self.send_header("Content-Length", str(len(told[1])))
+            content = (status, body) if self.path == path else (200, b'{"status": "alive"}')
+            self.send_response(content[0])
+            self.send_header("Content-Length", str(len(content[1])))
             self.end_headers()
-            self.wfile.write(told[1])
+            self.wfile.write(content[1])
 
         def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - the base class's name
             pass
@@ -41,8 +41,8 @@ def answering(path: str, status: int, body: bytes) -> Iterator[str]:
 
 def health(**changes: Any) -> bytes:
     now = datetime.now(UTC) + timedelta(seconds=changes.pop("ahead", 0.0))
-    told = {"status": "ready", "wire_version": WIRE_VERSION, "zenoh": "off", "now": now.isoformat()}
-    return json.dumps(told | changes).encode()
+    content = {"status": "ready", "wire_version": WIRE_VERSION, "zenoh": "off", "now": now.isoformat()}
+    return json.dumps(content | changes).encode()
 
 
 @pytest.mark.parametrize(
@@ -82,6 +82,6 @@ def test_what_the_service_says_of_itself(
     says: str,
 ) -> None:
     with answering(path, status, body if isinstance(body, bytes) else health(**body)) as url:
-        _, found = examined(capsys, "--url", url)
-    assert found[check]["state"] == state
-    assert says in found[check]["seen"]
+        _, result = examined(capsys, "--url", url)
+    assert result[check]["state"] == state
+    assert says in result[check]["seen"]

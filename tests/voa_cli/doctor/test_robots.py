@@ -30,9 +30,9 @@ WELL = RobotReport(
 def finding_of(changes: dict[str, Any], before: dict[str, Any] | None = None) -> Finding:
     report = WELL.model_copy(update=changes)
     earlier = None if before is None else Robots(items=[report.model_copy(update=before)])
-    (found,) = check_robots(Robots(items=[report]), NOW, earlier)
-    assert (found.advice == "") == (found.state == "ok")
-    return found
+    (result,) = check_robots(Robots(items=[report]), NOW, earlier)
+    assert (result.advice == "") == (result.state == "ok")
+    return result
 
 
 def rejected(reason: str, **changes: Any) -> dict[str, Any]:
@@ -71,11 +71,11 @@ POSE = UncertainSensorPose(x=0.4, y=-0.12, yaw_rad=3.14159)
     ],
 )  # fmt: skip
 def test_reports_of_robots(changes: dict[str, Any], state: str, seen: str, advice: str) -> None:
-    found = finding_of(changes)
-    assert (found.state, seen in found.seen, advice in found.advice) == (state, True, True), found
+    result = finding_of(changes)
+    assert (result.state, seen in result.seen, advice in result.advice) == (state, True, True), result
 
 
-def test_what_was_refused_once_is_told_from_what_is_refused_now() -> None:
+def test_past_refusals_differ_from_present_ones() -> None:
     once = {"refused": 5, "last_refusal": "expected something else"}
     assert needs_second_report(Robots(items=[WELL.model_copy(update=once)]))
     assert not needs_second_report(Robots(items=[WELL]))
@@ -164,17 +164,17 @@ def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
 def test_conditions_that_are_not_met_while_something_is_wrong(
     looks: MappedLooks, messages: list[Received], seen: str, advice: str
 ) -> None:
-    (found,) = check_robots(Robots(items=[as_reported(looks, messages)]), NOW)
-    assert (found.state, seen in found.seen, advice in found.advice) == ("wrong", True, True), found
+    (result,) = check_robots(Robots(items=[as_reported(looks, messages)]), NOW)
+    assert (result.state, seen in result.seen, advice in result.advice) == ("wrong", True, True), result
 
 
 def test_a_parked_robot_whose_every_scan_is_a_look_is_warned_of() -> None:
     report = as_reported(mapped(look='mode = "every"'), changed())
-    found = list(check_robots(Robots(items=[report]), NOW))
-    assert [finding.check for finding in found] == ["robot r1", "robot r1: every-while-parked"]
-    assert found[1].state == "warning"
-    assert "the belief grows falsely certain" in found[1].seen
-    assert "stationary" in found[1].advice
+    result = list(check_robots(Robots(items=[report]), NOW))
+    assert [finding.check for finding in result] == ["robot r1", "robot r1: every-while-parked"]
+    assert result[1].state == "warning"
+    assert "the belief grows falsely certain" in result[1].seen
+    assert "stationary" in result[1].advice
 
 
 def test_each_warning_has_a_line_with_what_to_do() -> None:
@@ -189,8 +189,8 @@ def test_each_warning_has_a_line_with_what_to_do() -> None:
 
 
 def test_a_mapping_that_could_not_be_read_is_wrong() -> None:
-    found, *_ = check_robots(Robots(items=[WELL], mapping_error="robots.toml: expected TOML"), NOW)
-    assert (found.check, found.state, found.seen) == ("mapping", "wrong", "robots.toml: expected TOML")
+    result, *_ = check_robots(Robots(items=[WELL], mapping_error="robots.toml: expected TOML"), NOW)
+    assert (result.check, result.state, result.seen) == ("mapping", "wrong", "robots.toml: expected TOML")
 
 
 def test_no_robots_is_worth_a_warning() -> None:

@@ -39,9 +39,9 @@ def findings(
     """Findings on the topics of one robot, by check."""
     robots = load(f'[[robot]]\nname = "tb3_1"\nsession = "s"\nplace = {place}\n{more}\n')
     with joined(ZenohAddress.parse(router.endpoint)) as session:
-        found = list(check_topics(session, Listening(robots, seconds, most_beams), Budget(20.0)))
-    assert all(bool(finding.advice) is (finding.state != "ok") for finding in found)
-    return {finding.check: finding for finding in found}
+        result = list(check_topics(session, Listening(robots, seconds, most_beams), Budget(20.0)))
+    assert all(bool(finding.advice) is (finding.state != "ok") for finding in result)
+    return {finding.check: finding for finding in result}
 
 
 def in_turn(key: str, scans: list[LaserScan]) -> Messages:
@@ -153,8 +153,8 @@ SCANS = {
 def test_scans(own_router: Router, case: str) -> None:
     messages, more, state, seen, advice = SCANS[case]
     with publishing(own_router, messages):
-        found = findings(own_router, more)
-    assert (found[SCAN].state, seen in found[SCAN].seen, advice in found[SCAN].advice) == (state, True, True), found
+        result = findings(own_router, more)
+    assert (result[SCAN].state, seen in result[SCAN].seen, advice in result[SCAN].advice) == (state, True, True), result
 
 
 def test_scans_within_a_higher_limit_are_all_right(own_router: Router) -> None:
@@ -172,14 +172,14 @@ def test_scans_within_a_higher_limit_are_all_right(own_router: Router) -> None:
 )
 def test_odometry(own_router: Router, at: Callable[[int], Stamp], state: str, seen: str) -> None:
     def messages(step: int) -> list[tuple[str, bytes]]:
-        told = Odometry(at(step), "odom", "base", Pose.planar(step / 1000, 0.0, 0.0))
-        return [("tb3_1/odom", encode_odometry(told)), (KEY, encode_laser_scan(scan(step)))]
+        content = Odometry(at(step), "odom", "base", Pose.planar(step / 1000, 0.0, 0.0))
+        return [("tb3_1/odom", encode_odometry(content)), (KEY, encode_laser_scan(scan(step)))]
 
     with publishing(own_router, messages):
-        found = findings(own_router, place=ODOMETRY)
-    assert found[SCAN].state == "ok"
-    assert found["tb3_1 /tb3_1/odom"].state == state
-    assert found["tb3_1 /tb3_1/odom"].seen.startswith(seen)
+        result = findings(own_router, place=ODOMETRY)
+    assert result[SCAN].state == "ok"
+    assert result["tb3_1 /tb3_1/odom"].state == state
+    assert result["tb3_1 /tb3_1/odom"].seen.startswith(seen)
 
 
 @contextmanager
@@ -200,10 +200,10 @@ def latched_pose(router: Router) -> Iterator[None]:
 
 def test_a_latched_pose_is_fetched(own_router: Router) -> None:
     with latched_pose(own_router):
-        found = findings(own_router, place=AMCL, seconds=0.5)
-    assert found["tb3_1 /tb3_1/amcl_pose"].state == "ok"
-    assert found["tb3_1 /tb3_1/amcl_pose"].seen.startswith("received; AMCL publishes when the robot has moved")
-    assert found[SCAN].state == "wrong"
+        result = findings(own_router, place=AMCL, seconds=0.5)
+    assert result["tb3_1 /tb3_1/amcl_pose"].state == "ok"
+    assert result["tb3_1 /tb3_1/amcl_pose"].seen.startswith("received; AMCL publishes when the robot has moved")
+    assert result[SCAN].state == "wrong"
 
 
 @contextmanager
