@@ -65,7 +65,7 @@ def health(**changes: Any) -> bytes:
             {"wire_version": WIRE_VERSION + 1},
             "messages",
             "wrong",
-            f"version {WIRE_VERSION + 1} there",
+            f"version {WIRE_VERSION + 1} of the service",
         ),
         ("/readyz", 200, {"version": "0.0.1"}, "software", "warning", "0.0.1 of the service"),
         ("/readyz", 200, {"ahead": 3600.0}, "clock", "warning", "ahead of ours"),
