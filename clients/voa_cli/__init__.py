@@ -1,1 +1,1 @@
-"""The `voa` command: every subcommand is a customer of the service; `serve` is the service."""
+"""The `voa` command: a module or folder per subcommand, which parses options, calls the other packages, and prints."""

@@ -1,4 +1,4 @@
-"""`voa COMMAND`: finds the command's module and hands over."""
+"""The `voa` command: imports the module of the named subcommand and runs it."""
 
 import importlib
 import os
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 
 class Command(NamedTuple):
-    """Where a command lives: `module.main(arguments) -> exit code`; imported only when it is called."""
+    """A subcommand: the module whose `main(arguments)` returns the exit code, imported when the command is run."""
 
     module: str
     help: str
@@ -19,39 +19,39 @@ class Command(NamedTuple):
 COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
     "demo": Command("voa_cli.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
-    "replay": Command("voa_cli.replay", "send a recorded experiment through the service", "cli"),
-    "doctor": Command("voa_cli.doctor", "say what is wrong between this machine and the service", "cli"),
-    "record": Command("voa_cli.record", "record what robots and the service say on Zenoh", "cli"),
+    "replay": Command("voa_cli.replay", "send recorded experiments, sessions or scans through the service", "cli"),
+    "doctor": Command("voa_cli.doctor", "find out what is wrong between this machine and the service", "cli"),
+    "record": Command("voa_cli.record", "record what robots and the service publish on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
-    "evaluate": Command("voa_cli.evaluate.command", "the paper's evaluations, simulated or recorded", "fleet"),
-    "fleet": Command("voa_cli.fleet", "simulated robots as customers of the service", "fleet"),
-    "check": Command("voa_cli.check", "say what is probably wrong with a scenario file", "cli"),
+    "evaluate": Command("voa_cli.evaluate.command", "run the paper's evaluations, simulated or recorded", "fleet"),
+    "fleet": Command("voa_cli.fleet", "run simulated robots that use the service", "fleet"),
+    "check": Command("voa_cli.check", "list the probable mistakes in a scenario file", "cli"),
     "rank": Command("voa_cli.rank", "rank looks for a scenario file or a session", "cli"),
 }
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns its exit code."""
+    """Run a subcommand and return its exit code; 130 after Ctrl-C."""
     try:
         try:
             return _main(arguments)
         finally:
             sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read our output has gone, and that is fine; what is left of it must not fail at exit either.
+        # The reader of our output has closed it, as `head` does; the rest must not fail at exit either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    if given[0] in ("-h", "--help", "--version"):
-        print(version("voa") if given[0] == "--version" else _usage())
+    words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    if words[0] in ("-h", "--help", "--version"):
+        print(version("voa") if words[0] == "--version" else _usage())
         return 0
-    if given[0] not in COMMANDS:
-        print(f"voa: there is no command {given[0]!r}\n\n{_usage()}", file=sys.stderr)
+    if words[0] not in COMMANDS:
+        print(f"voa: there is no command {words[0]!r}\n\n{_usage()}", file=sys.stderr)
         return 2
-    return _run(given[0], given[1:])
+    return _run(words[0], words[1:])
 
 
 def _run(name: str, rest: list[str]) -> int:
@@ -59,9 +59,10 @@ def _run(name: str, rest: list[str]) -> int:
     try:
         code: int = importlib.import_module(command.module).main(rest)
     except ModuleNotFoundError as error:
-        from voa_client.installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
+        from voa_client.installing import install_hint  # noqa: PLC0415 - imports the client, which `--help` does not need
 
-        print(f"voa {name}: no {error.name}; install it with: {install_hint(command.extra)}", file=sys.stderr)
+        missing = f"{(error.name or '').partition('.')[0]} is not installed"
+        print(f"voa {name}: {missing}; install it with: {install_hint(command.extra)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
@@ -71,7 +72,7 @@ def _run(name: str, rest: list[str]) -> int:
 def _usage() -> str:
     width = max(map(len, COMMANDS))
     lines = [f"  {name:{width}}  {command.help}" for name, command in COMMANDS.items()]
-    return "\n".join(["usage: voa COMMAND [OPTIONS]", "", *lines, "", "voa COMMAND --help says more."])
+    return "\n".join(["usage: voa COMMAND [OPTIONS]", "", *lines, "", "voa COMMAND --help describes a command."])
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-"""`voa record`: what robots and the service say on Zenoh, into an MCAP file.
+"""`voa record`: record what robots and the service publish on Zenoh to an MCAP file.
 
 voa record -o look.mcap                                        every session on this machine's router
-voa record -o look.mcap --url zenoh://lab:7447/voa/v1/lab7     of another one, under another root
+voa record -o look.mcap --url zenoh://lab:7447/voa/v1/lab7     of another router, with another root of the keys
 voa record -o look.mcap --session ID --topic /tb3_1/scan --topic /tb3_1/odom
 voa record -o look.mcap --topic '/tb3_1/**'                    all topics of a robot
 
-Recorded are raw scans, beliefs and refused scans, of each session that is seen its scenario and history, and the ROS 2
-topics that are named (by zenoh-bridge-ros2dds and by rmw_zenoh), with the newest message of latched
-ones, such as amcl_pose, from before the recording began. Foxglove opens the file, and `voa replay` makes the sessions
-anew from it. Ends with Ctrl-C; what was recorded until a second before a power cut is there.
+The file gets raw scans, beliefs and refused scans, the scenario and history of each session that appears, and the ROS 2
+topics that are named (from zenoh-bridge-ros2dds and from rmw_zenoh); of latched topics, such as amcl_pose, also the
+newest message from before the start. Foxglove opens the file, and `voa replay` rebuilds the sessions from it. Ctrl-C
+ends the recording; after a power cut, everything up to a second before it is in the file.
 """
 
 import argparse
@@ -47,11 +47,11 @@ _CALL_S = 10.0
 
 
 class CannotRecord(VoaClientError):
-    """There is nowhere to write to, or nothing to listen to."""
+    """The file cannot be written, or a topic is not valid."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Record until told to stop, and return 0; 1 if something is wrong."""
+    """Record until Ctrl-C or for --seconds, print a summary, and return 0; 1 after an error."""
     options = _parser().parse_args(arguments)
     console = Console(stderr=True)
     try:
@@ -77,7 +77,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 class Recorder:
-    """One recording."""
+    """A running recording: it writes received messages and fetched histories to a file.
+
+    Args:
+        session: with the router.
+        client: of the service, for scenarios and histories.
+        file: to write; the caller closes it.
+        keys: of the service.
+    """
 
     def __init__(self, session: zenoh.Session, client: Client, file: IO[bytes], keys: Keys) -> None:
         self._session = session
@@ -97,13 +104,21 @@ class Recorder:
         seconds: float | None,
         console: Console,
     ) -> None:
-        """Listen and write until `stop`, or for `seconds`."""
+        """Subscribe and write until `stop` is set, or for `seconds`.
+
+        Args:
+            wanted: key expressions to subscribe to.
+            sessions: ids of sessions whose histories are fetched at once.
+            stop: ends the recording.
+            seconds: duration; None: until `stop`.
+            console: shows the status, if it is a terminal.
+        """
         until = None if seconds is None else time.monotonic() + seconds
         self._histories.start()
         for session in sessions:
             self._histories.want(session)
         with (
-            announced(self._session) as bridges,  # first: the type of a topic is known before its messages come
+            announced(self._session) as bridges,  # first, so that types are known before messages arrive
             listening(self._session, wanted, self._inbox, time.time_ns),
             _live(console) as live,
         ):
@@ -124,28 +139,33 @@ class Recorder:
         os.fsync(self._file.fileno())
 
     def report(self, console: Console, path: Path, most_beams: int) -> None:
-        """Print the topics of the file, and what others will not be able to read of it."""
+        """Print the number of messages per topic, and which of them other programs will not be able to read."""
         console.print(status.summary(self._writer.counts))
         console.print(f"{path}: {status.size(path.stat().st_size)}", highlight=False)
         if self._inbox.dropped:
-            console.print(f"! {self._inbox.dropped} messages came faster than they could be written, and are missing")
-        for told in status.shortcomings(self._filing.unknown, self._filing.beams, most_beams):
-            console.print(f"! {told}", markup=False, highlight=False, soft_wrap=True)
+            console.print(
+                f"! {self._inbox.dropped} messages arrived faster than they could be written, and are missing"
+            )
+        for sentence in status.shortcomings(self._filing.unknown, self._filing.beams, most_beams):
+            console.print(f"! {sentence}", markup=False, highlight=False, soft_wrap=True)
         for session, why in sorted(self._histories.failed.items()):
-            console.print(f"! session {session} cannot be made anew, its history is missing: {why}", markup=False)
+            console.print(
+                f"! session {session} cannot be rebuilt from the file, because its history is missing: {why}",
+                markup=False,
+            )
 
     def _take(self, seconds: float) -> bool:
         item = self._inbox.get(seconds)
         if item is None:
             return False
-        moved = self._filing.file(item)
-        if moved is not None:
-            self._histories.want(moved)
+        session = self._filing.file(item)
+        if session is not None:
+            self._histories.want(session)
         self._last = time.monotonic()
         return True
 
     def _keep(self) -> None:
-        """Bring what was written onto the disk: from now on it survives a power cut."""
+        """Write everything so far to the disk, where it survives a power cut."""
         self._writer.flush()
         os.fsync(self._file.fileno())
 
@@ -154,12 +174,12 @@ class Recorder:
             quiet = None if self._last is None else time.monotonic() - self._last
             linked = bool(self._session.info.routers_zid())
             counts, written = self._writer.counts, self._writer.size
-            told = status.line(counts, written, quiet, self._inbox.dropped, linked=linked)
-            live.update(Text(told, no_wrap=True, overflow="ellipsis"))
+            text = status.line(counts, written, quiet, self._inbox.dropped, linked=linked)
+            live.update(Text(text, no_wrap=True, overflow="ellipsis"))
 
 
 def _wanted(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> Wanted:
-    """Key expressions to subscribe to: a topic as a bridge writes it, and as rmw_zenoh does, wildcards included."""
+    """Make the key expressions to subscribe to: topics as a bridge and as rmw_zenoh write them, wildcards included."""
     own, plain, of_rmw = [], [], []
     for session in sessions or ["*"]:
         own += [keys.scan(session, "*"), keys.belief(session), keys.refused(session, "*")]
@@ -168,7 +188,7 @@ def _wanted(keys: Keys, sessions: Sequence[str], topics: Sequence[str]) -> Wante
         if "::" not in topic:
             of_rmw.append(f"*/{topic.strip('/')}/*/*")
     try:
-        return Wanted(*([str(zenoh.KeyExpr.autocanonize(each)) for each in found] for found in (own, plain, of_rmw)))
+        return Wanted(*([str(zenoh.KeyExpr.autocanonize(each)) for each in group] for group in (own, plain, of_rmw)))
     except zenoh.ZError as error:
         raise CannotRecord(f"expected a topic like /tb3_1/scan, or a Zenoh key expression: {error}") from error
 
@@ -179,14 +199,14 @@ def _opened(path: Path, *, force: bool) -> Iterator[IO[bytes]]:
         with path.open("wb" if force else "xb") as file:
             yield file
     except FileExistsError as error:
-        raise CannotRecord(f"{path} exists; --force overwrites it") from error
+        raise CannotRecord(f"{path} exists already; --force overwrites it") from error
     except OSError as error:
         raise CannotRecord(f"{path}: {error.strerror}") from error
 
 
 @contextmanager
 def _stopping() -> Iterator[threading.Event]:
-    """An event that SIGINT and SIGTERM set, for the length of a `with`."""
+    """Give an event that SIGINT and SIGTERM set, for the length of a `with`."""
     stop = threading.Event()
     before = {number: signal.signal(number, lambda *_: stop.set()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
@@ -198,7 +218,7 @@ def _stopping() -> Iterator[threading.Event]:
 
 @contextmanager
 def _live(console: Console) -> Iterator[Status | None]:
-    """A line that changes, on a terminal; None in a pipe."""
+    """Show a status line on a terminal, for the length of a `with`; gives None in a pipe."""
     if not console.is_terminal:
         yield None
         return
@@ -212,10 +232,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("-o", "--out", type=Path, required=True, help="the file to write, FILE.mcap")
     parser.add_argument("--force", action="store_true", help="overwrite the file if it exists")
-    parser.add_argument("--url", default=DEFAULT_URL, help=f"of the router (default {DEFAULT_URL})")
-    parser.add_argument("--session", action="append", default=[], help="only this session; may be given several times")
+    parser.add_argument("--url", default=DEFAULT_URL, help=f"address of the router (default {DEFAULT_URL})")
     parser.add_argument(
-        "--topic", action="append", default=[], metavar="KEYEXPR", help="a ROS 2 topic; may be given several times"
+        "--session", action="append", default=[], help="record this session only; may be given several times"
     )
-    parser.add_argument("--seconds", type=float, help="end after so many seconds")
+    parser.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="KEYEXPR",
+        help="ROS 2 topic to record; may be given several times",
+    )
+    parser.add_argument("--seconds", type=float, help="end after this number of seconds (default: with Ctrl-C)")
     return parser

@@ -1,4 +1,4 @@
-"""How a recording stands, for a person: a line while it runs, a table when it has ended."""
+"""Status of a running recording for a person at a terminal: a line while it runs, a table at the end."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ _UNITS = ("B", "kB", "MB", "GB")
 
 
 def size(count: int) -> str:
-    """A number of bytes, readable."""
+    """Write a number of bytes with a unit, such as "1.2 MB"."""
     figure, unit = float(count), 0
     while figure >= 1000.0 and unit < len(_UNITS) - 1:
         figure, unit = figure / 1000.0, unit + 1
@@ -19,16 +19,16 @@ def size(count: int) -> str:
 
 
 def line(counts: Counter[str], written: int, quiet_s: float | None, dropped: int, *, linked: bool) -> str:
-    """One line: messages of the busiest topics, size, how long ago the last one came, and what is wrong."""
+    """Write the status in a line: number of messages, size, time since the last message, problems, busiest topics."""
     busiest = "  ".join(f"{topic} {count}" for topic, count in counts.most_common(4))
-    last = "nothing heard yet" if quiet_s is None else f"last {quiet_s:.0f} s ago"
+    last = "nothing received yet" if quiet_s is None else f"last {quiet_s:.0f} s ago"
     wrong = [] if linked else ["no router"]
     wrong += [f"{dropped} dropped"] if dropped else []
     return "  ".join([f"recording {counts.total()} messages, {size(written)}, {last}", *wrong, busiest])
 
 
 def summary(counts: Counter[str]) -> Table:
-    """Messages per topic."""
+    """Make a table of the number of messages per topic."""
     table = Table("topic", title="Recorded", title_justify="left")
     table.add_column("messages", justify="right")
     for topic, count in sorted(counts.items()):
@@ -37,24 +37,24 @@ def summary(counts: Counter[str]) -> Table:
 
 
 def shortcomings(unknown: Counter[str], beams: Mapping[str, int], most_beams: int) -> list[str]:
-    """Sentences about what others will not be able to read.
+    """Write a sentence for each kind of messages that other programs will not be able to read.
 
     Args:
-        unknown: messages without a type, per topic.
-        beams: of the largest LaserScan, per topic.
-        most_beams: the limit of beams here.
+        unknown: number of messages without a type, per topic.
+        beams: number of beams of the largest LaserScan, per topic.
+        most_beams: largest number of beams that `voa serve` and `voa replay` read.
     """
-    found = []
+    sentences = []
     if unknown:
         topics = ", ".join(f"{topic} ({count})" for topic, count in sorted(unknown.items()))
-        found.append(
-            f"{unknown.total()} messages have no type, since neither their keys, nor a bridge, nor they themselves "
-            f"tell it: {topics}"
+        sentences.append(
+            f"{unknown.total()} messages have no type, since neither their keys, nor a bridge, nor their content shows "
+            f"it: {topics}"
         )
     for topic, most in sorted(beams.items()):
         if most > most_beams:
-            found.append(
+            sentences.append(
                 f"{topic} has scans of {most} beams: `voa serve` and `voa replay` read at most {most_beams}, unless "
                 f"{BEAMS}={most} is set for them"
             )
-    return found
+    return sentences

@@ -1,12 +1,12 @@
-"""`voa sessions`: what runs on a service, for a person at a terminal.
+"""`voa sessions`: list, show, export and delete the sessions of a service.
 
-voa sessions list                           every session
-voa sessions show ID                        what it believes, and its best grasp
-voa sessions history ID                     every version and what made it
-voa sessions export ID > session.json       a file that `voa replay` makes anew elsewhere
-voa sessions delete ID...                   remove sessions with their histories, for good
+voa sessions list                           all sessions
+voa sessions show ID                        the belief of a session, and its best grasp
+voa sessions history ID                     its versions, each with the request that made it
+voa sessions export ID > session.json       a file from which `voa replay` rebuilds the session on another service
+voa sessions delete ID...                   delete sessions with their histories, for good
 
-`delete` asks first at a terminal; anywhere else it needs --yes.
+`delete` wants a confirmation at a terminal; anywhere else it needs --yes.
 """
 
 import argparse
@@ -27,15 +27,15 @@ from voa_recordings.session_file import export_session
 DEFAULT_URL = "http://127.0.0.1:8000"
 _BAR = 30
 _WIDE = ("scenario", "grasp", "robots")
-"""Columns of names that people gave."""
+"""Columns with names that people chose, which may be long."""
 
 
 class NotDeleted(VoaClientError):
-    """Sessions were not deleted, since nobody confirmed it."""
+    """Sessions were not deleted, because no person confirmed it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print what was asked for and return 0; 1 if something is wrong."""
+    """Run a subcommand and return 0; 1 after an error."""
     options = _parser().parse_args(arguments)
     try:
         with Client(options.url, retries=BRIEFLY) as client:
@@ -47,15 +47,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _list(client: Client, options: argparse.Namespace) -> None:
-    found = list(client.list_sessions())
-    names = {scenario.id: scenario.name for scenario in client.list_scenarios()} if found else {}
+    sessions = list(client.list_sessions())
+    names = {scenario.id: scenario.name for scenario in client.list_scenarios()} if sessions else {}
     robots = _robots(client)
     if options.json:
-        more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in found]
-        print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(found, more, strict=True)]))
+        more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in sessions]
+        print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(sessions, more, strict=True)]))
         return
     table = _table("session", "scenario", "version", "grasp", "score", "updated", "robots")
-    for session in found:
+    for session in sessions:
         table.add_row(
             session.id,
             names.get(session.scenario, ""),
@@ -65,11 +65,11 @@ def _list(client: Client, options: argparse.Namespace) -> None:
             f"{session.updated_at:%m-%d %H:%M}",
             " ".join(robots[session.id]),
         )
-    _console().print(table if found else f"no sessions at {options.url}")
+    _console().print(table if sessions else f"no sessions at {options.url}")
 
 
 def _robots(client: Client) -> defaultdict[str, list[str]]:
-    """The mapped robots by the session that their scans are for."""
+    """Return the names of mapped robots by the session that their scans update."""
     robots: defaultdict[str, list[str]] = defaultdict(list)
     for report in client.robots().items:
         if report.source == "ros2" and report.session is not None:
@@ -114,35 +114,35 @@ def _export(client: Client, options: argparse.Namespace) -> None:
 
 
 def _delete(client: Client, options: argparse.Namespace) -> None:
-    """Delete sessions, all of which must be there; raises NotDeleted where nobody agrees."""
+    """Delete sessions, if all exist; raises NotDeleted if no person confirms it."""
     ids = list(dict.fromkeys(options.id))
-    found = [client.get_session(id_) for id_ in ids]
+    sessions = [client.get_session(id_) for id_ in ids]
     if not options.yes:
         robots = _robots(client)
         of = {id_: f" (session of {', '.join(names)})" for id_, names in robots.items()}
-        _confirm([f"{each.id} at version {each.version}{of.get(each.id, '')}" for each in found])
+        _confirm([f"{each.id} at version {each.version}{of.get(each.id, '')}" for each in sessions])
     for id_ in ids:
         client.delete_session(id_)
         print(f"deleted {id_}")
 
 
 def _confirm(sessions: Sequence[str]) -> None:
-    """Ask a person; raises NotDeleted where there is none, or the answer is not yes."""
+    """Let a person confirm at the terminal; raises NotDeleted without a terminal, or unless the answer is yes."""
     what = ", ".join(sessions)
     if not sys.stdin.isatty():
-        raise NotDeleted(f"nothing deleted: there is no terminal to ask at, add --yes to delete {what}")
-    print(f"delete {what} with everything that happened there? [y/N] ", end="", file=sys.stderr, flush=True)
+        raise NotDeleted(f"nothing deleted: there is no terminal for a confirmation; add --yes to delete {what}")
+    print(f"delete {what} with the whole history? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):
         raise NotDeleted("nothing deleted")
 
 
 def _console() -> Console:
-    """Open a terminal that prints names as they are: brackets in them are no markup."""
+    """Open a console that does not take brackets in names for markup."""
     return Console(markup=False, highlight=False)
 
 
 def _table(*headings: str) -> Table:
-    """Narrow enough for 80 columns, ids whole: what may be long without end is folded."""
+    """Make a table that fits 80 columns: ids are kept whole, long names are folded."""
     columns = [
         Column(heading, no_wrap=heading not in _WIDE, overflow="fold", min_width=len(heading)) for heading in headings
     ]
@@ -160,10 +160,10 @@ def _parser() -> argparse.ArgumentParser:
     ) -> argparse.ArgumentParser:
         one = commands.add_parser(name)
         if of_one:
-            one.add_argument("id", help="of the session")
+            one.add_argument("id", help="id of the session")
         if has_json:
             one.add_argument("--json", action="store_true", help="print one JSON document")
-        one.add_argument("--url", default=DEFAULT_URL, help=f"of the service (default {DEFAULT_URL})")
+        one.add_argument("--url", default=DEFAULT_URL, help=f"address of the service (default {DEFAULT_URL})")
         one.set_defaults(act=act)
         return one
 
@@ -172,6 +172,6 @@ def _parser() -> argparse.ArgumentParser:
     command("history", _history, of_one=True)
     command("export", _export, of_one=True, has_json=False)
     delete = command("delete", _delete, of_one=False, has_json=False)
-    delete.add_argument("id", nargs="+", help="of a session")
-    delete.add_argument("--yes", "-y", action="store_true", help="do not ask")
+    delete.add_argument("id", nargs="+", help="id of a session")
+    delete.add_argument("--yes", "-y", action="store_true", help="delete without a confirmation")
     return parser

@@ -1,4 +1,4 @@
-"""Tables that several commands print."""
+"""Tables of rankings and grasp scores that several commands print."""
 
 from rich.console import Console
 from rich.table import Column, Table
@@ -13,9 +13,9 @@ _EDGE = 3  # characters between a column and the next
 
 
 def ranking_table(console: Console, ranking: Ranking) -> Table:
-    """Show the looks of a ranking, best first; what they cost and are worth net of it, if one costs anything.
+    """Make a table of the looks of a ranking, best first, with costs and net values if any look has a cost.
 
-    Their VOA is drawn as a bar, as long as the console's line has room for beside the figures.
+    VOA is drawn as a bar as well, if the console is wide enough.
     """
     most = max((look.voa for look in ranking.ranking), default=0.0)
     plain = _table(ranking, most, 0)
@@ -24,7 +24,7 @@ def ranking_table(console: Console, ranking: Ranking) -> Table:
 
 
 def _table(ranking: Ranking, most: float, width: int) -> Table:
-    """The table with bars of so many characters for a VOA of `most`; without them for 0."""
+    """Make the table with bars of `width` characters for a VOA of `most`; a width of 0 gives no bars."""
     costs = any(look.cost for look in ranking.ranking)
     table = Table(Column("rank", justify="right"), "sensor", Column("VOA", justify="right", no_wrap=True))
     if width:
@@ -39,13 +39,13 @@ def _table(ranking: Ranking, most: float, width: int) -> Table:
 
 
 def scores_of(scenario: Scenario) -> list[list[float]]:
-    """Grasp scores, grasps x poses."""
+    """Return the grasp scores of a scenario, grasps x poses, as probabilities."""
     if isinstance(scenario.scores, GivenScores):
         return scenario.scores.probabilities
     return [[count / scenario.scores.attempts for count in row] for row in scenario.scores.successes]
 
 
 def weighted_scores(scenario: Scenario, belief: list[float]) -> list[list[float]]:
-    """b[p] Q[x, p], poses x grasps (equation 4 of the paper)."""
+    """Return b[p] Q[x, p], poses x grasps (equation 4 of the paper), for a belief with a probability per pose."""
     scores = scores_of(scenario)
     return [[share * row[pose] for row in scores] for pose, share in enumerate(belief)]

@@ -1,4 +1,4 @@
-"""Warnings of the service, as a person reads them."""
+"""Printing of the service's warnings for a person at a terminal."""
 
 from collections.abc import Sequence
 from textwrap import fill, indent
@@ -11,7 +11,7 @@ _INDENT = "  "
 
 
 def print_warnings(console: Console, warnings: Sequence[ProbableMistake]) -> None:
-    """Print one paragraph for each warning: its kind, then its sentence."""
+    """Print a paragraph for each warning: its kind, then its explanation."""
     for warning in warnings:
         console.print(f"warning: {warning.kind}", style="yellow")
         console.print(indent(fill(warning.detail, console.width - len(_INDENT)), _INDENT), soft_wrap=True)

@@ -1,7 +1,7 @@
-"""What the client costs a robot: `python -m tests.benchmarks.footprint [--json]`.
+"""Footprint of the client on a robot: `python -m tests.benchmarks.footprint [--json]`.
 
-Measured, not remembered: the size of the base install (this distribution and what it needs without extras) from the
-installed files; modules, time and memory of `import voa_client` from fresh interpreters, the best of several.
+The size of the base install (this distribution and its dependencies without extras) is measured from the installed
+files; modules, time and memory of `import voa_client` in fresh interpreters, the best of several.
 """
 
 import argparse
@@ -25,8 +25,8 @@ _PROBE = """
 import sys, time, json
 def resident():
     try:
-        with open("/proc/self/statm") as told:
-            return int(told.read().split()[1])
+        with open("/proc/self/statm") as pages:
+            return int(pages.read().split()[1])
     except OSError:
         return None
 before, kept, began = set(sys.modules), resident(), time.perf_counter()
@@ -39,15 +39,15 @@ print(json.dumps({"seconds": seconds, "pages": pages, "modules": sorted(set(sys.
 
 @dataclass(frozen=True)
 class Footprint:
-    """What was measured.
+    """Footprint of the base install and of `import voa_client`.
 
     Attributes:
-        own_bytes: of each package of this distribution on disk, bytecode left out.
-        needed_bytes: of each distribution that the base install needs besides.
-        modules: how many `import voa_client` loads.
-        import_s: how long that takes.
-        memory_bytes: by how much it makes the process larger; None where that cannot be read.
-        heavy: those of numpy, Zenoh's library and the like that it loads; none, if all is well.
+        own_bytes: size of each package of this distribution on disk, without bytecode.
+        needed_bytes: size of each distribution that the base install depends on.
+        modules: number of modules that `import voa_client` loads.
+        import_s: duration of the import, seconds.
+        memory_bytes: growth of the process by the import; None if it cannot be read on this platform.
+        heavy: large libraries that the import loads, such as numpy; expected to be empty.
     """
 
     own_bytes: dict[str, int]
@@ -59,7 +59,7 @@ class Footprint:
 
 
 def measure() -> Footprint:
-    """Measure this install; starts interpreters."""
+    """Measure this install, with the import in five fresh interpreters."""
     runs = [_imported() for _ in range(_RUNS)]
     modules, pages = runs[0]["modules"], [run["pages"] for run in runs]
     return Footprint(
@@ -73,29 +73,29 @@ def measure() -> Footprint:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the footprint; returns 1 if something heavy is loaded."""
+    """Print the footprint, and return 0; 1 if the import loads a large library."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.footprint", description=(__doc__ or ""))
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     options = parser.parse_args(arguments)
-    found = measure()
+    footprint = measure()
     if options.json:
-        print(json.dumps(asdict(found)))
+        print(json.dumps(asdict(footprint)))
     else:
-        print("\n".join(_told(found)))
-    return 1 if found.heavy else 0
+        print("\n".join(_lines(footprint)))
+    return 1 if footprint.heavy else 0
 
 
-def _told(found: Footprint) -> list[str]:
-    own, needed = sum(found.own_bytes.values()), sum(found.needed_bytes.values())
-    robot = sum(size for name, size in found.own_bytes.items() if name in _ROBOT)
-    memory = "cannot be read here" if found.memory_bytes is None else f"{_megabytes(found.memory_bytes)} more"
+def _lines(footprint: Footprint) -> list[str]:
+    own, needed = sum(footprint.own_bytes.values()), sum(footprint.needed_bytes.values())
+    robot = sum(size for name, size in footprint.own_bytes.items() if name in _ROBOT)
+    memory = "cannot be read here" if footprint.memory_bytes is None else f"{_megabytes(footprint.memory_bytes)} more"
     return [
         f"installed   {_megabytes(own + needed)}: this distribution {_megabytes(own)}, of which {' and '.join(_ROBOT)} "
         f"{_megabytes(robot)}; and what it needs:",
-        *(f"{_megabytes(size):>18}  {name}" for name, size in sorted(found.needed_bytes.items(), key=_by_size)),
-        f"imported    {found.modules} modules in {1e3 * found.import_s:.0f} ms",
+        *(f"{_megabytes(size):>18}  {name}" for name, size in sorted(footprint.needed_bytes.items(), key=_by_size)),
+        f"imported    {footprint.modules} modules in {1e3 * footprint.import_s:.0f} ms",
         f"memory      {memory}",
-        f"heavy       {', '.join(found.heavy) or 'nothing: no numpy, and no Zenoh until it is used'}",
+        f"heavy       {', '.join(footprint.heavy) or 'nothing: no numpy, and no Zenoh until it is used'}",
     ]
 
 
@@ -108,37 +108,37 @@ def _megabytes(size: int) -> str:
 
 
 def _own() -> dict[str, int]:
-    """The packages of this distribution: also where it is installed as a link to a checkout."""
-    found = {}
+    """Measure the packages of this distribution, also if it is installed as a link to a checkout."""
+    sizes = {}
     for module in pkgutil.iter_modules():
         if module.ispkg and module.name.startswith("voa_"):
             spec = importlib.util.find_spec(module.name)
             folders = [] if spec is None else list(spec.submodule_search_locations or ())
-            found[module.name] = sum(_size(path) for folder in folders for path in Path(folder).rglob("*"))
-    return found
+            sizes[module.name] = sum(_size(path) for folder in folders for path in Path(folder).rglob("*"))
+    return sizes
 
 
 def _needed() -> dict[str, int]:
-    """The distributions that the base install needs, and those that they need, as far as they are installed."""
-    found: dict[str, int] = {}
+    """Measure the dependencies of the base install, and their dependencies, as far as they are installed."""
+    sizes: dict[str, int] = {}
     waiting = _requirements(distribution("voa"))
     while waiting:
         name = waiting.pop()
-        if name in found:
+        if name in sizes:
             continue
         try:
             installed = distribution(name)
         except PackageNotFoundError:  # another platform or version of Python needs it
             continue
-        found[name] = sum(_size(Path(str(file.locate()))) for file in installed.files or ())
+        sizes[name] = sum(_size(Path(str(file.locate()))) for file in installed.files or ())
         waiting += _requirements(installed)
-    return found
+    return sizes
 
 
 def _requirements(installed: Distribution) -> list[str]:
-    """Names, without those of extras."""
-    told = [each for each in installed.requires or () if "extra ==" not in each]
-    return [found[0].lower().replace("_", "-") for each in told if (found := re.match(r"[A-Za-z0-9._-]+", each))]
+    """Return the names of a distribution's dependencies, without those of extras."""
+    lines = [each for each in installed.requires or () if "extra ==" not in each]
+    return [match[0].lower().replace("_", "-") for each in lines if (match := re.match(r"[A-Za-z0-9._-]+", each))]
 
 
 def _size(path: Path) -> int:
@@ -146,10 +146,10 @@ def _size(path: Path) -> int:
 
 
 def _imported() -> dict[str, Any]:
-    """What `import voa_client` does to a fresh interpreter."""
+    """Import `voa_client` in a fresh interpreter, and return the time, pages of memory and modules."""
     done = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, text=True, check=True)
-    told: dict[str, Any] = json.loads(done.stdout)
-    return told
+    measured: dict[str, Any] = json.loads(done.stdout)
+    return measured
 
 
 if __name__ == "__main__":

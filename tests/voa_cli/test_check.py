@@ -38,9 +38,9 @@ def test_warnings_are_named_explained_and_counted(
     for words in ("angle-in-degrees", "180 degrees are 3.142 rad", "length-in-millimetres", "no-workspace", "place-"):
         assert words in " ".join(out.split())
     assert main(["check", str(file), "--url", process, "--json"]) == 1
-    found = json.loads(capfd.readouterr().out)["items"]
-    assert {"angle-in-degrees", "length-in-millimetres", "no-workspace"} <= {item["kind"] for item in found}
-    assert all(item["detail"] for item in found)
+    result = json.loads(capfd.readouterr().out)["items"]
+    assert {"angle-in-degrees", "length-in-millimetres", "no-workspace"} <= {item["kind"] for item in result}
+    assert all(item["detail"] for item in result)
 
 
 def test_every_pair_of_pose_and_place_is_looked_at(
@@ -84,9 +84,9 @@ def test_what_is_warned_of_about_the_mesh_is_not_lost_on_the_way(
     (tmp_path / "box.obj").write_text(flat, encoding="utf-8")
     for command in ("check", "rank"):
         main([command, str(file), "--url", process])
-        told = " ".join("".join(capfd.readouterr()).split())
-        assert "warning: up-axis" in told
-        assert "stands on its file's plane y = 0" in told
+        content = " ".join("".join(capfd.readouterr()).split())
+        assert "warning: up-axis" in content
+        assert "stands on its file's plane y = 0" in content
     large = tmp_path / "large.json"
     large.write_text(json.dumps(body | {"scale": 100}), encoding="utf-8")
     main(["rank", str(large), "--url", process])

@@ -15,24 +15,24 @@ from voa_store.drivers import sqlite_driver
 RIGHT: dict[str, Any] = {"database": "SQLite 3.53.4", "sessions": 2, "versions": 7, "damaged": [], "pages": []}
 
 
-def findings(**found: Any) -> list[Finding]:
-    return list(check_database("sqlite:///voa.db", lambda _url: json.dumps(found)))
+def findings(**result: Any) -> list[Finding]:
+    return list(check_database("sqlite:///voa.db", lambda _url: json.dumps(result)))
 
 
 def test_a_database_in_order_is_one_line() -> None:
     (finding,) = findings(**RIGHT)
     assert finding.state == "ok"
-    assert finding.seen == "SQLite 3.53.4: 7 versions of 2 sessions, all checksums right"
+    assert finding.seen == "SQLite 3.53.4: 7 versions of 2 sessions, all checksums match"
 
 
 def test_what_is_damaged_is_named_and_no_more_than_five() -> None:
     damaged = [{"session": f"s{n}", "version": n, "detail": ""} for n in range(7)]
-    found = findings(**RIGHT | {"damaged": damaged, "pages": ["row 3 missing from index"]})
-    assert {finding.state for finding in found} == {"wrong"}
-    assert found[0].seen == "the file's structure is damaged: row 3 missing from index"
-    assert found[1].seen == "session s0: version 0 is not as it was written"
-    assert found[-1].seen == "7 sessions are damaged in all"
-    assert len(found) == 1 + 5 + 1
+    result = findings(**RIGHT | {"damaged": damaged, "pages": ["row 3 missing from index"]})
+    assert {finding.state for finding in result} == {"wrong"}
+    assert result[0].seen == "the file's structure is damaged: row 3 missing from index"
+    assert result[1].seen == "session s0: the stored version 0 was changed after it was written"
+    assert result[-1].seen == "7 sessions are damaged in total"
+    assert len(result) == 1 + 5 + 1
 
 
 def test_a_database_that_cannot_be_read_says_why() -> None:
@@ -55,7 +55,7 @@ def test_doctor_finds_a_changed_version_beside_a_service_that_runs(
                 connection.close()
             capsys.readouterr()  # the log of the service in this process
             main(arguments)
-            found = json.loads(capsys.readouterr().out)["findings"]
-            seen.append([each["seen"] for each in found if each["check"] == "database"])
-    assert seen[0] == [f"SQLite {sqlite_driver().sqlite_version}: 2 versions of 1 sessions, all checksums right"]
-    assert seen[1] == [f"session {session}: version 1 is not as it was written"]
+            result = json.loads(capsys.readouterr().out)["findings"]
+            seen.append([each["seen"] for each in result if each["check"] == "database"])
+    assert seen[0] == [f"SQLite {sqlite_driver().sqlite_version}: 2 versions of 1 sessions, all checksums match"]
+    assert seen[1] == [f"session {session}: the stored version 1 was changed after it was written"]

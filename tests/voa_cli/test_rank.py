@@ -43,14 +43,14 @@ def test_a_file_a_belief_and_a_session_give_the_same_ranking(
     with Client(process) as client:
         scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
         session = client.create_session(SessionRequest(scenario=scenario.id, prior=belief))
-    found = [
+    result = [
         ranked(capfd, str(file), "--belief", "0.2,0.3,0.5", "--url", process),
         ranked(capfd, str(file), "--belief", str(beside), "--url", process),
         ranked(capfd, "--session", session.id, "--url", process),
     ]
-    assert [ranking.pop("version") for ranking in found] == [None, None, 0]
-    assert found[0] == found[1] == found[2]
-    assert {look["sensor"] for look in found[0]["ranking"]} == {"Q1", "Q2"}
+    assert [ranking.pop("version") for ranking in result] == [None, None, 0]
+    assert result[0] == result[1] == result[2]
+    assert {look["sensor"] for look in result[0]["ranking"]} == {"Q1", "Q2"}
 
 
 def test_without_a_belief_it_is_the_scenario_s_prior(
@@ -124,7 +124,7 @@ class Old(Noted):
             problem = Problem(type="urn:voa:problem:invalid-request", title="", status=422, detail="no such field")
             raise InvalidRequestError(problem)
         call = calls.find_object(mesh.name, mesh.read_bytes(), scale, up)
-        return calls.found_object(call, ObjectPage(items=list(self.list_objects()), next=None))
+        return calls.matching_object(call, ObjectPage(items=list(self.list_objects()), next=None))
 
 
 @pytest.mark.parametrize("lists", [True, False])
@@ -164,7 +164,7 @@ def test_a_mesh_in_millimetres_is_read_by_its_scale_and_the_hint_says_where(
     assert main(["rank", str(unscaled), "--url", process]) == 1
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith(f"voa rank: {unscaled}: object: {unscaled.with_name('box.obj')}: expected an object of")
-    assert line.endswith('(in unscaled.json, "scale" stands beside "object")')
+    assert line.endswith('(in unscaled.json, put "scale" beside "object")')
     scaled = written(tmp_path / "scaled.json", mesh_scenario("box.obj", scale=0.001), mesh)
     assert values(capfd, process, scaled) == pytest.approx(values(capfd, process, in_metres), abs=1e-9)
 
@@ -193,7 +193,7 @@ class Uploads(Client):
 
 
 @pytest.mark.parametrize(
-    ("beside", "told"),
+    ("beside", "document"),
     [
         ({}, (1.0, None)),
         ({"scale": 0.001}, (0.001, None)),
@@ -203,13 +203,13 @@ class Uploads(Client):
     ],
 )
 def test_scale_and_up_are_the_mesh_s_and_not_sent_with_the_scenario(
-    tmp_path: Path, beside: dict[str, Any], told: tuple[float, str | None]
+    tmp_path: Path, beside: dict[str, Any], document: tuple[float, str | None]
 ) -> None:
     plain = mesh_scenario("box.obj")
     path = written(tmp_path / "scenario.json", plain | beside, box_obj())
     with Uploads() as client:
         load_scenario(client, path)
-        assert client.told == [("box.obj", *told)]
+        assert client.told == [("box.obj", *document)]
         assert client.sent == [ScenarioRequest.model_validate(plain | {"object": "f" * 64})]
 
 
@@ -248,16 +248,16 @@ def test_under_a_certain_belief_no_look_is_shown_as_worth_anything(
     assert "█" not in out
 
 
-def test_a_small_gain_is_grasped_and_a_scenario_may_ask_for_less(
+def test_a_small_gain_is_grasped_and_a_scenario_may_require_less(
     capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path
 ) -> None:
-    told = json.loads(asset("mug/scenario.json").read_bytes())
-    told["object"] = str(asset("mug/mug.obj"))
+    document = json.loads(asset("mug/scenario.json").read_bytes())
+    document["object"] = str(asset("mug/mug.obj"))
     for min_gain, says in (
         (0.005, "no look's net value is more than min_gain 0.005"),
         (0.001, "is more than min_gain 0.001"),
     ):
-        (tmp_path / "scenario.json").write_text(json.dumps(told | {"min_gain": min_gain}), encoding="utf-8")
+        (tmp_path / "scenario.json").write_text(json.dumps(document | {"min_gain": min_gain}), encoding="utf-8")
         arguments = [str(tmp_path / "scenario.json"), "--belief", "0.995,0,0.005,0,0,0", "--url", process]
         assert main(["rank", *arguments]) == 0
         assert says in " ".join(capfd.readouterr().out.split())
@@ -266,11 +266,11 @@ def test_a_small_gain_is_grasped_and_a_scenario_may_ask_for_less(
 def test_costs_fit_80_columns_and_names_in_brackets_are_printed(
     capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path
 ) -> None:
-    told = json.loads(asset("block/scenario.json").read_bytes())
-    told["object"] = str(asset("block/block.obj"))
-    for index, sensor in enumerate(told["sensors"]):
+    document = json.loads(asset("block/scenario.json").read_bytes())
+    document["object"] = str(asset("block/block.obj"))
+    for index, sensor in enumerate(document["sensors"]):
         sensor |= {"cost": 0.03 * index, "name": f"[{sensor['name']}]"}
-    (tmp_path / "scenario.json").write_text(json.dumps(told), encoding="utf-8")
+    (tmp_path / "scenario.json").write_text(json.dumps(document), encoding="utf-8")
     assert main(["rank", str(tmp_path / "scenario.json"), "--url", process]) == 0
     out = capfd.readouterr().out
     assert max(map(len, out.splitlines())) <= 80
@@ -289,10 +289,10 @@ def test_bars_are_drawn_where_a_line_has_room_beside_whole_figures(
     bars: bool,
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
-    told = json.loads(asset("block/scenario.json").read_bytes())
-    told["object"] = str(asset("block/block.obj"))
-    told["sensors"][0]["cost"] = 0.01
-    (tmp_path / "scenario.json").write_text(json.dumps(told), encoding="utf-8")
+    document = json.loads(asset("block/scenario.json").read_bytes())
+    document["object"] = str(asset("block/block.obj"))
+    document["sensors"][0]["cost"] = 0.01
+    (tmp_path / "scenario.json").write_text(json.dumps(document), encoding="utf-8")
     assert main(["rank", str(tmp_path / "scenario.json"), "--url", process]) == 0
     out = capfd.readouterr().out
     assert max(map(len, out.splitlines())) <= columns
@@ -303,9 +303,9 @@ def test_bars_are_drawn_where_a_line_has_room_beside_whole_figures(
 def test_a_session_s_ranking_is_explained_by_its_scenario(
     capfd: pytest.CaptureFixture[str], process: str, file: Path
 ) -> None:
-    told = json.loads(file.read_bytes()) | {"min_gain": 0.9}
+    document = json.loads(file.read_bytes()) | {"min_gain": 0.9}
     with Client(process) as client:
-        scenario = client.create_scenario(ScenarioRequest.model_validate(told))
+        scenario = client.create_scenario(ScenarioRequest.model_validate(document))
         session = client.create_session(SessionRequest(scenario=scenario.id))
     assert main(["rank", "--session", session.id, "--url", process]) == 0
     assert "no look's net value is more than min_gain 0.9" in " ".join(capfd.readouterr().out.split())
@@ -333,8 +333,8 @@ def test_what_does_not_go_together_is_a_usage_error(arguments: list[str], capsys
         (json.dumps(changed(data_scenario(), "predictions.Q1.P1.0", math.nan)), "in predictions, null for no return"),
         (json.dumps(data_scenario(object="box.obj", scale=0)), "scale: "),
         (json.dumps(data_scenario(object="box.obj", up="Y")), "up: "),
-        (json.dumps(data_scenario(scale=0.001)), "scale: goes with a mesh file as `object`"),
-        (json.dumps(data_scenario(object="f" * 64, up="+Y")), "up: goes with a mesh file as `object`"),
+        (json.dumps(data_scenario(scale=0.001)), "scale: needs a mesh file as `object`"),
+        (json.dumps(data_scenario(object="f" * 64, up="+Y")), "up: needs a mesh file as `object`"),
         (json.dumps(data_scenario(object="..")), "there is no mesh file"),
         ('{"name": "a"}', "poses"),
         (json.dumps(data_scenario(object="missing.obj")), "there is no mesh file"),

@@ -39,9 +39,9 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
 
 
 def sessions_in(path: Path) -> dict[str, int]:
-    """The sessions that can be made anew from what is on the disk now, and how many versions of each."""
-    found = recorded_sessions(Recording(path, TYPES).messages())
-    return {told.session: len(told.file.history) for told in found if told.file is not None}
+    """The sessions that can be rebuilt from what is on the disk now, and how many versions of each."""
+    result = recorded_sessions(Recording(path, TYPES).messages())
+    return {content.session: len(content.file.history) for content in result if content.file is not None}
 
 
 def moved_session(client: Client) -> str:
@@ -54,7 +54,7 @@ def moved_session(client: Client) -> str:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_session_is_recorded_and_made_anew_elsewhere(
+def test_a_session_is_recorded_and_rebuilt_elsewhere(
     lab: Lab, process: str, tmp_path: Path, number: signal.Signals, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "look.mcap"
@@ -69,9 +69,9 @@ def test_a_session_is_recorded_and_made_anew_elsewhere(
     assert kinds.count("scenario") == 1
     assert (kinds.count("history"), last.version) == (5, 4)
     assert main(["replay", str(path), "--url", process, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["damage"] is None
-    [again] = [item for item in told["sessions"] if item["recorded"] == session]
+    content = json.loads(capsys.readouterr().out)
+    assert content["damage"] is None
+    [again] = [item for item in content["sessions"] if item["recorded"] == session]
     assert (again["same"], again["session"]["belief"]) == (True, last.belief)
     assert main(["replay", str(path), "--url", process]) == 0
     assert "believes exactly what was recorded" in " ".join(capsys.readouterr().out.split())
@@ -94,14 +94,14 @@ def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> Non
         robot.put(Keys().scan(session, "r1"), b"{}")
         wait_for(lambda: refusals(lab) > 0, "the second scan is refused")
         printed = own.stop(signal.SIGINT)
-    found = messages(path)
-    scans = [message for topic, encoding, message in found if (topic, encoding) == ("/tb3_1/scan", "cdr")]
+    result = messages(path)
+    scans = [message for topic, encoding, message in result if (topic, encoding) == ("/tb3_1/scan", "cdr")]
     assert [message.data for message in scans] == [payload] * 2
     assert 7 in [message.sequence for message in scans]
     assert all(0 <= message.log_time - message.publish_time < 60_000_000_000 for message in scans)
-    assert [message.data for topic, _, message in found if topic == "/tb3_2/scan"] == [payload]
+    assert [message.data for topic, _, message in result if topic == "/tb3_2/scan"] == [payload]
     by_topic: dict[str, list[bytes]] = {}
-    for topic, _, message in found:
+    for topic, _, message in result:
         by_topic.setdefault(topic, []).append(message.data)
     assert SCAN.model_dump_json().encode() in by_topic[f"/voa/{session}/scan"]
     assert json.loads(by_topic[f"/voa/{session}/scan_attachment"][0]) == {"id": "look-1"}
@@ -180,7 +180,7 @@ def test_one_session_alone_is_recorded_whole_although_nothing_happens(lab: Lab, 
     assert main(["replay", str(path), "--url", process]) == 0
 
 
-def test_a_recorder_that_was_killed_leaves_what_it_heard(
+def test_a_recorder_that_was_killed_leaves_what_it_received(
     lab: Lab, process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "killed.mcap"
@@ -190,9 +190,9 @@ def test_a_recorder_that_was_killed_leaves_what_it_heard(
         own.process.kill()
         own.process.wait()
     assert main(["replay", str(path), "--url", process, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["damage"] == "ends in the middle"
-    assert session in [again["recorded"] for again in told["sessions"] if again["same"]]
+    content = json.loads(capsys.readouterr().out)
+    assert content["damage"] == "ends in the middle"
+    assert session in [again["recorded"] for again in content["sessions"] if again["same"]]
     assert main(["replay", str(path), "--url", process]) == 0
     assert "the recording ends in the middle:" in " ".join(capsys.readouterr().out.split())
 
@@ -202,9 +202,7 @@ def test_it_ends_by_itself_after_so_many_seconds(lab: Lab, tmp_path: Path) -> No
     assert messages(tmp_path / "x.mcap") == []
 
 
-def test_an_existing_file_is_kept_unless_told_otherwise(
-    lab: Lab, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_existing_file_is_kept_without_force(lab: Lab, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "x.mcap"
     path.write_text("precious")
     command = ["record", "-o", str(path), "--url", lab.zenoh, "--seconds", "0.1"]
@@ -242,9 +240,9 @@ def test_a_router_that_restarts_is_joined_again(tmp_path: Path) -> None:
             own.start()
             session = moved_session(client)
 
-            def heard() -> bool:
+            def received() -> bool:
                 client.apply_scan(session, SCAN)
                 return session in sessions_in(path)
 
-            wait_for(heard, "the session is heard again")
+            wait_for(received, "the session is heard again")
             recorder.stop(signal.SIGINT)

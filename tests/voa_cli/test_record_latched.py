@@ -22,7 +22,7 @@ from voa_ros.cdr import encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, rmw_key
 
-BEFORE, NEWEST, LATER = (
+BEFORE, NEWEST, NEXT = (
     encode_pose(PoseWithCovariance(Stamp(second), "map", Pose.planar(0.3, second / 10, 0.0))) for second in (1, 2, 3)
 )
 KEYS = {"bridge": "rb/amcl_pose", "rmw_zenoh": rmw_key("rb/amcl_pose", POSE_WITH_COVARIANCE_STAMPED)}
@@ -78,10 +78,10 @@ def test_a_latched_pose_from_before_is_recorded_once(
         amcl.put(NEWEST)
         with recording(path, "--url", own_router.endpoint, *options) as recorder:
             wait_for(lambda: poses(path) == [NEWEST], "the latched pose is recorded")
-            amcl.put(LATER)
-            wait_for(lambda: LATER in poses(path), "the later pose is recorded")
+            amcl.put(NEXT)
+            wait_for(lambda: NEXT in poses(path), "the later pose is recorded")
             recorder.stop(signal.SIGINT)
-    assert poses(path) == [NEWEST, LATER]
+    assert poses(path) == [NEWEST, NEXT]
     assert [topic for topic, _, _ in messages(path)] == ["/rb/amcl_pose"] * 2
 
 

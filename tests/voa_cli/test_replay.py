@@ -42,8 +42,8 @@ def numbers(node: Any, where: str = "") -> Iterator[tuple[str, Any]]:
             yield from numbers(child, f"{where}/{key}")
 
 
-def assert_close(found: Any, wanted: Any, within: float) -> None:
-    have, want = dict(numbers(found)), dict(numbers(wanted))
+def assert_close(result: Any, wanted: Any, within: float) -> None:
+    have, want = dict(numbers(result)), dict(numbers(wanted))
     assert have.keys() == want.keys()
     for where, value in want.items():
         if isinstance(value, float):
@@ -148,13 +148,13 @@ VARIANTS: dict[str, tuple[dict[str, Any], list[Row]]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("told", "scans"), VARIANTS.values(), ids=VARIANTS)
+@pytest.mark.parametrize(("content", "scans"), VARIANTS.values(), ids=VARIANTS)
 def test_every_form_of_an_experiment_gives_the_twin_s_numbers(
-    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: dict[str, Any], scans: list[Row]
+    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: dict[str, Any], scans: list[Row]
 ) -> None:
-    report = replayed(capfd, process, write(tmp_path / "experiment", told, scans))
+    report = replayed(capfd, process, write(tmp_path / "experiment", content, scans))
     figures = report.pop("prediction")
-    assert_close(report, expected(told, scans), 1e-9)
+    assert_close(report, expected(content, scans), 1e-9)
     errors = sorted(1e3 * abs(row[4] - row[5]) for row in scans if row[4] is not None and row[5] is not None)
     assert figures["beams"] == len(errors)
     if errors:

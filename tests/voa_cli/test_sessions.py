@@ -37,13 +37,15 @@ def session(process: str) -> str:
     return own
 
 
-def test_sessions_are_listed_shown_and_told(process: str, session: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_sessions_are_listed_and_shown_with_their_history(
+    process: str, session: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     for command in (["list"], ["show", session], ["history", session]):
         assert main(["sessions", *command, "--url", process]) == 0
-    told = capsys.readouterr().out
-    assert told.count(session) == 2
-    assert "OI90" in told
-    assert [kind in told for kind in ("prior", "scan", "outcome", "belief")] == [True] * 4
+    content = capsys.readouterr().out
+    assert content.count(session) == 2
+    assert "OI90" in content
+    assert [kind in content for kind in ("prior", "scan", "outcome", "belief")] == [True] * 4
 
 
 def test_json_is_one_document(process: str, session: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -89,10 +91,10 @@ def test_a_list_shows_whose_robots_scans_are(
     items = {item["id"]: item["robots"] for item in json.loads(capsys.readouterr().out)}
     assert (items[claimed], items[newer]) == (["tb3_1", "tb3_2"], [])
     assert main(["sessions", "list"]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert max(map(len, told)) <= 80
-    assert "tb3_1" in next(line for line in told if claimed in line)
-    assert any("tb3_2" in line for line in told)
+    content = capsys.readouterr().out.splitlines()
+    assert max(map(len, content)) <= 80
+    assert "tb3_1" in next(line for line in content if claimed in line)
+    assert any("tb3_2" in line for line in content)
     monkeypatch.setattr(sys, "stdin", Terminal("y\n"))
     assert main(["sessions", "delete", claimed]) == 0
     assert f"delete {claimed} at version 0 (session of tb3_1, tb3_2) with" in capsys.readouterr().err
@@ -123,22 +125,22 @@ def test_sessions_are_deleted_without_a_question_where_that_is_said(
 ) -> None:
     ids = opened(process, 3)
     assert main(["sessions", "delete", ids[0], ids[2], ids[0], yes, "--url", process]) == 0
-    told = capsys.readouterr()
-    assert told.out.splitlines() == [f"deleted {ids[0]}", f"deleted {ids[2]}"]
-    assert told.err == ""
+    content = capsys.readouterr()
+    assert content.out.splitlines() == [f"deleted {ids[0]}", f"deleted {ids[2]}"]
+    assert content.err == ""
     assert there(process, ids) == [ids[1]]
 
 
 @pytest.mark.parametrize(("typed", "deleted"), [("y\n", True), ("YES\n", True), ("\n", False), ("", False), ("n\n", 0)])
-def test_a_person_is_asked_before_sessions_are_deleted(
+def test_a_person_confirms_before_sessions_are_deleted(
     process: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, typed: str, deleted: bool
 ) -> None:
     ids = opened(process)
     monkeypatch.setattr(sys, "stdin", Terminal(typed))
     assert main(["sessions", "delete", *ids, "--url", process]) == (0 if deleted else 1)
-    told = capsys.readouterr()
-    assert f"delete {ids[0]} at version 0 with everything that happened there? [y/N] " in told.err
-    assert ("nothing deleted" in told.err) is not bool(deleted)
+    content = capsys.readouterr()
+    assert f"delete {ids[0]} at version 0 with the whole history? [y/N] " in content.err
+    assert ("nothing deleted" in content.err) is not bool(deleted)
     assert there(process, ids) == ([] if deleted else ids)
 
 

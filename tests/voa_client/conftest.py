@@ -52,8 +52,8 @@ WAYS = [f"{transport} {colour}" for transport in ("http", "zenoh", "in-process")
 
 @pytest.fixture(scope="module", params=WAYS)
 def way(request: pytest.FixtureRequest) -> str:
-    found: str = request.param
-    return found
+    result: str = request.param
+    return result
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ from voa_client import (
 from voa_client._answers import Reply
 from voa_client._attempts import Patience
 from voa_client._calls import Call
-from voa_client._transport import Tell
+from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION
 from voa_msgs.sessions import BeliefRequest
 
@@ -68,7 +68,7 @@ class Script:
     time: float = 0.0
     slept: list[float] = field(default_factory=list)
     sent: list[tuple[str, str | None, float]] = field(default_factory=list)
-    ask_s = None
+    poll_s = None
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         reply = self.replies[min(len(self.sent), len(self.replies) - 1)]
@@ -79,7 +79,7 @@ class Script:
         return reply
 
     @contextmanager
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:
         raise AssertionError("not in these tests")
 
     def close(self) -> None:
@@ -168,7 +168,7 @@ def test_the_service_says_when_to_come_back() -> None:
     assert (refused.value.retry_after_s, refused.value.kind, script.slept) == (7.0, "overloaded", [])
 
 
-def test_no_attempt_begins_later_than_the_retries_allow() -> None:
+def test_no_attempt_begins_after_the_time_of_the_retries() -> None:
     script = Script([NOWHERE])
     with pytest.raises(UnreachableError):
         script.client(retries=Retries(within_s=0.0)).ready()
@@ -216,7 +216,7 @@ def test_keys_differ_between_clients_and_calls() -> None:
     assert all(len(key) == 32 for key in keys)
 
 
-def test_health_is_asked_once() -> None:
+def test_health_makes_a_single_attempt() -> None:
     script = Script([problem("not-ready", 503), READY])
     with pytest.raises(UnavailableError):
         script.client().health()
@@ -251,7 +251,7 @@ def test_the_asynchronous_client_decides_alike() -> None:
     script = Script([NOWHERE, problem("overloaded", 503, 7.0), SESSION])
 
     class Scripted:
-        ask_s = None
+        poll_s = None
         watch = script.watch
 
         async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:

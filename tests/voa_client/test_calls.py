@@ -102,7 +102,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
     assert f"{call.method} {call.url}" == http
     assert json.loads(call.payload()) == payload
     body = json.loads(call.content() or b"{}")
-    assert body | dict(call.ids) | call.asked == payload
+    assert body | dict(call.ids) | call.parameters == payload
 
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
@@ -117,25 +117,25 @@ def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> No
 def test_what_goes_over_http_only_says_so() -> None:
     only = [call.rpc for call, *_ in CASES if call.http_only]
     assert only == ["robot.claim"]
-    with pytest.raises(UsageError, match=r"robot\.claim: goes over HTTP only; make the client with the service's http"):
+    with pytest.raises(UsageError, match=r"robot\.claim: can be called over HTTP only; make .* the service's http"):
         calls.claim_robot("r", ClaimRequest(session="s")).check_has_rpc()
-    with pytest.raises(UsageError, match=r"session\.delete: if_match goes over HTTP only"):
+    with pytest.raises(UsageError, match=r"session\.delete: if_match can be used over HTTP only"):
         calls.delete_session("s", 3).check_has_rpc()
 
 
-def test_a_mesh_that_was_not_asked_for_is_not_found() -> None:
+def test_another_mesh_than_the_requested_one_is_not_returned() -> None:
     """A service that does not know the question lists whatever it has."""
     call = calls.find_object("box.obj", b"v", 1.0)
     at = "2026-01-01T00:00:00Z"
     item = {"id": "a", "name": "box", "extents": [0.1] * 3, "faces": 12, "watertight": True, "created_at": at}
 
-    def found(**more: object) -> Object | None:
+    def result(**more: object) -> Object | None:
         page = {"items": [item, item | {"id": "b"} | more], "next": None}
-        return calls.found_object(call, ObjectPage.model_validate_json(json.dumps(page)))
+        return calls.matching_object(call, ObjectPage.model_validate_json(json.dumps(page)))
 
-    assert found() is None
-    assert found(sha256="0" * 64) is None
-    there = found(sha256=call.query["sha256"])
+    assert result() is None
+    assert result(sha256="0" * 64) is None
+    there = result(sha256=call.query["sha256"])
     assert there is not None
     assert there.id == "b"
 
@@ -144,8 +144,13 @@ def test_an_upload_is_a_form_or_base64() -> None:
     call = calls.create_object("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
     assert call.upload is not None
     assert call.upload.form() == {"scale": "0.001", "name": "crate"}
-    told = ObjectUpload.model_validate_json(call.payload())
-    assert (told.filename, told.file, told.name, told.scale) == ("box.obj", b"v 0 0 0\n\xff", "crate", 0.001)
+    document = ObjectUpload.model_validate_json(call.payload())
+    assert (document.filename, document.file, document.name, document.scale) == (
+        "box.obj",
+        b"v 0 0 0\n\xff",
+        "crate",
+        0.001,
+    )
     plain = json.loads(calls.create_object("box.obj", b"v", None, 1).payload())
     turned = calls.create_object("box.obj", b"v", None, 1.0, "+Y")
     assert turned.upload is not None
@@ -164,5 +169,5 @@ def test_an_id_is_one_segment_of_the_path(id_: str, quoted: str) -> None:
 
 
 def test_an_empty_id_is_no_id() -> None:
-    with pytest.raises(UsageError, match=r"session\.get: expected the session"):
+    with pytest.raises(UsageError, match=r"session\.get: session: expected an id"):
         calls.get_session("")

@@ -74,8 +74,8 @@ def test_objects_and_scenarios(client: Client, box: Path) -> None:
     assert (stored.up, turned.up) == ("+Z", "+Y")
     assert turned.extents == pytest.approx([0.08, 0.10, 0.12])
     assert client.get_object(stored.id) == stored
-    found = [client.find_object(box, 2.0), client.find_object(box, 2.0, "+Y")]
-    assert [each and each.model_copy(update={"sha256": None}) for each in found] == [stored, turned]
+    result = [client.find_object(box, 2.0), client.find_object(box, 2.0, "+Y")]
+    assert [each and each.model_copy(update={"sha256": None}) for each in result] == [stored, turned]
     assert client.find_object(box, 3.0) is None
     assert stored in list(client.list_objects())
     assert client.stable_poses(stored.id).items
@@ -106,7 +106,7 @@ def test_a_robot_is_claimed_over_http_and_said_to_be_so_elsewhere(client: Client
             with pytest.raises(NotFoundError, match="no mapped robot 'nobody'"):
                 client.claim_robot("nobody", claimed)
         else:
-            with pytest.raises(UsageError, match="goes over HTTP only"):
+            with pytest.raises(UsageError, match="can be called over HTTP only"):
                 client.claim_robot("nobody", claimed)
 
 
@@ -123,7 +123,7 @@ def test_no_belief_is_the_scenario_s_prior(client: Client, scenario: str, sessio
 
 
 @pytest.mark.parametrize("odd", ["nothing", "a/b", "..", ".", "%2F", "*", "**", "$*", "a b", "ä", "a?b=c#d"])
-def test_an_id_of_nothing_is_not_found_whatever_it_looks_like(client: Client, odd: str) -> None:
+def test_an_unknown_id_is_refused_whatever_it_looks_like(client: Client, odd: str) -> None:
     for call in (client.get_session, client.get_scenario, client.get_object, client.delete_session):
         with pytest.raises(NotFoundError) as refused:
             call(odd)
@@ -170,7 +170,7 @@ def test_a_scan_that_is_not_accepted_says_so(client: Client, session: str) -> No
     assert (answer.update.accepted, answer.update.reason, answer.version) == (False, "no_beams", 0)
 
 
-def test_a_write_can_ask_for_a_version(client: Client, way: str, session: str) -> None:
+def test_a_write_can_require_a_version(client: Client, way: str, session: str) -> None:
     if not way.startswith("http"):
         with pytest.raises(UsageError, match="over HTTP"):
             client.apply_scan(session, GOOD, if_match=0)
@@ -299,7 +299,7 @@ def test_the_arm_waits_for_a_score_or_for_looks_to_stop_paying(client: Client, o
     assert [each.version for each in arm.follow(0.2)] == [2]
 
 
-def test_the_arm_is_told_that_the_session_has_ended(client: Client, other: Client, session: str) -> None:
+def test_the_arm_learns_that_the_session_has_ended(client: Client, other: Client, session: str) -> None:
     arm = role_of(client, "arm", session)
     ending = threading.Timer(0.3, other.delete_session, [session])
     began = time.monotonic()

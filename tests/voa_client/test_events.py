@@ -90,7 +90,7 @@ SPOILT: dict[str, tuple[dict[str, str], bytes]] = {
 
 @pytest.mark.parametrize("connect", [Client, blocking])
 @pytest.mark.parametrize("what", SPOILT)
-def test_a_spoilt_stream_is_begun_anew(connect: Connect, what: str) -> None:
+def test_a_spoilt_stream_is_restarted(connect: Connect, what: str) -> None:
     proxy = Proxy(({"Content-Type": STREAM}, FIRST), SPOILT[what])
     seen: list[int | None] = []
     with serving(proxy) as url, connect(url) as client, closing(client.follow("s")) as sessions:

@@ -44,7 +44,7 @@ def test_what_is_lost_is_waited_for_longer_each_time_until_something_comes() -> 
     assert following.lost(Lost(UnavailableError(json_problem("not-ready", 503)))) == 0.2
 
 
-def test_a_session_that_was_there_and_is_not_found_has_ended() -> None:
+def test_a_session_that_no_longer_exists_has_ended() -> None:
     missing = Lost(refusal(json_problem("not-found", 404)))
     service = Service(0)
     following = service.following()
@@ -171,7 +171,7 @@ def test_over_zenoh_calls_and_followers_outlive_the_router(lab: tuple[Router, st
 
 @pytest.mark.parametrize("connect", [Client, blocking])
 @pytest.mark.parametrize("address", ["http://127.0.0.1:1", "tcp/127.0.0.1:1"])
-def test_a_follower_of_nobody_is_told_so(address: str, connect: Connect) -> None:
+def test_a_follower_of_no_service_raises_an_error(address: str, connect: Connect) -> None:
     with connect(address, timeout_s=0.4, attempt_s=0.2) as client, pytest.raises(UnreachableError):
         next(client.follow("s"))
     with connect(address, retries=Retries(first_s=0.01)) as client, pytest.raises(UnreachableError):
@@ -189,7 +189,7 @@ def test_a_follower_that_leaves_takes_its_thread_along(replica: Replica) -> None
 
 
 @pytest.mark.parametrize("transport", ["http", "zenoh"])
-def test_a_follower_whose_client_is_closed_is_told_so(lab: tuple[Router, str], transport: str) -> None:
+def test_a_follower_whose_client_is_closed_raises_an_error(lab: tuple[Router, str], transport: str) -> None:
     own, url = lab
     with Client(url) as beside:
         session = opened(beside)
@@ -207,15 +207,15 @@ def test_a_follower_whose_client_is_closed_is_told_so(lab: tuple[Router, str], t
 def test_so_is_one_within_an_event_loop(lab: tuple[Router, str], transport: str) -> None:
     own, url = lab
 
-    async def follow(client: AsyncClient, session: str, heard: asyncio.Event) -> None:
+    async def follow(client: AsyncClient, session: str, received: asyncio.Event) -> None:
         async for _ in client.follow(session):
-            heard.set()
+            received.set()
 
     async def main(session: str) -> None:
-        heard = asyncio.Event()
+        received = asyncio.Event()
         async with AsyncClient(url if transport == "http" else own.endpoint) as client:
-            following = asyncio.create_task(follow(client, session, heard))
-            await asyncio.wait_for(heard.wait(), SECONDS)
+            following = asyncio.create_task(follow(client, session, received))
+            await asyncio.wait_for(received.wait(), SECONDS)
         with pytest.raises(UsageError, match="closed"):
             await asyncio.wait_for(following, SECONDS)
 

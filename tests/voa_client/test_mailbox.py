@@ -32,8 +32,8 @@ def in_loop(put: list[News], seen: int | None = None) -> Batch:
 
 @pytest.fixture(params=[in_thread, in_loop])
 def boxed(request: pytest.FixtureRequest) -> Callable[..., Batch]:
-    found: Callable[..., Batch] = request.param
-    return found
+    result: Callable[..., Batch] = request.param
+    return result
 
 
 def test_the_newest_of_the_service_s_own_are_kept(boxed: Callable[..., Batch]) -> None:
@@ -42,7 +42,7 @@ def test_the_newest_of_the_service_s_own_are_kept(boxed: Callable[..., Batch]) -
     assert boxed([]).is_empty
 
 
-def test_hints_of_what_is_known_are_dropped_and_others_are_a_reason_to_ask(boxed: Callable[..., Batch]) -> None:
+def test_hints_of_known_versions_are_dropped_and_others_cause_a_request(boxed: Callable[..., Batch]) -> None:
     assert boxed([Hint(3, b"a"), Hint(2, b"b")], seen=3).is_empty
     assert boxed([Hint(None)], seen=3) == Batch(hinted=True)
     assert boxed([Hint(4)], seen=3) == Batch(hinted=True)
@@ -74,12 +74,12 @@ def test_who_waits_is_woken_from_another_thread() -> None:
 
     async def main() -> list[bool]:
         own = AsyncMailbox()
-        found = []
+        result = []
         for _ in range(3):
             threading.Timer(0.05, own.put, [Hint(7)]).start()
-            found.append((await own.take(SECONDS, None)).hinted)
+            result.append((await own.take(SECONDS, None)).hinted)
         assert (await own.take(0.0, None)).is_empty
-        return found
+        return result
 
     assert asyncio.run(main()) == [True] * 3
 

@@ -16,7 +16,7 @@ def without(name: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("told", "says"),
+    ("document", "says"),
     [
         (without("name"), "name"),
         (without("poses"), "poses"),
@@ -45,10 +45,10 @@ def without(name: str) -> dict[str, Any]:
     ],
 )
 def test_an_experiment_file_that_is_wrong_is_named_with_its_field(
-    tmp_path: Path, told: dict[str, Any], says: str
+    tmp_path: Path, document: dict[str, Any], says: str
 ) -> None:
     with pytest.raises(InvalidExperiment) as wrong:
-        read_experiment(write(tmp_path, told))
+        read_experiment(write(tmp_path, document))
     assert "experiment.json" in str(wrong.value)
     assert says in str(wrong.value)
 

@@ -16,9 +16,9 @@ def test_the_environment_is_what_counts(monkeypatch: pytest.MonkeyPatch) -> None
     assert most_beams() == 77
 
 
-@pytest.mark.parametrize("told", ["", "many", "0", "-1", "4096.5"])
-def test_a_limit_that_is_none_is_named(told: str) -> None:
+@pytest.mark.parametrize("content", ["", "many", "0", "-1", "4096.5"])
+def test_a_limit_that_is_none_is_named(content: str) -> None:
     with pytest.raises(
-        InvalidLimit, match=f"VOA_LIMITS__BEAMS: expected a positive whole number of beams, got '{told}'"
+        InvalidLimit, match=f"VOA_LIMITS__BEAMS: expected a positive whole number of beams, got '{content}'"
     ):
-        most_beams({"VOA_LIMITS__BEAMS": told})
+        most_beams({"VOA_LIMITS__BEAMS": content})

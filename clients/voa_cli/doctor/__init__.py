@@ -1,4 +1,4 @@
-"""`voa doctor`: what is wrong between this machine and the service."""
+"""`voa doctor`: find out what is wrong between this machine, the service, and the robots."""
 
 from voa_cli.doctor.command import main
 

@@ -1,10 +1,10 @@
-"""`voa doctor`: what is wrong between this machine and the service, as a checklist, each with what to do about it.
+"""`voa doctor`: check the way to the service and its robots, and print a checklist with advice.
 
-voa doctor                                                    the service on this machine, by HTTP
-voa doctor --url http://lab:8000 --zenoh tcp/lab:7447         by HTTP and by Zenoh
-voa doctor --zenoh zenoh://user:password@lab:7447/voa/v1/lab7 --robots lab.toml     and the robots' topics
+voa doctor                                                    the service on this machine, over HTTP
+voa doctor --url http://lab:8000 --zenoh tcp/lab:7447         over HTTP and over Zenoh
+voa doctor --zenoh zenoh://user:password@lab:7447/voa/v1/lab7 --robots lab.toml     the robots' topics, too
 
-Ends within 15 seconds; with 0 if nothing is wrong, else with 1.
+It takes at most 15 seconds. The exit code is 0 if nothing is wrong, else 1.
 """
 
 import argparse
@@ -34,17 +34,17 @@ DEFAULT_URL = "http://127.0.0.1:8000"
 _SECONDS = 14.0
 _LISTEN_S = 3.0
 _LATELY_S = 1.0
-"""A lidar that turns five times a second has sent some scans by then."""
+"""Time between two reports on the robots, seconds: a lidar of 5 Hz sends some scans in it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Check, print, and return 0 if nothing is wrong, else 1."""
+    """Run all checks, print the checklist, and return 0 if nothing is wrong, else 1."""
     parser = _parser()
     options = parser.parse_args(arguments)
     if options.robots is not None and options.zenoh is None:
         parser.error("--robots needs --zenoh, the router that the robots are on")
     if not options.url.startswith(("http://", "https://")):
-        parser.error(f"--url: expected http:// or https://, got {options.url!r}; a router goes with --zenoh")
+        parser.error(f"--url: expected http:// or https://, got {options.url!r}; name a Zenoh router by --zenoh")
     try:
         address = None if options.zenoh is None else address_of(options.zenoh)
         robots = () if options.robots is None else load(options.robots.read_text(encoding="utf-8"))
@@ -71,8 +71,8 @@ def _findings(url: str, address: ZenohAddress | None, listening: Listening) -> I
     if address is not None:
         yield from _over_zenoh(address, answers, listening, budget)
     elif answers.health is not None and answers.health.zenoh not in (None, "off"):
-        seen = f"the service is on Zenoh ({answers.health.zenoh}); not checked"
-        yield Finding("zenoh", "warning", seen, "name its router: --zenoh tcp/HOST:7447")
+        seen = f"the service uses Zenoh ({answers.health.zenoh}), which was not checked"
+        yield Finding("zenoh", "warning", seen, "name its router: voa doctor --zenoh tcp/HOST:7447")
     on_zenoh = answers.health is not None and answers.health.zenoh != "off"
     if answers.robots is not None and (answers.robots.items or on_zenoh):
         before, robots = answers.robots, None
@@ -95,12 +95,19 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa doctor", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--url", default=DEFAULT_URL, help=f"of the service (default {DEFAULT_URL})")
-    parser.add_argument("--zenoh", metavar="ENDPOINT", help="of the router: tcp/HOST:PORT, or a zenoh:// URL")
-    parser.add_argument("--robots", type=Path, help="the mapping of robots' topics: listens to each of them")
+    parser.add_argument("--url", default=DEFAULT_URL, help=f"address of the service (default {DEFAULT_URL})")
+    parser.add_argument("--zenoh", metavar="ENDPOINT", help="address of the router: tcp/HOST:PORT, or a zenoh:// URL")
     parser.add_argument(
-        "--listen", type=float, default=_LISTEN_S, help=f"for how long, in seconds (default {_LISTEN_S:g})"
+        "--robots", type=Path, help="mapping of the robots' topics, all of which are subscribed to and checked"
     )
-    parser.add_argument("--database-url", metavar="URL", help="verify every version in this database, which takes time")
+    parser.add_argument(
+        "--listen",
+        type=float,
+        default=_LISTEN_S,
+        help=f"seconds for which topics are subscribed to (default {_LISTEN_S:g})",
+    )
+    parser.add_argument(
+        "--database-url", metavar="URL", help="verify every version in this database, however long it takes"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

@@ -19,13 +19,13 @@ _SIGNS: dict[State, str] = {"ok": "[green]✓[/green]", "warning": "[yellow]![/y
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the checklist.
+    """A line of the checklist: the result of a check, with advice.
 
     Attributes:
-        check: what was looked at.
-        state: how it is.
-        seen: what was seen.
-        advice: what to do; "" where there is nothing to do.
+        check: name of the check.
+        state: "ok"; "warning": probably a mistake; "wrong": something does not work.
+        seen: observation, in a sentence.
+        advice: what a person should do; "" if nothing.
     """
 
     check: str
@@ -35,26 +35,31 @@ class Finding:
 
 
 class TookTooLong(Exception):
-    """A step did not come to an end in time."""
+    """A step of a check did not end within its time limit."""
 
 
 class Budget:
-    """The time that is left for everything."""
+    """Time budget of all checks together.
+
+    Args:
+        seconds: for all checks.
+        clock: returns seconds that never go back.
+    """
 
     def __init__(self, seconds: float, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._until = clock() + seconds
 
     def step(self, seconds: float) -> float:
-        """So long, but no longer than what is left."""
+        """Shorten a duration, in seconds, to the time that is left, but not below 0.05 s."""
         return max(0.05, min(seconds, self._until - self._clock()))
 
     def within(self, seconds: float, work: Callable[[], T]) -> T:
-        """The result of `work`, which may hang: it is then left behind.
+        """Run `work` in a thread, and return its result; a thread that does not end in time is abandoned.
 
         Raises:
-            TookTooLong: it did.
-            Exception: what it raises.
+            TookTooLong: it did not end within `seconds`.
+            Exception: whatever `work` raises.
         """
         done: list[T] = []
         failed: list[Exception] = []
@@ -62,7 +67,7 @@ class Budget:
         def run() -> None:
             try:
                 done.append(work())
-            except Exception as error:  # whatever it is, it belongs to the caller
+            except Exception as error:  # raised again for the caller
                 failed.append(error)
 
         thread = threading.Thread(target=run, daemon=True)
@@ -76,7 +81,7 @@ class Budget:
 
 
 def checklist(findings: Sequence[Finding]) -> Table:
-    """Lay the findings out as a list that can be read at any width: what was seen, and below it what to do."""
+    """Lay findings out as a list that can be read at any width: the observation, and below it the advice."""
     table = Table.grid(padding=(0, 1))
     table.add_column()
     table.add_column(overflow="fold")
@@ -91,7 +96,7 @@ def checklist(findings: Sequence[Finding]) -> Table:
 
 
 def verdict(findings: Sequence[Finding]) -> str:
-    """Say in one line how many things are wrong, and how many are worth a look."""
+    """Count the wrong findings and the warnings in a line."""
     states = Counter(finding.state for finding in findings)
     warnings = f"{states['warning']} warning{'' if states['warning'] == 1 else 's'}"
     return f"{states['wrong'] or 'nothing'} wrong, {warnings if states['warning'] else 'no warnings'}"

@@ -1,4 +1,4 @@
-"""Messages of a mapped topic: are they of the right type, can they be used, do their clocks run."""
+"""Checks of a mapped topic's messages: type, usability, and clock."""
 
 from collections.abc import Sequence
 
@@ -13,18 +13,18 @@ from voa_ros.robots import RobotMapping, Subscription
 from voa_ros.topics import LASER_SCAN, ODOMETRY
 
 _MOST_COPIES = 4
-"""As many bridges may bring the same scan of one robot."""
+"""Copies of a message that several bridges may bring; more come from a driver that repeats it."""
 
 
 def judged(check: str, robot: RobotMapping, each: Subscription, samples: Sequence[Sample], most_beams: int) -> Finding:
-    """Judge the messages of one topic.
+    """Check the messages of a topic.
 
     Args:
-        check: name of the line.
-        robot: whose topic it is.
-        each: the topic and the type that is expected on it.
-        samples: of the topic, in the order in which they came, at least one.
-        most_beams: scans with more are refused.
+        check: name of the check.
+        robot: the mapping of the robot.
+        each: the topic, with the expected type.
+        samples: of the topic, in order of receipt, at least one.
+        most_beams: largest number of beams that the service accepts.
     """
     named = next((sample.type_name for sample in samples if sample.type_name not in (None, each.type.name)), None)
     right = f"expected a {each.type.name}: correct the topic in the mapping, or what publishes on it"
@@ -41,15 +41,15 @@ def judged(check: str, robot: RobotMapping, each: Subscription, samples: Sequenc
     of_frame = [(one, sample) for one, sample in zip(stamped, samples, strict=True) if _is_used(robot, one)]
     used = _without_copies(of_frame)
     if len(of_frame) > _MOST_COPIES and len(used) == 1:
-        seen = f"one and the same message came {len(of_frame)} times, stamp included: it is used once"
+        seen = f"the same message was received {len(of_frame)} times, with the same stamp: it is used once"
         return Finding(check, "wrong", seen, "restart the driver: it repeats an old message")
     return clock(check, robot, _described(each, used), used)
 
 
 def other_domains(samples: Sequence[Sample], used: Sequence[Sample]) -> str:
-    """Name the ROS domains whose messages are left out, as the end of a sentence; "" where there are none."""
+    """Name the ROS domains whose messages are ignored, as the end of a sentence; "" if there are none."""
     domains = sorted({sample.domain for sample in samples if sample not in used and sample.domain is not None})
-    return f"; those of ROS domain {' and '.join(map(str, domains))} are left out" if domains else ""
+    return f"; those of ROS domain {' and '.join(map(str, domains))} are ignored" if domains else ""
 
 
 def _is_used(robot: RobotMapping, one: Stamped) -> bool:
@@ -58,7 +58,7 @@ def _is_used(robot: RobotMapping, one: Stamped) -> bool:
 
 
 def _without_copies(received: Sequence[tuple[Stamped, Sample]]) -> list[Stamped]:
-    """Messages that differ: two bridges bring each of them twice. A stamp of 0 tells no copy from a new one."""
+    """Remove copies, which several bridges bring; messages stamped 0 are kept, because copies cannot be recognised."""
     known: set[bytes] = set()
     kept = []
     for one, sample in received:
@@ -76,5 +76,5 @@ def _described(each: Subscription, used: Sequence[Stamped]) -> str:
 
 def _decoded(each: Subscription, payload: bytes) -> LaserScan | Odometry | PoseWithCovariance:
     if each.type == LASER_SCAN:
-        return decode_laser_scan(payload, len(payload))  # however many beams: that is judged by itself
+        return decode_laser_scan(payload, len(payload))  # the number of beams is checked apart
     return decode_odometry(payload) if each.type == ODOMETRY else decode_pose(payload)

@@ -1,4 +1,4 @@
-"""Whether everything in a database is as it was written; the service's own program reads it, in a process."""
+"""Check of a database: all checksums, by the service's own program in a process."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ from typing import Any
 from voa_cli.doctor.findings import Finding
 
 Verify = Callable[[str], str]
-"""Reads a database and returns what was found, as the JSON of `voa_store.verify`."""
+"""Function that verifies the database at a URL, and returns the JSON of `voa_store.verify`."""
 
 _CHECK = "database"
 _MOST_LISTED = 5
@@ -17,9 +17,9 @@ _RESTORE = "check the disk, and restore a backup; a damaged session can be delet
 
 
 def verify_in_process(url: str) -> str:
-    """Verify a database by `python -m voa_store.verify`; the URL, which may hold a password, goes by stdin."""
+    """Verify a database by `python -m voa_store.verify`, which reads the URL, maybe with a password, from stdin."""
     command = [sys.executable, "-m", "voa_store.verify", "-"]
-    done = subprocess.run(command, input=url, capture_output=True, text=True, check=False)  # noqa: S603 - ours
+    done = subprocess.run(command, input=url, capture_output=True, text=True, check=False)  # noqa: S603 - our own module
     return done.stdout or json.dumps({"error": done.stderr.strip().rpartition("\n")[2] or "the check did not run"})
 
 
@@ -27,20 +27,22 @@ def check_database(url: str, verify: Verify = verify_in_process) -> Iterator[Fin
     """Verify every version of every session of a database, however long it takes.
 
     Args:
-        url: of the database, as the service takes it.
-        verify: reads it.
+        url: of the database, as for `voa serve --database-url`.
+        verify: verifies it.
     """
-    found: dict[str, Any] = json.loads(verify(url))
-    if "error" in found:
-        yield Finding(_CHECK, "wrong", found["error"], "voa doctor --database-url takes the URL that the service takes")
+    report: dict[str, Any] = json.loads(verify(url))
+    if "error" in report:
+        yield Finding(_CHECK, "wrong", report["error"], "give --database-url the same URL as `voa serve`")
         return
-    for line in found["pages"][:_MOST_LISTED]:
+    for line in report["pages"][:_MOST_LISTED]:
         yield Finding(_CHECK, "wrong", f"the file's structure is damaged: {line}", _RESTORE)
-    for damage in found["damaged"][:_MOST_LISTED]:
-        seen = f"session {damage['session']}: version {damage['version']} is not as it was written"
+    for damage in report["damaged"][:_MOST_LISTED]:
+        seen = f"session {damage['session']}: the stored version {damage['version']} was changed after it was written"
         yield Finding(_CHECK, "wrong", seen, _RESTORE)
-    if len(found["damaged"]) > _MOST_LISTED:
-        yield Finding(_CHECK, "wrong", f"{len(found['damaged'])} sessions are damaged in all", _RESTORE)
-    if not found["pages"] and not found["damaged"]:
-        seen = f"{found['database']}: {found['versions']} versions of {found['sessions']} sessions, all checksums right"
+    if len(report["damaged"]) > _MOST_LISTED:
+        yield Finding(_CHECK, "wrong", f"{len(report['damaged'])} sessions are damaged in total", _RESTORE)
+    if not report["pages"] and not report["damaged"]:
+        seen = (
+            f"{report['database']}: {report['versions']} versions of {report['sessions']} sessions, all checksums match"
+        )
         yield Finding(_CHECK, "ok", seen)

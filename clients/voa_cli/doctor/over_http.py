@@ -1,4 +1,4 @@
-"""The service by HTTP: is it there, is it ready, does it speak our language, does its clock agree."""
+"""Checks over HTTP: the service runs, is ready, uses the same version of the messages, and its clock agrees."""
 
 import time
 from collections.abc import Iterator
@@ -18,23 +18,23 @@ from voa_msgs.problems import Health, Problem
 from voa_msgs.robots import Robots
 
 CLOCK_S = 0.1
-"""Clocks that differ by more are worth a warning."""
+"""Difference of clocks above which there is a warning, seconds."""
 _SECONDS = 2.0
 _TRIES = 3
 
 
 @dataclass
 class Answers:
-    """Answers of the service that later checks need."""
+    """Answers of the service that other checks need."""
 
     health: Health | None = None
     robots: Robots | None = None
     ahead: timedelta = timedelta()
-    """How far the service's clock is ahead of ours."""
+    """Time by which the service's clock is ahead of this machine's."""
 
 
 def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
-    """Every check by HTTP; stops where the rest would make no sense."""
+    """Run the checks over HTTP; they end early if the service cannot be reached."""
     parts = urlsplit(url)
     port = parts.port or (443 if parts.scheme == "https" else 80)
     reached = reach("HTTP", parts.hostname or "", port, budget)
@@ -51,7 +51,7 @@ def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
 
 
 def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
-    """Robots as they are reported after so many seconds; None: the service does not answer any more."""
+    """Return the service's report on robots after a number of seconds; None: it no longer answers."""
     time.sleep(budget.step(seconds))
     with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
         return _robots(http, budget)
@@ -63,14 +63,21 @@ def _alive(http: httpx2.Client, budget: Budget) -> Finding:
         answer = http.get("/livez", timeout=budget.step(_SECONDS))
         Health.model_validate_json(answer.raise_for_status().content, extra="ignore")
     except httpx2.TimeoutException:
-        return Finding(check, "wrong", "takes connections and does not answer", "it hangs: look at its log, restart it")
+        return Finding(
+            check, "wrong", "accepts connections and does not answer", "it hangs: look at its log, restart it"
+        )
     except httpx2.TransportError as error:
-        return Finding(check, "wrong", f"no HTTP: {error}", "is the port right? something else seems to listen there")
+        return Finding(
+            check,
+            "wrong",
+            f"does not answer over HTTP: {error}",
+            "check the port: another program seems to listen there",
+        )
     except httpx2.HTTPStatusError as error:
         seen = f"/livez answers {error.response.status_code}"
-        return Finding(check, "wrong", seen, "something else listens there, or a proxy has lost the service")
+        return Finding(check, "wrong", seen, "another program listens there, or a proxy does not reach the service")
     except ValidationError:
-        return Finding(check, "wrong", "/livez answers something that is not ours", "is the URL right?")
+        return Finding(check, "wrong", "/livez has an answer that is not the service's", "check the URL")
     return Finding(check, "ok", "runs")
 
 
@@ -106,26 +113,37 @@ def _not_ready(answer: httpx2.Response) -> Finding:
         why = Problem.model_validate_json(answer.content, extra="ignore").detail
     except ValidationError:
         why = f"/readyz answers {answer.status_code}"
-    return Finding("ready", "wrong", why, "is its database there? look at its log")
+    return Finding("ready", "wrong", why, "check that its database is reachable, and look at the service's log")
 
 
 def _software(health: Health) -> Finding:
     ours = version("voa")
     if health.version in (None, ours):
-        return Finding("software", "ok", f"{ours} here and there" if health.version else "the service does not say")
-    return Finding("software", "warning", f"{health.version} there, {ours} here", "update the older one")
+        return Finding(
+            "software",
+            "ok",
+            f"version {ours} on both sides" if health.version else "the service does not report its version",
+        )
+    return Finding(
+        "software",
+        "warning",
+        f"version {health.version} of the service, {ours} on this machine",
+        "update the older one",
+    )
 
 
 def _wire(health: Health) -> Finding:
     theirs = health.wire_version
     if theirs == WIRE_VERSION:
-        return Finding("messages", "ok", f"version {theirs} here and there")
+        return Finding("messages", "ok", f"version {theirs} on both sides")
     older = "the service" if (theirs or 0) < WIRE_VERSION else "this machine"
-    return Finding("messages", "wrong", f"version {theirs} there, {WIRE_VERSION} here", f"update {older}")
+    return Finding(
+        "messages", "wrong", f"version {theirs} of the service, {WIRE_VERSION} on this machine", f"update {older}"
+    )
 
 
 def clocks(check: str, offset_s: float, unsure_s: float) -> Finding:
-    """Judge a difference of clocks; `offset_s` is positive where the other one is ahead."""
+    """Check the difference of two clocks, seconds; `offset_s` is positive if the other one is ahead of ours."""
     seen = f"{abs(offset_s):.3f} s {'ahead of' if offset_s > 0 else 'behind'} ours (within {unsure_s:.3f} s)"
     if abs(offset_s) - unsure_s > CLOCK_S:
         return Finding(check, "warning", seen, "set both clocks by NTP or chrony: scans and poses are matched by time")

@@ -1,4 +1,4 @@
-"""Whether a host and port can be reached at all."""
+"""Check that a host and port can be reached by TCP."""
 
 import socket
 
@@ -8,23 +8,31 @@ _SECONDS = 2.0
 
 
 def reach(check: str, host: str, port: int, budget: Budget) -> Finding:
-    """Look up the name and connect by TCP."""
+    """Look up a host's name, and connect to its port by TCP."""
     where = f"{host}:{port}"
     try:
         budget.within(_SECONDS, lambda: socket.create_connection((host, port), _SECONDS).close())
     except socket.gaierror as error:
-        return Finding(check, "wrong", f"no such host: {host} ({error.strerror})", "spell the name, or use the address")
+        return Finding(
+            check,
+            "wrong",
+            f"no such host: {host} ({error.strerror})",
+            "check the spelling of the name, or use the IP address",
+        )
     except ConnectionRefusedError:
         return Finding(
             check,
             "wrong",
             f"nothing listens at {where}",
-            "start it there, or name the right port",
+            "start the service or router there, or correct the port",
         )
     except (TimeoutError, TookTooLong):
         return Finding(
-            check, "wrong", f"no answer from {where} within {_SECONDS:.0f} s", "is the machine on, in this network?"
+            check,
+            "wrong",
+            f"no answer from {where} within {_SECONDS:.0f} s",
+            "check that the machine is on, and in this network",
         )
     except OSError as error:
         return Finding(check, "wrong", f"{where}: {error.strerror or error}", "check the network between the two")
-    return Finding(check, "ok", f"{where} takes connections")
+    return Finding(check, "ok", f"{where} accepts connections")

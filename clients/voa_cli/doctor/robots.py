@@ -1,4 +1,4 @@
-"""Robots as the service reports them: do their scans count, and if not, why and what to do."""
+"""Checks of robots, as the service reports them: do their scans make looks, and if not, why not."""
 
 import math
 import re
@@ -11,23 +11,23 @@ from voa_cli.doctor.remedies import for_refusal, for_rejection, for_waiting, for
 from voa_msgs.robots import LookReport, RobotReport, Robots
 
 _QUIET_S = 5.0
-"""A lidar turns five times a second."""
+"""Time without scans after which a robot counts as silent, seconds; lidars send five scans per second."""
 _KIND = re.compile(r"[a-z]+(-[a-z]+)*")
 _USABLE = "a scan that can be used"
 _BY_REFUSAL = (_USABLE, "scans of one frame")
-"""Conditions that say less than the newest refusal does."""
+"""Conditions for which the newest refusal has the details."""
 _RESTLESS = 100
-"""Scans without any look after which a robot that is said to drive may be one that seems to."""
+"""Number of scans without a look after which a robot that seems to drive may have drifting odometry."""
 
 
 @dataclass(frozen=True)
 class _Trouble:
-    """Something that is wrong with a robot.
+    """A reason why a robot's scans make no looks.
 
     Attributes:
-        state: how much it matters.
-        why: in words; "" where what the robot waits for says it.
-        advice: what to do.
+        state: of the finding.
+        why: the reason; "" if the condition for the next look says it.
+        advice: what a person should do.
     """
 
     state: State
@@ -36,25 +36,24 @@ class _Trouble:
 
 
 def needs_second_report(robots: Robots) -> bool:
-    """Whether a second report would tell what is wrong now from what was wrong once."""
+    """True if a second report is needed to see whether past problems still exist."""
     return any(robot.refused or is_blocked(robot.waiting_for) for robot in robots.items)
 
 
 def check_robots(robots: Robots, now: datetime, before: Robots | None = None) -> Iterator[Finding]:
-    """Judge every robot, and the mapping that is in force.
+    """Check every robot, and the mapping.
 
     Args:
-        robots: as reported.
-        now: when, by the service's clock.
-        before: as reported a moment earlier; None: nothing is known of what happens at the moment, and everything that
-            was refused counts.
+        robots: the service's report.
+        now: time of the report, by the service's clock.
+        before: report of a moment earlier; None: there is none, and all past refusals count.
     """
     if robots.mapping_error is not None:
-        advice = "correct the file; until then the mapping before it is in force"
+        advice = "correct the file; until then the service uses the previous mapping"
         yield Finding("mapping", "wrong", robots.mapping_error, advice)
     if not robots.items:
-        advice = "put scans on scan/<session>/<robot>, or map topics: voa serve --robots"
-        yield Finding("robots", "warning", "the service has received scans of none, and none is mapped", advice)
+        advice = "publish scans on scan/<session>/<robot>, or map topics by `voa serve --robots FILE`"
+        yield Finding("robots", "warning", "the service has received no scans, and no robot is mapped", advice)
     earlier = {} if before is None else {(robot.robot, robot.source): robot for robot in before.items}
     for robot in robots.items:
         yield _robot(robot, earlier.get((robot.robot, robot.source)), now)
@@ -66,7 +65,12 @@ def _robot(robot: RobotReport, before: RobotReport | None, now: datetime) -> Fin
     check = f"robot {robot.robot}"
     if robot.last_scan_at is None:
         seen = f"no scan yet on {robot.key}"
-        return Finding(check, "wrong", seen, "is its lidar on, its bridge joined? --robots FILE looks at its topics")
+        return Finding(
+            check,
+            "wrong",
+            seen,
+            "check that its lidar is on, and its bridge connected; --robots FILE checks its topics",
+        )
     ago = max(0.0, (now - robot.last_scan_at).total_seconds())
     trouble = (
         _without_session(robot)
@@ -84,13 +88,13 @@ def _robot(robot: RobotReport, before: RobotReport | None, now: datetime) -> Fin
 
 
 def _waits(robot: RobotReport) -> list[str]:
-    """Condition for the next look, without what the newest look says by itself."""
+    """Return the condition for the next look, without the remark that the newest look was not accepted."""
     condition, _, _ = (robot.waiting_for or "").partition("; the last look was not accepted")
     return [f"waits for {condition}"] if condition else []
 
 
-def _told(refusal: str | None) -> str:
-    """Why a scan was refused, without the name of the kind of problem."""
+def _without_kind(refusal: str | None) -> str:
+    """Return the reason of a refusal without the kind of the problem before it."""
     kind, separator, detail = (refusal or "").partition(": ")
     return detail if separator and _KIND.fullmatch(kind) else refusal or ""
 
@@ -112,30 +116,30 @@ def _without_session(robot: RobotReport) -> _Trouble | None:
     if robot.session is not None or is_blocked(robot.waiting_for):
         return None
     advice = f"open a session, or claim the robot for one: PUT /v1/robots/{robot.robot}/session"
-    return _Trouble("wrong", "there is no session for it", advice)
+    return _Trouble("wrong", "no session receives its scans", advice)
 
 
 def _blocked(robot: RobotReport, before: RobotReport | None) -> _Trouble | None:
-    """Find that no look can come until something is done."""
+    """Find a condition that is not met until a person does something."""
     if robot.waiting_for is None or not is_blocked(robot.waiting_for):
         return None
     if robot.waiting_for == _USABLE and not robot.refused:  # a scan is being read at this moment
         return None
     passing = _accepted(robot) and before is not None and not is_blocked(before.waiting_for)
     advice = for_waiting(robot.waiting_for, robot.last_refusal)
-    why = _told(robot.last_refusal) if robot.waiting_for in _BY_REFUSAL else ""
+    why = _without_kind(robot.last_refusal) if robot.waiting_for in _BY_REFUSAL else ""
     return _Trouble("warning" if passing else "wrong", why, advice)
 
 
 def _rejected(robot: RobotReport, now: datetime) -> _Trouble | None:
-    """Find that the newest look was not accepted; of many raw scans, some may not be."""
+    """Find that the newest look was not accepted; a warning only, if others of a robot that sends raw scans were."""
     look = robot.last_look
     if look is None or look.accepted:
         return None
     ago = max(0.0, (now - look.at).total_seconds())
-    newest = _told(robot.last_refusal)
-    told = newest if (look.reason or "") in newest else look.reason
-    why = f"the newest look, {ago:.0f} s ago {_where(look)}, was not accepted: {told}"
+    newest = _without_kind(robot.last_refusal)
+    reason = newest if (look.reason or "") in newest else look.reason
+    why = f"the newest look, {ago:.0f} s ago {_where(look)}, was not accepted: {reason}"
     some = robot.source == "scan" and robot.looks > robot.refused
     return _Trouble("warning" if some else "wrong", why, for_rejection(look.reason))
 
@@ -148,24 +152,30 @@ def _where(look: LookReport) -> str:
 
 
 def _refused(robot: RobotReport, before: RobotReport | None) -> _Trouble | None:
-    """Find that nothing of it counts, or that some of its scans do not at the moment."""
+    """Find that all scans of a robot are refused, or some at the moment."""
     if not robot.refused:
         return None
     advice = for_refusal(robot.last_refusal or "")
     if not robot.looks:
-        return _Trouble("wrong", f"nothing of it counts: {_told(robot.last_refusal)}", advice)
+        return _Trouble("wrong", f"all its scans are refused: {_without_kind(robot.last_refusal)}", advice)
     if before is not None and robot.refused == before.refused:
         return None
-    return _Trouble("warning", f"some do not count, the newest: {_told(robot.last_refusal)}", advice)
+    return _Trouble("warning", f"some scans are refused, the newest: {_without_kind(robot.last_refusal)}", advice)
 
 
 def _silent(ago_s: float) -> _Trouble | None:
-    return _Trouble("warning", "", "it has gone silent: is it on, in the network?") if ago_s > _QUIET_S else None
+    return (
+        _Trouble("warning", "", "it sends no scans any more: check that it is on, and in the network")
+        if ago_s > _QUIET_S
+        else None
+    )
 
 
 def _restless(robot: RobotReport) -> _Trouble | None:
-    """Find a robot that never seems to stand still."""
+    """Find a robot that seems to move all the time."""
     if robot.looks or robot.scans < _RESTLESS or not (robot.waiting_for or "").startswith("the robot to stop"):
         return None
-    advice = "if it is parked: does its odometry drift (still_xy_m, still_yaw_rad), do people walk about in its view?"
+    advice = (
+        "if it is parked: check if its odometry drifts (still_xy_m, still_yaw_rad), or people walk through its view"
+    )
     return _Trouble("warning", "", advice)

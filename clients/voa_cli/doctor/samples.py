@@ -1,4 +1,4 @@
-"""Samples of ROS 2 topics, for as long as the doctor listens."""
+"""Samples of ROS 2 topics, collected for a few seconds."""
 
 import threading
 import time
@@ -14,13 +14,13 @@ _MOST = 64
 
 @dataclass(frozen=True)
 class Sample:
-    """One message as it came.
+    """A message, as received.
 
     Attributes:
         payload: CDR.
-        at_s: when it came, seconds since 1970.
-        type_name: as its key has it; None: the key does not say.
-        domain: ROS_DOMAIN_ID, as its key has it; None: it came by a bridge.
+        at_s: time of receipt, seconds since 1970.
+        type_name: type in its key; None: the key has none.
+        domain: ROS_DOMAIN_ID in its key; None: it came through a bridge.
     """
 
     payload: bytes
@@ -30,14 +30,14 @@ class Sample:
 
 
 class Samples:
-    """The first samples of each topic, in any domain."""
+    """Collector of the first samples of each topic, in any domain; Zenoh's threads add to it."""
 
     def __init__(self) -> None:
         self._samples: dict[str, list[Sample]] = {}
         self._changed = threading.Condition()
 
     def receiver(self, topic: str) -> Callable[[zenoh.Sample], None]:
-        """Build the callback of one topic's subscribers."""
+        """Make the callback for the subscribers of a topic."""
 
         def receive(sample: zenoh.Sample) -> None:
             try:
@@ -55,7 +55,7 @@ class Samples:
         return receive
 
     def wait(self, wanted: Mapping[str, int], seconds: float) -> dict[str, list[Sample]]:
-        """Wait until each topic has as many samples as wanted, at most so long; returns what has come."""
+        """Wait until each topic has the wanted number of samples, at most `seconds`; return all samples by topic."""
         with self._changed:
             self._changed.wait_for(
                 lambda: all(len(self._samples.get(topic, [])) >= count for topic, count in wanted.items()), seconds

@@ -1,4 +1,4 @@
-"""Scans of a mapped topic: whatever keeps them from being used, and how their beams are laid out."""
+"""Checks of a mapped topic's scans: reasons why they cannot be used, and the layout of their beams."""
 
 import math
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ _WHOLE_TURN = BeamGrid(360, -math.pi, math.tau / 360)
 
 
 def unusable(check: str, robot: RobotMapping, scans: Sequence[LaserScan], most_beams: int) -> Finding | None:
-    """Find whatever keeps scans from being used; None: nothing.
+    """Find a reason why scans cannot be used; None: there is none.
 
     Args:
-        check: name of the line.
-        robot: whose scans they are.
-        scans: in the order in which they came, of all frames, at least one.
-        most_beams: scans with more are refused.
+        check: name of the check.
+        robot: the mapping of the robot.
+        scans: of all frames, in order of receipt, at least one.
+        most_beams: largest number of beams that the service accepts.
     """
     beams = max(len(scan.ranges) for scan in scans)
     if beams > most_beams:
@@ -37,8 +37,8 @@ def _wrong_frame(check: str, robot: RobotMapping, scans: Sequence[LaserScan]) ->
     frames = sorted({scan.frame_id for scan in scans})
     listed = ", ".join(map(repr, frames))
     if robot.frame_id is None and len(frames) > 1:
-        seen = f"scans of {len(frames)} frames come on this topic: {listed}; they are refused"
-        return Finding(check, "wrong", seen, f'say in the mapping which are used, such as frame_id = "{frames[0]}"')
+        seen = f"this topic has scans of {len(frames)} frames: {listed}; they are refused"
+        return Finding(check, "wrong", seen, f'choose one in the mapping, such as frame_id = "{frames[0]}"')
     if robot.frame_id is not None and robot.frame_id not in frames:
         seen = f"all scans are of frame {listed}, and the mapping says {robot.frame_id!r}"
         return Finding(check, "wrong", seen, "correct frame_id in the mapping, or leave it out")
@@ -46,15 +46,15 @@ def _wrong_frame(check: str, robot: RobotMapping, scans: Sequence[LaserScan]) ->
 
 
 def _blind(check: str, scans: Sequence[LaserScan]) -> Finding | None:
-    """Find that no beam of any scan measured anything."""
+    """Find that no beam of any scan measured a distance."""
     if any(0.0 < value < math.inf for scan in scans for value in scan.ranges):
         return None
     seen = f"no beam of {len(scans)} scans measures a distance: all are 0, inf or NaN"
-    return Finding(check, "wrong", seen, "does the lidar turn? is it covered, or its cable loose?")
+    return Finding(check, "wrong", seen, "check that the lidar turns, is not covered, and its cable is not loose")
 
 
 def layout(scans: Sequence[LaserScan]) -> str:
-    """Say how many beams scans have, and whether they differ from scan to scan; at least one scan."""
+    """Describe the number of beams of scans, and its changes from scan to scan; at least one scan is needed."""
     counts = {len(scan.ranges) for scan in scans}
     least, most = min(counts), max(counts)
     beams = f"{most} beams" if least == most else f"{least} to {most} beams"
@@ -64,6 +64,6 @@ def layout(scans: Sequence[LaserScan]) -> str:
 
 
 def in_segments(scans: Sequence[LaserScan]) -> bool:
-    """Whether scans are segments of turns, as a picoScan sends them."""
+    """True if scans are segments of revolutions, as a picoScan sends them."""
     gatherer = TurnGatherer[None](_WHOLE_TURN)
     return any(gatherer.receive(scan, None, 0.0) is None for scan in scans)

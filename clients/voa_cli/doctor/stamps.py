@@ -1,4 +1,4 @@
-"""Stamps of the messages of a topic: does the clock behind them run, and is it right."""
+"""Checks of the stamps of a topic's messages: the clock that made them runs, and is right."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,39 +11,44 @@ from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance, Stamp
 from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace
 
 _TRAVELS_S = 0.5
-"""A scan is stamped at the beginning of its revolution of 0.2 s, or at its end, and travels."""
+"""Largest plausible age of a received scan, seconds: a revolution of 0.2 s, and the time on the network."""
 _SIMULATED_S = 1e8
-"""No clock that was ever set says a time before 1973."""
+"""Stamps before this time (1973), in seconds since 1970, are simulated or of a clock that was never set."""
 
 
 @dataclass(frozen=True)
 class Stamped:
-    """A message, and when it came in seconds since 1970."""
+    """A decoded message with its time of receipt, seconds since 1970."""
 
     message: LaserScan | Odometry | PoseWithCovariance
     at_s: float
 
 
 def clock(check: str, robot: RobotMapping, what: str, received: Sequence[Stamped]) -> Finding:
-    """Judge the stamps of messages.
+    """Check the stamps of messages.
 
     Args:
-        check: name of the line.
-        robot: whose messages they are.
-        what: the messages in a few words, with which the finding begins.
-        received: in the order in which they came, without copies, at least one.
+        check: name of the check.
+        robot: the mapping of the robot.
+        what: a few words about the messages, with which the finding begins.
+        received: messages without copies, in order of receipt, at least one.
     """
     stamps = [one.message.stamp for one in received]
-    driver = "have the driver stamp its messages: is its clock, or /clock of a simulation, running?"
+    driver = "make the driver stamp its messages: check that its clock, or /clock of a simulation, runs"
     if Stamp() in stamps:
         return Finding(check, "warning", f"{what}, stamped 0: {_consequence(robot)}", driver)
     if _is_frozen(received):
-        return Finding(check, "warning", f"{what}, and the stamp stands still: {_consequence(robot)}", driver)
-    if any(later < earlier for earlier, later in pairwise(stamps)):
-        seen = f"{what}, and the stamps run backwards now and then: {_consequence(robot)}"
-        return Finding(check, "warning", seen, "do two drivers publish on this topic? is the clock being set?")
+        return Finding(check, "warning", f"{what}, and the stamp does not change: {_consequence(robot)}", driver)
+    if any(next_ < earlier for earlier, next_ in pairwise(stamps)):
+        seen = f"{what}, and some stamps go back in time: {_consequence(robot)}"
+        return Finding(
+            check,
+            "warning",
+            seen,
+            "check that a single driver publishes on this topic, and that its clock is not set again and again",
+        )
     if isinstance(received[0].message, PoseWithCovariance):
-        return Finding(check, "ok", f"{what}; AMCL publishes when the robot has moved, so its age says nothing")
+        return Finding(check, "ok", f"{what}; AMCL publishes when the robot has moved, so old messages are normal")
     return _right(check, what, received[0])
 
 
@@ -54,14 +59,14 @@ def _right(check: str, what: str, first: Stamped) -> Finding:
         advice = "in a simulation: use_sim_time for all of its nodes; on a robot: set its clock by NTP or chrony"
         return Finding(check, "warning", seen, advice)
     late = first.at_s - stamped_s
-    seen = f"{what}, stamped {abs(late):.2f} s {'before' if late >= 0.0 else 'after'} it came"
+    seen = f"{what}, stamped {abs(late):.2f} s {'before' if late >= 0.0 else 'after'} it was received"
     if -CLOCK_S <= late <= _TRAVELS_S:
         return Finding(check, "ok", seen)
     return Finding(check, "warning", seen, "set the robot's clock by NTP or chrony")
 
 
 def _is_frozen(received: Sequence[Stamped]) -> bool:
-    """Whether three messages in a row, or all of two, have one stamp; the segments of one turn may."""
+    """Return True if three messages in a row, or both of two, have the same stamp and are no segments of a turn."""
     scans = [one.message for one in received if isinstance(one.message, LaserScan)]
     if scans and in_segments(scans):
         return False
@@ -72,5 +77,5 @@ def _is_frozen(received: Sequence[Stamped]) -> bool:
 
 def _consequence(robot: RobotMapping) -> str:
     if isinstance(robot.place, SensorPlace | AttachmentPlace):
-        return "nothing depends on it, since the mapping does not ask the robot where it is"
-    return "scans are placed by the pose that came last"
+        return "no harm is done, because the mapping does not use the robot's own pose"
+    return "scans are placed by the newest pose, whatever its time"

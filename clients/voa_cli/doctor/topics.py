@@ -1,4 +1,4 @@
-"""Mapped ROS 2 topics: does anything come, and is it what it should be."""
+"""Checks of mapped ROS 2 topics: messages arrive, and are as the mapping expects."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -17,19 +17,19 @@ from voa_ros.robots import RobotMapping, Subscription
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED
 
 _SEVERAL = 8
-"""Messages of a topic that show whether their stamps and frames are all right."""
+"""Number of messages of a topic that is enough to check stamps and frames."""
 _RMW_PUBLISHERS = "@ros2_lv/**"
 _BRIDGES_PUBLISHERS = "@/*/@ros2_lv/**"
 
 
 @dataclass(frozen=True)
 class Listening:
-    """Topics that are subscribed to, and for how long.
+    """Topics to subscribe to, and for how long.
 
     Attributes:
         robots: the mapping.
-        seconds: for how long at most.
-        most_beams: scans with more are refused.
+        seconds: longest time to wait for messages.
+        most_beams: largest number of beams that the service accepts.
     """
 
     robots: Sequence[RobotMapping]
@@ -38,18 +38,18 @@ class Listening:
 
 
 def check_topics(session: zenoh.Session, listening: Listening, budget: Budget) -> Iterator[Finding]:
-    """Subscribe to every topic of a mapping, all at once, and judge what comes.
+    """Subscribe to all topics of a mapping at once, and check the messages.
 
     Args:
         session: with the router.
-        listening: to what, and for how long.
-        budget: the time that is left.
+        listening: topics, and for how long.
+        budget: time that is left.
     """
     wanted = [(robot, each) for robot in listening.robots for each in robot.subscriptions]
     samples = Samples()
     with ExitStack() as stack:
         for each in {each.topic: each for _, each in wanted}.values():
-            for expression in (each.topic, f"*/{each.topic}/*/*"):  # in any domain: a wrong one is worth a word
+            for expression in (each.topic, f"*/{each.topic}/*/*"):  # in any domain, to report a wrong one
                 receive = Callback(samples.receiver(each.topic), indirect=False)
                 stack.callback(_declare(session, each, expression, receive).undeclare)
         counts = {each.topic: 1 if each.type == POSE_WITH_COVARIANCE_STAMPED else _SEVERAL for _, each in wanted}
@@ -75,36 +75,43 @@ def _declare(session: zenoh.Session, each: Subscription, expression: str, receiv
 
 
 def _published(session: zenoh.Session, budget: Budget) -> list[str]:
-    """Topics that ROS 2 nodes say they publish, where the router lets us see that."""
-    found = []
+    """Return the topics that ROS 2 nodes announce, as far as the router lets this user see it."""
+    topics: list[str] = []
     for key in alive(session, _RMW_PUBLISHERS, budget):
         chunks = key.split("/")
         if "MP" in chunks:
-            found += [chunk.strip("%").replace("%", "/") for chunk in chunks if chunk.startswith("%") and chunk != "%"]
+            topics += [chunk.strip("%").replace("%", "/") for chunk in chunks if chunk.startswith("%") and chunk != "%"]
     for key in alive(session, _BRIDGES_PUBLISHERS, budget):
-        _, _, told = key.partition("/@ros2_lv/MP/")
-        if told:
-            found.append(told.split("/")[0].replace("§", "/").strip("/"))
-    return sorted(set(found))
+        _, _, announced = key.partition("/@ros2_lv/MP/")
+        if announced:
+            topics.append(announced.split("/")[0].replace("§", "/").strip("/"))
+    return sorted(set(topics))
 
 
 def _other_domain(check: str, robot: RobotMapping, samples: list[Sample]) -> Finding:
     domains = sorted({sample.domain for sample in samples if sample.domain is not None})
     listed = " and ".join(str(domain) for domain in domains)
-    seen = f"messages come in ROS domain {listed} only, the mapping says {robot.domain}"
+    seen = f"messages arrive in ROS domain {listed} only, but the mapping says {robot.domain}"
     return Finding(check, "wrong", seen, f"set domain = {domains[0]} for this robot in the mapping")
 
 
 def _silent(check: str, each: Subscription, published: list[str], listen_s: float) -> Finding:
-    seen = f"nothing within {listen_s:g} s"
+    seen = f"no message within {listen_s:g} s"
     if each.topic in published:
-        seen += ", though a node says that it publishes it"
+        seen += ", although a node announces that it publishes it"
         if each.type == POSE_WITH_COVARIANCE_STAMPED:
             advice = "give AMCL its initial pose (RViz: 2D Pose Estimate), or drive 0.3 m: it has not published yet"
             return Finding(check, "wrong", seen, advice)
-        return Finding(check, "wrong", seen, "is the sensor on? does `ros2 topic hz` show it on the robot itself?")
+        return Finding(
+            check,
+            "wrong",
+            seen,
+            "check that the sensor is on, and that `ros2 topic hz` shows messages on the robot itself",
+        )
     if published:
         seen += f"; published are {', '.join(f'/{topic}' for topic in published[:8])}"
         return Finding(check, "wrong", seen, "check namespace and topic in the mapping")
-    advice = "is the robot on, and its bridge or rmw_zenoh joined to this router? ROS_DOMAIN_ID, namespace?"
+    advice = (
+        "check that the robot is on, its bridge or rmw_zenoh connected to this router, ROS_DOMAIN_ID, and namespace"
+    )
     return Finding(check, "wrong", seen, advice)

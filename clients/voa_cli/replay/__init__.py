@@ -1,4 +1,4 @@
-"""`voa replay`: what was recorded, through a service once more."""
+"""`voa replay`: send recorded experiments, sessions and scans through a service again."""
 
 from voa_cli.replay.command import main
 

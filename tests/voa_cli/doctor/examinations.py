@@ -19,17 +19,17 @@ def examined(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, Fi
     began = time.monotonic()
     code = main(["doctor", "--json", *options])
     assert time.monotonic() - began < LIMIT_SECONDS
-    told = json.loads(capsys.readouterr().out)
-    found = {finding["check"]: finding for finding in told["findings"]}
-    assert code == int(any(finding["state"] == "wrong" for finding in found.values()))
-    assert told["healthy"] is (code == 0)
-    assert all(finding["advice"] for finding in found.values() if finding["state"] != "ok")
-    return code, found
+    content = json.loads(capsys.readouterr().out)
+    result = {finding["check"]: finding for finding in content["findings"]}
+    assert code == int(any(finding["state"] == "wrong" for finding in result.values()))
+    assert content["healthy"] is (code == 0)
+    assert all(finding["advice"] for finding in result.values() if finding["state"] != "ok")
+    return code, result
 
 
-def wrong(found: Findings) -> dict[str, str]:
+def wrong(result: Findings) -> dict[str, str]:
     """List what was seen of all that is wrong, by check."""
-    return {check: finding["seen"] for check, finding in found.items() if finding["state"] == "wrong"}
+    return {check: finding["seen"] for check, finding in result.items() if finding["state"] == "wrong"}
 
 
 def free_port() -> int:

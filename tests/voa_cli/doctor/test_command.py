@@ -10,8 +10,8 @@ from voa_cli.main import main
 
 
 def test_a_service_in_order_is_healthy(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    code, found = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
-    assert (code, wrong(found)) == (0, {})
+    code, result = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
+    assert (code, wrong(result)) == (0, {})
     checks = [
         "HTTP",
         "service",
@@ -24,9 +24,9 @@ def test_a_service_in_order_is_healthy(capsys: pytest.CaptureFixture[str], lab: 
         "zenoh session",
         "replicas",
     ]
-    assert [*checks, "asking", "HTTP and Zenoh", "shared memory"] == [name for name in found if "robot" not in name]
-    assert found["clock"]["state"] == "ok"
-    assert found["HTTP and Zenoh"]["seen"] == "the same service"
+    assert [*checks, "asking", "HTTP and Zenoh", "shared memory"] == [name for name in result if "robot" not in name]
+    assert result["clock"]["state"] == "ok"
+    assert result["HTTP and Zenoh"]["seen"] == "the same service"
 
 
 def test_a_person_reads_a_list(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
@@ -38,33 +38,33 @@ def test_a_person_reads_a_list(capsys: pytest.CaptureFixture[str], lab: Lab) -> 
 
 
 def test_a_service_on_zenoh_whose_router_is_not_named_says_so(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    code, found = examined(capsys, "--url", lab.url)
+    code, result = examined(capsys, "--url", lab.url)
     assert code == 0
-    assert found["zenoh"]["state"] == "warning"
-    assert "--zenoh" in found["zenoh"]["advice"]
+    assert result["zenoh"]["state"] == "warning"
+    assert "--zenoh" in result["zenoh"]["advice"]
 
 
 def test_a_service_that_is_down(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    code, found = examined(capsys, "--url", f"http://127.0.0.1:{free_port()}", "--zenoh", lab.endpoint)
+    code, result = examined(capsys, "--url", f"http://127.0.0.1:{free_port()}", "--zenoh", lab.endpoint)
     assert code == 1
-    assert list(wrong(found)) == ["HTTP"]
-    assert "nothing listens at 127.0.0.1:" in found["HTTP"]["seen"]
+    assert list(wrong(result)) == ["HTTP"]
+    assert "nothing listens at 127.0.0.1:" in result["HTTP"]["seen"]
 
 
 def test_a_name_that_nobody_has(capsys: pytest.CaptureFixture[str]) -> None:
-    code, found = examined(capsys, "--url", "http://no-such-host.invalid:8000")
+    code, result = examined(capsys, "--url", "http://no-such-host.invalid:8000")
     assert code == 1
-    assert "no such host: no-such-host.invalid" in found["HTTP"]["seen"]
+    assert "no such host: no-such-host.invalid" in result["HTTP"]["seen"]
 
 
 def test_something_that_takes_connections_and_is_silent(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as silent:
         port = silent.getsockname()[1]
         where = ["--url", f"http://127.0.0.1:{port}", "--zenoh", f"tcp/127.0.0.1:{port}"]
-        code, found = examined(capsys, *where)
+        code, result = examined(capsys, *where)
     assert code == 1
-    assert found["service"]["seen"] == "takes connections and does not answer"
-    assert found["zenoh session"]["seen"] == "takes connections and does not answer"
+    assert result["service"]["seen"] == "accepts connections and does not answer"
+    assert result["zenoh session"]["seen"] == "accepts connections and does not answer"
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_options_that_make_no_sense(
 
 @pytest.mark.parametrize(
     ("options", "says"),
-    [(["--robots", "x.toml"], "--robots needs --zenoh"), (["--url", "zenoh://x"], "a router goes with --zenoh")],
+    [(["--robots", "x.toml"], "--robots needs --zenoh"), (["--url", "zenoh://x"], "name a Zenoh router by --zenoh")],
 )
 def test_options_that_do_not_go_together(capsys: pytest.CaptureFixture[str], options: list[str], says: str) -> None:
     with pytest.raises(SystemExit) as ended:

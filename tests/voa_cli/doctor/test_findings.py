@@ -19,9 +19,9 @@ def test_what_was_seen_is_printed_as_it_is_whatever_its_length() -> None:
 
 @pytest.mark.parametrize("columns", [60, 80])
 def test_the_list_is_as_wide_as_the_terminal_and_no_word_is_cut(columns: int) -> None:
-    found = Finding("robot tb3_1", "wrong", "angle_min and lidar.upside_down " * 20, "correct the_mapping " * 10)
+    result = Finding("robot tb3_1", "wrong", "angle_min and lidar.upside_down " * 20, "correct the_mapping " * 10)
     console = Console(width=columns, record=True, file=StringIO())
-    console.print(checklist([found, Finding("clock", "ok", "0.002 s ahead of ours")]))
+    console.print(checklist([result, Finding("clock", "ok", "0.002 s ahead of ours")]))
     lines = [line.rstrip() for line in console.export_text().splitlines()]
     assert all(len(line) <= columns for line in lines)
     assert (lines[0].startswith("✗ robot tb3_1: angle_min"), lines[-1]) == (True, "✓ clock: 0.002 s ahead of ours")
@@ -44,7 +44,7 @@ def test_the_last_line_counts(states: str, says: str) -> None:
     assert verdict([Finding("check", known[state], "seen") for state in states]) == says
 
 
-def test_a_clock_is_only_blamed_beyond_what_can_be_told() -> None:
+def test_a_clock_is_only_blamed_beyond_the_uncertainty() -> None:
     assert clocks("clock", 0.3, 0.25).state == "ok"
     assert clocks("clock", -0.3, 0.1).state == "warning"
 

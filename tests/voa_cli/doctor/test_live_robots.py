@@ -91,40 +91,40 @@ def driving(own: Robot, router: Router) -> Iterator[None]:
 def test_a_robot_from_one_fault_to_the_next(robot: Robot, capsys: pytest.CaptureFixture[str]) -> None:
     robot.map()
     robot.wait(lambda report: report.refused, "scans without a session are refused")
-    found = robot.examined(capsys)
-    assert found[TOPIC]["state"] == "ok"
-    assert "waits for a session on scenario" in wrong(found)[ROBOT]
-    assert "claim the robot" in found[ROBOT]["advice"]
+    result = robot.examined(capsys)
+    assert result[TOPIC]["state"] == "ok"
+    assert "waits for a session on scenario" in wrong(result)[ROBOT]
+    assert "claim the robot" in result[ROBOT]["advice"]
 
     robot.become(BLIND)
     robot.client.create_session(SessionRequest(scenario=robot.scenario))
     robot.wait(lambda report: report.last_look is not None, "a look")
-    found = robot.examined(capsys)
-    assert "no beam of 8 scans measures a distance" in wrong(found)[TOPIC]
-    assert "s ago at sensor 'Q1', was not accepted: the belief is unchanged, no_beams" in wrong(found)[ROBOT]
-    assert "does the lidar turn" in found[ROBOT]["advice"]
+    result = robot.examined(capsys)
+    assert "no beam of 8 scans measures a distance" in wrong(result)[TOPIC]
+    assert "s ago at sensor 'Q1', was not accepted: the belief is unchanged, no_beams" in wrong(result)[ROBOT]
+    assert "check that the lidar turns" in result[ROBOT]["advice"]
 
     robot.become(GOOD)
     robot.wait(lambda report: report.last_look is not None and report.last_look.accepted, "a look that counts")
-    found = robot.examined(capsys)
-    assert found[ROBOT]["state"] == "ok"
-    assert "waits for the robot to move on" in found[ROBOT]["seen"]
+    result = robot.examined(capsys)
+    assert result[ROBOT]["state"] == "ok"
+    assert "waits for the robot to move on" in result[ROBOT]["seen"]
 
     robot.map('frame_id = "front"')
     robot.wait(lambda report: (report.waiting_for or "").startswith("a scan of frame"), "the frame to be missed")
-    found = robot.examined(capsys)
-    assert "the mapping says 'front'" in wrong(found)[TOPIC]
-    assert "waits for a scan of frame 'front': found 'base_scan'" in wrong(found)[ROBOT]
+    result = robot.examined(capsys)
+    assert "the mapping says 'front'" in wrong(result)[TOPIC]
+    assert "waits for a scan of frame 'front': found 'base_scan'" in wrong(result)[ROBOT]
 
     robot.map("look = { mode = 'every' }")
     robot.wait(lambda report: "every-while-parked" in [each.kind for each in report.warnings], "the warning")
-    found = robot.examined(capsys)
-    assert found[f"{ROBOT}: every-while-parked"]["state"] == "warning"
+    result = robot.examined(capsys)
+    assert result[f"{ROBOT}: every-while-parked"]["state"] == "warning"
 
     robot.mapping.write_text("[[robot]")
     wait_for(lambda: robot.client.robots().mapping_error, "the mapping to be read")
-    found = examined(capsys, "--url", robot.lab.url)[1]
-    assert "robots.toml: expected TOML" in wrong(found)["mapping"]
+    result = examined(capsys, "--url", robot.lab.url)[1]
+    assert "robots.toml: expected TOML" in wrong(result)["mapping"]
 
 
 def test_a_robot_whose_raw_scans_are_refused(
@@ -139,6 +139,6 @@ def test_a_robot_whose_raw_scans_are_refused(
         session = client.create_session(SessionRequest(scenario=scenario.id)).id
         robot.put(Keys().scan(session, "clumsy"), json.dumps({"ranges": 3}))
         wait_for(lambda: any(each.refused for each in client.robots().items), "the service refuses it")
-        code, found = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
+        code, result = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
         assert code == 1
-        assert "1 scan, 0 looks, 1 refused" in wrong(found)["robot clumsy"]
+        assert "1 scan, 0 looks, 1 refused" in wrong(result)["robot clumsy"]

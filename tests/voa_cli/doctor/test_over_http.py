@@ -20,11 +20,11 @@ def answering(path: str, status: int, body: bytes) -> Iterator[str]:
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            told = (status, body) if self.path == path else (200, b'{"status": "alive"}')
-            self.send_response(told[0])
-            self.send_header("Content-Length", str(len(told[1])))
+            content = (status, body) if self.path == path else (200, b'{"status": "alive"}')
+            self.send_response(content[0])
+            self.send_header("Content-Length", str(len(content[1])))
             self.end_headers()
-            self.wfile.write(told[1])
+            self.wfile.write(content[1])
 
         def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - the base class's name
             pass
@@ -41,15 +41,15 @@ def answering(path: str, status: int, body: bytes) -> Iterator[str]:
 
 def health(**changes: Any) -> bytes:
     now = datetime.now(UTC) + timedelta(seconds=changes.pop("ahead", 0.0))
-    told = {"status": "ready", "wire_version": WIRE_VERSION, "zenoh": "off", "now": now.isoformat()}
-    return json.dumps(told | changes).encode()
+    content = {"status": "ready", "wire_version": WIRE_VERSION, "zenoh": "off", "now": now.isoformat()}
+    return json.dumps(content | changes).encode()
 
 
 @pytest.mark.parametrize(
     ("path", "status", "body", "check", "state", "says"),
     [
         ("/livez", 502, b"no upstream", "service", "wrong", "/livez answers 502"),
-        ("/livez", 200, b"<html>", "service", "wrong", "not ours"),
+        ("/livez", 200, b"<html>", "service", "wrong", "not the service's"),
         ("/readyz", 503, b"{}", "ready", "wrong", "/readyz answers 503"),
         (
             "/readyz",
@@ -65,9 +65,9 @@ def health(**changes: Any) -> bytes:
             {"wire_version": WIRE_VERSION + 1},
             "messages",
             "wrong",
-            f"version {WIRE_VERSION + 1} there",
+            f"version {WIRE_VERSION + 1} of the service",
         ),
-        ("/readyz", 200, {"version": "0.0.1"}, "software", "warning", "0.0.1 there"),
+        ("/readyz", 200, {"version": "0.0.1"}, "software", "warning", "0.0.1 of the service"),
         ("/readyz", 200, {"ahead": 3600.0}, "clock", "warning", "ahead of ours"),
         ("/readyz", 200, {"ahead": -3600.0}, "clock", "warning", "behind ours"),
     ],
@@ -82,6 +82,6 @@ def test_what_the_service_says_of_itself(
     says: str,
 ) -> None:
     with answering(path, status, body if isinstance(body, bytes) else health(**body)) as url:
-        _, found = examined(capsys, "--url", url)
-    assert found[check]["state"] == state
-    assert says in found[check]["seen"]
+        _, result = examined(capsys, "--url", url)
+    assert result[check]["state"] == state
+    assert says in result[check]["seen"]

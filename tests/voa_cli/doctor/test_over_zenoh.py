@@ -14,49 +14,49 @@ from tests.voa_cli.labs import Lab, service_on
 
 
 def test_a_router_that_is_down(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    code, found = examined(capsys, "--url", lab.url, "--zenoh", f"tcp/127.0.0.1:{free_port()}")
-    assert (code, list(wrong(found))) == (1, ["router"])
-    assert "nothing listens" in found["router"]["seen"]
+    code, result = examined(capsys, "--url", lab.url, "--zenoh", f"tcp/127.0.0.1:{free_port()}")
+    assert (code, list(wrong(result))) == (1, ["router"])
+    assert "nothing listens" in result["router"]["seen"]
 
 
 def test_a_frozen_router(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
     with router() as frozen:
         frozen.signal(signal.SIGSTOP)
-        code, found = examined(capsys, "--url", lab.url, "--zenoh", frozen.endpoint)
+        code, result = examined(capsys, "--url", lab.url, "--zenoh", frozen.endpoint)
         frozen.signal(signal.SIGCONT)
     assert code == 1
-    assert wrong(found) == {"zenoh session": "takes connections and does not answer"}
+    assert wrong(result) == {"zenoh session": "accepts connections and does not answer"}
 
 
 def test_another_root(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
-    code, found = examined(capsys, "--url", lab.url, "--zenoh", f"{lab.zenoh}/voa/v1/other")
+    code, result = examined(capsys, "--url", lab.url, "--zenoh", f"{lab.zenoh}/voa/v1/other")
     assert code == 1
-    assert wrong(found)["replicas"] == "none under voa/v1/other, but under voa/v1/default"
-    assert wrong(found)["asking"] == "nobody answers at voa/v1/other/rpc/service.health"
-    assert "is not seen under voa/v1/other" in wrong(found)["HTTP and Zenoh"]
+    assert wrong(result)["replicas"] == "none under voa/v1/other, but under voa/v1/default"
+    assert wrong(result)["asking"] == "no answer at voa/v1/other/rpc/service.health"
+    assert "is not seen under voa/v1/other" in wrong(result)["HTTP and Zenoh"]
 
 
 def test_another_router_than_the_service_s(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:
     with router() as other:
-        code, found = examined(capsys, "--url", lab.url, "--zenoh", other.endpoint)
-    assert (code, list(wrong(found))) == (1, ["replicas", "asking", "HTTP and Zenoh"])
-    assert "two routers, or two roots" in found["HTTP and Zenoh"]["advice"]
-    assert "not running, or on another router or root" in found["asking"]["advice"]
-    assert "access_control" in found["asking"]["advice"]
+        code, result = examined(capsys, "--url", lab.url, "--zenoh", other.endpoint)
+    assert (code, list(wrong(result))) == (1, ["replicas", "asking", "HTTP and Zenoh"])
+    assert "it uses another router or root" in result["HTTP and Zenoh"]["advice"]
+    assert "not running, or uses another router or root" in result["asking"]["advice"]
+    assert "access_control" in result["asking"]["advice"]
 
 
 def test_a_service_without_a_router(capsys: pytest.CaptureFixture[str], process: str, own_router: Router) -> None:
-    code, found = examined(capsys, "--url", process, "--zenoh", own_router.endpoint)
+    code, result = examined(capsys, "--url", process, "--zenoh", own_router.endpoint)
     assert code == 1
-    assert wrong(found)["HTTP and Zenoh"] == "the service behind the URL is not told of any router"
+    assert wrong(result)["HTTP and Zenoh"] == "the service at the URL does not use Zenoh"
 
 
 def test_a_service_that_waits_for_its_router(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     absent = Router()
     with service_on(absent, tmp_path, joined=False) as waiting, router() as other:
-        code, found = examined(capsys, "--url", waiting.url, "--zenoh", other.endpoint)
+        code, result = examined(capsys, "--url", waiting.url, "--zenoh", other.endpoint)
     assert code == 1
-    assert wrong(found)["HTTP and Zenoh"] == "the service behind the URL has not reached its router"
+    assert wrong(result)["HTTP and Zenoh"] == "the service at the URL has not reached its router"
 
 
 @contextmanager
@@ -69,19 +69,19 @@ def guarded(folder: Path, more: dict[str, Any] | None = None) -> Iterator[Router
         yield own
 
 
-@pytest.mark.parametrize(("user", "as_whom"), [("robot:wrong@", "as 'robot'"), ("", "as nobody")])
+@pytest.mark.parametrize(("user", "as_whom"), [("robot:wrong@", "as 'robot'"), ("", "without a user")])
 def test_a_router_that_refuses_us(
     capsys: pytest.CaptureFixture[str], lab: Lab, tmp_path: Path, user: str, as_whom: str
 ) -> None:
     with guarded(tmp_path) as own:
-        code, found = examined(capsys, "--url", lab.url, "--zenoh", f"zenoh://{user}127.0.0.1:{own.port}")
+        code, result = examined(capsys, "--url", lab.url, "--zenoh", f"zenoh://{user}127.0.0.1:{own.port}")
         right = examined(capsys, "--url", lab.url, "--zenoh", f"zenoh://robot:right@127.0.0.1:{own.port}")[1]
     assert code == 1
-    assert wrong(found) == {"zenoh session": f"the router is there and refuses us {as_whom}"}
+    assert wrong(result) == {"zenoh session": f"the router runs, and refuses a session {as_whom}"}
     assert right["zenoh session"]["state"] == "ok"
 
 
-def test_rules_of_the_router_that_forbid_us_to_ask(
+def test_rules_of_the_router_that_forbid_queries(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VOA_ZENOH__USER", "service")
@@ -104,7 +104,7 @@ def test_rules_of_the_router_that_forbid_us_to_ask(
     }
     with guarded(tmp_path, {"access_control": acl}) as own, service_on(own, tmp_path / "service") as lab:
         address = f"zenoh://robot:right@127.0.0.1:{own.port}"
-        code, found = examined(capsys, "--url", lab.url, "--zenoh", address)
+        code, result = examined(capsys, "--url", lab.url, "--zenoh", address)
     assert code == 1
-    assert list(wrong(found)) == ["asking"]
-    assert "forbid this user to query" in found["asking"]["advice"]
+    assert list(wrong(result)) == ["asking"]
+    assert "forbid this user to query" in result["asking"]["advice"]

@@ -30,9 +30,9 @@ WELL = RobotReport(
 def finding_of(changes: dict[str, Any], before: dict[str, Any] | None = None) -> Finding:
     report = WELL.model_copy(update=changes)
     earlier = None if before is None else Robots(items=[report.model_copy(update=before)])
-    (found,) = check_robots(Robots(items=[report]), NOW, earlier)
-    assert (found.advice == "") == (found.state == "ok")
-    return found
+    (result,) = check_robots(Robots(items=[report]), NOW, earlier)
+    assert (result.advice == "") == (result.state == "ok")
+    return result
 
 
 def rejected(reason: str, **changes: Any) -> dict[str, Any]:
@@ -52,30 +52,30 @@ POSE = UncertainSensorPose(x=0.4, y=-0.12, yaw_rad=3.14159)
     [
         ({}, "ok", "9 scans, 1 look, 0 refused; last scan 0.1 s ago; waits for the robot to move on", ""),
         (FRESH, "ok", "0 looks, 0 refused; last scan 0.1 s ago; waits for the robot to stop", ""),
-        (FRESH | {"scans": 500}, "warning", "500 scans, 0 looks", "if it is parked: does its odometry drift"),
-        ({"last_scan_at": None, "scans": 0}, "wrong", "no scan yet on r1/scan", "is its lidar on"),
-        ({"last_scan_at": NOW - timedelta(minutes=1)}, "warning", "60.0 s ago", "gone silent"),
-        ({"session": None}, "wrong", "there is no session for it", "PUT /v1/robots/r1/session"),
-        (FRESH | {"refused": 9, "last_refusal": "bad"}, "wrong", "nothing of it counts: bad", "do as it says"),
-        ({"refused": 1, "last_refusal": "bad"}, "warning", "some do not count, the newest: bad", "do as it says"),
+        (FRESH | {"scans": 500}, "warning", "500 scans, 0 looks", "if it is parked: check if its odometry drifts"),
+        ({"last_scan_at": None, "scans": 0}, "wrong", "no scan yet on r1/scan", "check that its lidar is on"),
+        ({"last_scan_at": NOW - timedelta(minutes=1)}, "warning", "60.0 s ago", "it sends no scans any more"),
+        ({"session": None}, "wrong", "no session receives its scans", "PUT /v1/robots/r1/session"),
+        (FRESH | {"refused": 9, "last_refusal": "bad"}, "wrong", "all its scans are refused: bad", "follow the reason"),
+        ({"refused": 1, "last_refusal": "bad"}, "warning", "some scans are refused, the newest: bad", "the reason"),
         (rejected("no_beams"), "wrong", "the newest look, 3 s ago at sensor 'E', was not accepted: the bel", "turn"),
-        (rejected("nothing_seen"), "wrong", "nothing_seen: in words", "does the object lie in the workspace?"),
-        (rejected("bad_fit"), "wrong", "bad_fit: in words", "is it the scenario's object"),
+        (rejected("nothing_seen"), "wrong", "nothing_seen: in words", "the object lies in the workspace"),
+        (rejected("bad_fit"), "wrong", "bad_fit: in words", "the scenario's object"),
         (rejected("no_match"), "wrong", "no_match: in words", "origin, lidar, upside_down"),
-        (rejected("bad_fit", last_refusal="bad"), "wrong", "was not accepted: bad_fit", "is it the scenario's object"),
-        (rejected("no_match", source="scan", looks=5), "warning", "5 looks, 1 refused", "is it the scenario's object"),
+        (rejected("bad_fit", last_refusal="bad"), "wrong", "was not accepted: bad_fit", "the scenario's object"),
+        (rejected("no_match", source="scan", looks=5), "warning", "5 looks, 1 refused", "the scenario's object"),
         (
             {"last_look": LOOK.model_copy(update={"accepted": False, "sensor": None, "sensor_pose": POSE})},
-            "wrong", "at x 0.40 m, y -0.12 m, yaw 180 degrees, was not accepted", "do as it says",
+            "wrong", "at x 0.40 m, y -0.12 m, yaw 180 degrees, was not accepted", "follow the reason",
         ),
     ],
 )  # fmt: skip
 def test_reports_of_robots(changes: dict[str, Any], state: str, seen: str, advice: str) -> None:
-    found = finding_of(changes)
-    assert (found.state, seen in found.seen, advice in found.advice) == (state, True, True), found
+    result = finding_of(changes)
+    assert (result.state, seen in result.seen, advice in result.advice) == (state, True, True), result
 
 
-def test_what_was_refused_once_is_told_from_what_is_refused_now() -> None:
+def test_past_refusals_differ_from_present_ones() -> None:
     once = {"refused": 5, "last_refusal": "expected something else"}
     assert needs_second_report(Robots(items=[WELL.model_copy(update=once)]))
     assert not needs_second_report(Robots(items=[WELL]))
@@ -151,7 +151,12 @@ def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
         (mapped(), changed(frame_id=in_turn("a", "b")), "scans of 2 frames on one topic ('a', 'b')", "frame_id ="),
         (mapped(more='frame_id = "front"'), changed(), "waits for a scan of frame 'front'", "correct frame_id"),
         (mapped(), repeated(), "waits for a scan that was not received before", "restart the driver"),
-        (mapped(), scans_alone(ParkingRobot().messages()), "no odometry was received yet", "is the topic published?"),
+        (
+            mapped(),
+            scans_alone(ParkingRobot().messages()),
+            "no odometry was received yet",
+            "check that its topic is published",
+        ),
         (mapped('from = "amcl"'), changed(), "no AMCL pose was received yet", "give AMCL its initial pose"),
     ],
     ids=["mirrored", "degrees", "beams", "frames", "frame", "repeated", "odometry", "AMCL"],
@@ -159,17 +164,17 @@ def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
 def test_conditions_that_are_not_met_while_something_is_wrong(
     looks: MappedLooks, messages: list[Received], seen: str, advice: str
 ) -> None:
-    (found,) = check_robots(Robots(items=[as_reported(looks, messages)]), NOW)
-    assert (found.state, seen in found.seen, advice in found.advice) == ("wrong", True, True), found
+    (result,) = check_robots(Robots(items=[as_reported(looks, messages)]), NOW)
+    assert (result.state, seen in result.seen, advice in result.advice) == ("wrong", True, True), result
 
 
 def test_a_parked_robot_whose_every_scan_is_a_look_is_warned_of() -> None:
     report = as_reported(mapped(look='mode = "every"'), changed())
-    found = list(check_robots(Robots(items=[report]), NOW))
-    assert [finding.check for finding in found] == ["robot r1", "robot r1: every-while-parked"]
-    assert found[1].state == "warning"
-    assert "the belief grows falsely certain" in found[1].seen
-    assert "stationary" in found[1].advice
+    result = list(check_robots(Robots(items=[report]), NOW))
+    assert [finding.check for finding in result] == ["robot r1", "robot r1: every-while-parked"]
+    assert result[1].state == "warning"
+    assert "the belief grows falsely certain" in result[1].seen
+    assert "stationary" in result[1].advice
 
 
 def test_each_warning_has_a_line_with_what_to_do() -> None:
@@ -184,8 +189,8 @@ def test_each_warning_has_a_line_with_what_to_do() -> None:
 
 
 def test_a_mapping_that_could_not_be_read_is_wrong() -> None:
-    found, *_ = check_robots(Robots(items=[WELL], mapping_error="robots.toml: expected TOML"), NOW)
-    assert (found.check, found.state, found.seen) == ("mapping", "wrong", "robots.toml: expected TOML")
+    result, *_ = check_robots(Robots(items=[WELL], mapping_error="robots.toml: expected TOML"), NOW)
+    assert (result.check, result.state, result.seen) == ("mapping", "wrong", "robots.toml: expected TOML")
 
 
 def test_no_robots_is_worth_a_warning() -> None:

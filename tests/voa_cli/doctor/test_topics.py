@@ -39,9 +39,9 @@ def findings(
     """Findings on the topics of one robot, by check."""
     robots = load(f'[[robot]]\nname = "tb3_1"\nsession = "s"\nplace = {place}\n{more}\n')
     with joined(ZenohAddress.parse(router.endpoint)) as session:
-        found = list(check_topics(session, Listening(robots, seconds, most_beams), Budget(20.0)))
-    assert all(bool(finding.advice) is (finding.state != "ok") for finding in found)
-    return {finding.check: finding for finding in found}
+        result = list(check_topics(session, Listening(robots, seconds, most_beams), Budget(20.0)))
+    assert all(bool(finding.advice) is (finding.state != "ok") for finding in result)
+    return {finding.check: finding for finding in result}
 
 
 def in_turn(key: str, scans: list[LaserScan]) -> Messages:
@@ -88,7 +88,7 @@ SCANS = {
         "360 beams of angle_increment 1 rad are 57.3 turns", "correct the driver's settings",
     ),
     "frames, none said": (
-        echoes, "", "wrong", "scans of 3 frames come on this topic: 'echo_0', 'echo_1', 'echo_2'",
+        echoes, "", "wrong", "this topic has scans of 3 frames: 'echo_0', 'echo_1', 'echo_2'",
         'frame_id = "echo_0"',
     ),
     "frames, one said": (echoes, 'frame_id = "echo_1"', "ok", "360 beams, stamped 0.", ""),
@@ -98,35 +98,35 @@ SCANS = {
     ),
     "another domain": (
         sent(rmw_key(KEY, LASER_SCAN, 7), scan), "", "wrong",
-        "messages come in ROS domain 7 only, the mapping says 0", "set domain = 7",
+        "messages arrive in ROS domain 7 only, but the mapping says 0", "set domain = 7",
     ),
-    "two domains": (two_domains, "", "ok", "those of ROS domain 7 are left out", ""),
-    "the domain of the mapping": (two_domains, "domain = 7", "ok", "those of ROS domain 0 are left out", ""),
+    "two domains": (two_domains, "", "ok", "those of ROS domain 7 are ignored", ""),
+    "the domain of the mapping": (two_domains, "domain = 7", "ok", "those of ROS domain 0 are ignored", ""),
     "stamps 0": (
-        sent(KEY, lambda step: scan(step, at=Stamp())), "", "warning", "360 beams, stamped 0: nothing depends on it",
-        "have the driver stamp",
+        sent(KEY, lambda step: scan(step, at=Stamp())), "", "warning", "360 beams, stamped 0: no harm is done",
+        "make the driver stamp",
     ),
     "stamps frozen": (
-        sent(KEY, lambda step: scan(step, at=NOW)), "", "warning", "360 beams, and the stamp stands still",
-        "have the driver stamp",
+        sent(KEY, lambda step: scan(step, at=NOW)), "", "warning", "360 beams, and the stamp does not change",
+        "make the driver stamp",
     ),
     "one message again and again": (
-        sent(KEY, lambda _: scan(0, at=NOW)), "", "wrong", "one and the same message came 8 times",
+        sent(KEY, lambda _: scan(0, at=NOW)), "", "wrong", "the same message was received 8 times",
         "restart the driver",
     ),
     "stamps back and forth": (
         sent(KEY, lambda step: scan(step, at=Stamp.of(time.time() - step % 2))), "", "warning",
-        "the stamps run backwards now and then", "do two drivers publish",
+        "some stamps go back in time", "a single driver publishes",
     ),
     "simulated time": (
         sent(KEY, lambda step: scan(step, at=Stamp.of(40.0 + step / 5))), "", "warning", "simulated time",
         "use_sim_time",
     ),
-    "a clock that is behind": (sent(KEY, shifted(-60.0)), "", "warning", "s before it came", "NTP"),
-    "a clock that is ahead": (sent(KEY, shifted(60.0)), "", "warning", "s after it came", "NTP"),
+    "a clock that is behind": (sent(KEY, shifted(-60.0)), "", "warning", "s before it was received", "NTP"),
+    "a clock that is ahead": (sent(KEY, shifted(60.0)), "", "warning", "s after it was received", "NTP"),
     "no return": (
         sent(KEY, lambda step: scan(step, ranges=(0.0,) * 180 + (math.inf,) * 180)), "", "wrong",
-        "no beam of 8 scans measures a distance", "does the lidar turn?",
+        "no beam of 8 scans measures a distance", "check that the lidar turns",
     ),
     "too many beams": (
         sent(KEY, lambda step: scan(step, ranges=(0.5,) * 5521, angle_increment=0.001)), "", "wrong",
@@ -153,8 +153,8 @@ SCANS = {
 def test_scans(own_router: Router, case: str) -> None:
     messages, more, state, seen, advice = SCANS[case]
     with publishing(own_router, messages):
-        found = findings(own_router, more)
-    assert (found[SCAN].state, seen in found[SCAN].seen, advice in found[SCAN].advice) == (state, True, True), found
+        result = findings(own_router, more)
+    assert (result[SCAN].state, seen in result[SCAN].seen, advice in result[SCAN].advice) == (state, True, True), result
 
 
 def test_scans_within_a_higher_limit_are_all_right(own_router: Router) -> None:
@@ -166,20 +166,20 @@ def test_scans_within_a_higher_limit_are_all_right(own_router: Router) -> None:
     ("at", "state", "seen"),
     [
         (lambda _: Stamp.of(time.time()), "ok", "received, stamped 0."),
-        (lambda _: Stamp(), "warning", "received, stamped 0: scans are placed by the pose that came last"),
-        (lambda _: NOW, "warning", "received, and the stamp stands still: scans are placed by"),
+        (lambda _: Stamp(), "warning", "received, stamped 0: scans are placed by the newest pose"),
+        (lambda _: NOW, "warning", "received, and the stamp does not change: scans are placed by"),
     ],
 )
 def test_odometry(own_router: Router, at: Callable[[int], Stamp], state: str, seen: str) -> None:
     def messages(step: int) -> list[tuple[str, bytes]]:
-        told = Odometry(at(step), "odom", "base", Pose.planar(step / 1000, 0.0, 0.0))
-        return [("tb3_1/odom", encode_odometry(told)), (KEY, encode_laser_scan(scan(step)))]
+        content = Odometry(at(step), "odom", "base", Pose.planar(step / 1000, 0.0, 0.0))
+        return [("tb3_1/odom", encode_odometry(content)), (KEY, encode_laser_scan(scan(step)))]
 
     with publishing(own_router, messages):
-        found = findings(own_router, place=ODOMETRY)
-    assert found[SCAN].state == "ok"
-    assert found["tb3_1 /tb3_1/odom"].state == state
-    assert found["tb3_1 /tb3_1/odom"].seen.startswith(seen)
+        result = findings(own_router, place=ODOMETRY)
+    assert result[SCAN].state == "ok"
+    assert result["tb3_1 /tb3_1/odom"].state == state
+    assert result["tb3_1 /tb3_1/odom"].seen.startswith(seen)
 
 
 @contextmanager
@@ -200,10 +200,10 @@ def latched_pose(router: Router) -> Iterator[None]:
 
 def test_a_latched_pose_is_fetched(own_router: Router) -> None:
     with latched_pose(own_router):
-        found = findings(own_router, place=AMCL, seconds=0.5)
-    assert found["tb3_1 /tb3_1/amcl_pose"].state == "ok"
-    assert found["tb3_1 /tb3_1/amcl_pose"].seen.startswith("received; AMCL publishes when the robot has moved")
-    assert found[SCAN].state == "wrong"
+        result = findings(own_router, place=AMCL, seconds=0.5)
+    assert result["tb3_1 /tb3_1/amcl_pose"].state == "ok"
+    assert result["tb3_1 /tb3_1/amcl_pose"].seen.startswith("received; AMCL publishes when the robot has moved")
+    assert result[SCAN].state == "wrong"
 
 
 @contextmanager
@@ -218,9 +218,9 @@ def announced(router: Router, topic: str) -> Iterator[None]:
 
 
 def test_topics_on_which_nothing_comes(own_router: Router) -> None:
-    assert findings(own_router, seconds=0.3)[SCAN].seen == "nothing within 0.3 s"
+    assert findings(own_router, seconds=0.3)[SCAN].seen == "no message within 0.3 s"
     with announced(own_router, "scan"):
-        assert "though a node says that it publishes it" in findings(own_router, seconds=0.3)[SCAN].seen
+        assert "although a node announces that it publishes it" in findings(own_router, seconds=0.3)[SCAN].seen
         other = findings(own_router, 'namespace = "other"', seconds=0.3)["tb3_1 /other/scan"]
         assert "published are /tb3_1/scan" in other.seen
     with announced(own_router, "amcl_pose"):

@@ -132,8 +132,8 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 def read(path: Path) -> tuple[Recording, list[Written]]:
     """A recording, and all its messages."""
     recording = Recording(path, RosTypes())
-    found = [(message.topic, message.type_name, message.log_ns, message.data) for message in recording.messages()]
-    return recording, found
+    result = [(message.topic, message.type_name, message.log_ns, message.data) for message in recording.messages()]
+    return recording, result
 
 
 def by_time(messages: Sequence[Written]) -> list[Written]:

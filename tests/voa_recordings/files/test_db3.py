@@ -29,9 +29,9 @@ def test_the_log_of_a_killed_recorder_is_read_and_nothing_is_written_beside_it(r
     before = content(read_only)
     assert before.keys() == {"bag_0.db3", "bag_0.db3-wal"}
     read_only.chmod(0o555)
-    recording, found = read(path if bare else read_only)
+    recording, result = read(path if bare else read_only)
     read_only.chmod(0o755)
-    assert found == given
+    assert result == given
     assert recording.damage is not None
     assert "was left with bag_0.db3-wal" in recording.damage
     assert content(read_only) == before
@@ -41,8 +41,8 @@ def test_without_its_log_a_database_has_what_was_carried_over_and_a_lost_databas
     given = scans(20)
     db3(read_only / "bag_0.db3", given, log=True)
     (read_only / "bag_0.db3").rename(read_only / "renamed.db3")
-    recording, found = read(read_only)
-    assert found == given[:10]
+    recording, result = read(read_only)
+    assert result == given[:10]
     assert recording.damage is not None
     assert "has bag_0.db3-wal without the database of that name" in recording.damage
 
@@ -63,10 +63,10 @@ def test_a_database_that_was_cut_gives_what_is_left(tmp_path: Path, share: float
     path = db3(tmp_path / "bag_0.db3", given)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(len(whole) * share)])
-    recording, found = read(path)
-    assert len(found) >= 60 * share * 0.5
-    assert set(found) <= set(given)
-    assert [at for _, _, at, _ in found] == sorted(at for _, _, at, _ in found)
+    recording, result = read(path)
+    assert len(result) >= 60 * share * 0.5
+    assert set(result) <= set(given)
+    assert [at for _, _, at, _ in result] == sorted(at for _, _, at, _ in result)
     assert recording.damage is not None
     assert "ends in the middle" in recording.damage
 
@@ -78,9 +78,9 @@ def test_pages_that_were_overwritten_cost_only_what_was_on_them(tmp_path: Path) 
     middle = len(whole) // 2 // 4096 * 4096
     whole[middle : middle + 3 * 4096] = b"\xff" * 3 * 4096
     path.write_bytes(whole)
-    recording, found = read(path)
-    assert 150 < len(found) < 200
-    assert {at for _, _, at, _ in found} >= {given[0][2], given[-1][2]}, "from both sides of the damage"
+    recording, result = read(path)
+    assert 150 < len(result) < 200
+    assert {at for _, _, at, _ in result} >= {given[0][2], given[-1][2]}, "from both sides of the damage"
     assert recording.damage is not None
 
 
@@ -89,8 +89,8 @@ def test_a_topic_that_is_not_described_is_counted(tmp_path: Path) -> None:
     with closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE messages SET topic_id = 9 WHERE id = 2")
         database.execute("UPDATE messages SET data = 'text' WHERE id = 3")
-    recording, found = read(path)
-    assert len(found) == 3
+    recording, result = read(path)
+    assert len(result) == 3
     assert recording.damage == "has 2 messages that cannot be read"
 
 
@@ -98,8 +98,8 @@ def test_definitions_that_cannot_be_read_cost_no_message(tmp_path: Path) -> None
     path = db3(tmp_path / "x.db3", scans(5))
     with closing(sqlite3.connect(path)) as database:
         database.execute("ALTER TABLE message_definitions RENAME COLUMN encoding TO other")
-    recording, found = read(path)
-    assert found == scans(5)
+    recording, result = read(path)
+    assert result == scans(5)
     assert recording.damage == "is damaged (no such column: encoding)"
 
 

@@ -36,8 +36,8 @@ def recorded(path: Path, messages: list[Written], flush_every: int = 5) -> Path:
 def test_a_recording_is_what_was_given_and_others_read_it(tmp_path: Path) -> None:
     given = scans(12)
     path = recorded(tmp_path / "own.mcap", given)
-    recording, found = read(path)
-    assert found == [(topic, type_name, at + 7, payload) for topic, type_name, at, payload in given]
+    recording, result = read(path)
+    assert result == [(topic, type_name, at + 7, payload) for topic, type_name, at, payload in given]
     assert (recording.damage, recording.recovered, recording.topics) == (None, 12, {"/scan": LASER_SCAN})
     assert {message.key for message in recording.messages()} == {"scan"}, "the domain can be told from it"
     with AnyReader([path]) as theirs:
@@ -60,21 +60,21 @@ def test_json_has_the_schema_of_its_message_and_the_profile_is_ros2() -> None:
     file.seek(0)
     reader = make_reader(file)
     assert reader.get_header().profile == "ros2"
-    found = [(schema, channel, message.data) for schema, channel, message in reader.iter_messages()]
-    assert [schema and (schema.name, schema.encoding) for schema, _, _ in found] == [("Problem", "jsonschema")] * 2 + [
+    result = [(schema, channel, message.data) for schema, channel, message in reader.iter_messages()]
+    assert [schema and (schema.name, schema.encoding) for schema, _, _ in result] == [("Problem", "jsonschema")] * 2 + [
         ("lab_msgs/msg/Own", "")
     ]
-    assert [data for *_, data in found[:2]] == [body, body]
-    assert found[0][0] is not None
-    assert json.loads(found[0][0].data)["properties"]["type"]
+    assert [data for *_, data in result[:2]] == [body, body]
+    assert result[0][0] is not None
+    assert json.loads(result[0][0].data)["properties"]["type"]
     assert dict(writer.counts) == {"/voa/s1/refused": 1, "/voa/s2/refused": 1, "/unknown": 1}
 
 
 @pytest.mark.parametrize("storage", STORAGES)
 def test_a_rosbag2_folder_is_read(tmp_path: Path, storage: StoragePlugin) -> None:
     given = scans(9)
-    recording, found = read(bag(tmp_path / "bag", given, storage))
-    assert found == given
+    recording, result = read(bag(tmp_path / "bag", given, storage))
+    assert result == given
     assert (recording.damage, recording.topics) == (None, {"/scan": LASER_SCAN})
 
 
@@ -85,8 +85,8 @@ def test_a_rosbag2_folder_whose_recorder_was_killed_has_no_metadata_and_is_read(
     given = scans(9)
     folder = bag(tmp_path / "bag", given, storage)
     (folder / "metadata.yaml").unlink()
-    recording, found = read(folder)
-    assert found == given
+    recording, result = read(folder)
+    assert result == given
     assert recording.damage is not None
     assert "metadata.yaml" in recording.damage
 
@@ -95,9 +95,9 @@ def test_files_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path: Path
     given = scans(3)
     for number, message in zip((10, 2, 1), reversed(given), strict=True):
         recorded(tmp_path / f"bag_{number}.mcap", [message])
-    _, found = read(tmp_path)
-    assert [at for _, _, at, _ in found] == sorted(at for _, _, at, _ in found)
-    assert len(found) == 3
+    _, result = read(tmp_path)
+    assert [at for _, _, at, _ in result] == sorted(at for _, _, at, _ in result)
+    assert len(result) == 3
 
 
 def test_a_file_cut_anywhere_gives_what_stands_before_the_cut(tmp_path: Path) -> None:
@@ -108,11 +108,11 @@ def test_a_file_cut_anywhere_gives_what_stands_before_the_cut(tmp_path: Path) ->
     cut = tmp_path / "cut.mcap"
     for length in range(8, len(whole), 7):
         cut.write_bytes(whole[:length])
-        recording, found = read(cut)
+        recording, result = read(cut)
         assert recording.damage == "ends in the middle"
-        assert [payload for *_, payload in found] == [payload for *_, payload in given[: len(found)]]
-        assert len(found) >= before
-        before = len(found)
+        assert [payload for *_, payload in result] == [payload for *_, payload in given[: len(result)]]
+        assert len(result) >= before
+        before = len(result)
     assert before == len(given)
 
 
@@ -139,10 +139,10 @@ def test_of_every_compression_whole_chunks_before_the_cut_are_read(
     counts = set()
     for length in range(8, len(whole), max(1, len(whole) // 60)):
         path.write_bytes(whole[:length] + bytes(100))  # what a file system may leave after a power cut
-        recording, found = read(path)
+        recording, result = read(path)
         assert recording.damage is not None
-        assert found == given[: len(found)]
-        counts.add(len(found))
+        assert result == given[: len(result)]
+        counts.add(len(result))
     assert len(counts) > 3
 
 

@@ -29,8 +29,8 @@ def storage(folder: Path) -> Path:
 def test_a_renamed_file_is_read_by_its_content(folder: Path, name: str) -> None:
     path = storage(folder)
     path.rename(folder / name)
-    recording, found = read(folder)
-    assert found == scans(9)
+    recording, result = read(folder)
+    assert result == scans(9)
     if path.name != name:
         assert recording.damage == (
             f"lacks {path.name}, which its metadata.yaml names; has {name}, which its metadata.yaml does not name"
@@ -49,14 +49,14 @@ def test_a_renamed_file_is_read_by_its_content(folder: Path, name: str) -> None:
         ("rosbag2_bagfile_information: {relative_file_paths: []}", "has a metadata.yaml that names no file"),
     ],
 )
-def test_metadata_that_is_no_use_is_told_and_the_files_are_read(folder: Path, text: str, says: str) -> None:
+def test_useless_metadata_is_reported_and_the_files_are_read(folder: Path, text: str, says: str) -> None:
     (folder / METADATA).write_text(text)
-    recording, found = read(folder)
-    assert found == scans(9)
+    recording, result = read(folder)
+    assert result == scans(9)
     assert (recording.damage or "").startswith(says)
 
 
-def test_metadata_in_another_encoding_is_told(folder: Path) -> None:
+def test_metadata_in_another_encoding_is_reported(folder: Path) -> None:
     (folder / METADATA).write_bytes(b"\xff\xfe")
     assert read(folder)[1] == scans(9)
 
@@ -70,10 +70,10 @@ def add_part(folder: Path, name: str) -> None:
     path.write_text(text.replace(known, f"{known}  - {name}\n"))
 
 
-def test_a_part_that_is_missing_is_told(folder: Path) -> None:
+def test_a_missing_part_is_reported(folder: Path) -> None:
     add_part(folder, "bag_1.mcap")
-    recording, found = read(folder)
-    assert found == scans(9)
+    recording, result = read(folder)
+    assert result == scans(9)
     assert recording.damage == "lacks bag_1.mcap, which its metadata.yaml names"
 
 
@@ -88,14 +88,14 @@ BREAKS: dict[str, tuple[Callable[[Path], object], str]] = {
 def test_a_part_that_cannot_be_read_costs_only_itself(folder: Path, broken: str) -> None:
     add_part(folder, "bag_1.x")
     BREAKS[broken][0](folder / "bag_1.x")
-    recording, found = read(folder)
-    assert found == scans(9)
+    recording, result = read(folder)
+    assert result == scans(9)
     assert recording.damage is not None
     assert "has a part that cannot be read" in recording.damage
     assert BREAKS[broken][1] in recording.damage
 
 
-def test_all_damages_are_told_each_with_its_file(folder: Path) -> None:
+def test_all_damages_are_reported_each_with_its_file(folder: Path) -> None:
     given = scans(20)
     (folder / METADATA).write_text("")
     for number in (1, 2):
@@ -110,18 +110,18 @@ def test_all_damages_are_told_each_with_its_file(folder: Path) -> None:
     ]
 
 
-def test_fewer_messages_than_the_metadata_counts_are_told(folder: Path) -> None:
+def test_fewer_messages_than_the_metadata_counts_are_reported(folder: Path) -> None:
     path = storage(folder)
     db3(path, scans(4)) if path.suffix == ".db3" else mcap(path, scans(4))
-    recording, found = read(folder)
-    assert len(found) == 4
+    recording, result = read(folder)
+    assert len(result) == 4
     assert recording.damage == "has fewer messages than the 9 that its metadata.yaml counts"
 
 
 def test_files_that_whole_metadata_does_not_name_are_left_alone(folder: Path) -> None:
     mcap(folder / "copy.mcap", scans(9))
-    recording, found = read(folder)
-    assert (found, recording.damage) == (scans(9), None)
+    recording, result = read(folder)
+    assert (result, recording.damage) == (scans(9), None)
 
 
 def test_a_folder_with_nothing_in_it_says_what_was_expected(tmp_path: Path) -> None:

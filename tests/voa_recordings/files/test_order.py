@@ -34,9 +34,9 @@ STORED: dict[str, Callable[[Path, list[Written]], Path]] = {
 @pytest.mark.parametrize("stored", STORED)
 def test_topics_after_one_another_are_read_by_time(tmp_path: Path, stored: str) -> None:
     given = topics_after_one_another(20)
-    recording, found = read(STORED[stored](tmp_path, given))
-    assert found == by_time(given)
-    assert [topic for topic, *_ in found[:2]] == ["/scan", "/odom"], "equal times as they are stored"
+    recording, result = read(STORED[stored](tmp_path, given))
+    assert result == by_time(given)
+    assert [topic for topic, *_ in result[:2]] == ["/scan", "/odom"], "equal times as they are stored"
     assert (recording.damage, recording.recovered) == (None, 40)
 
 
@@ -59,9 +59,9 @@ def test_a_damaged_file_gives_what_stands_before_the_damage_by_time(tmp_path: Pa
     given = topics_after_one_another(20)
     path = mcap(tmp_path / "x.mcap", given, 4_000)
     path.write_bytes(path.read_bytes()[:-4_000])
-    recording, found = read(path)
-    assert 20 < len(found) < 40
-    assert found == by_time(given[: len(found)])
+    recording, result = read(path)
+    assert 20 < len(result) < 40
+    assert result == by_time(given[: len(result)])
     assert recording.damage == "ends in the middle"
 
 

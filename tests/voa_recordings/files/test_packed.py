@@ -45,8 +45,8 @@ def test_a_compressed_file_is_read(tmp_path: Path, ending: str, make: Callable[.
     path.write_bytes(PACKERS[ending](plain.read_bytes()))
     plain.unlink()
     assert is_recording(path)
-    recording, found = read(path)
-    assert (found, recording.damage) == (GIVEN, None)
+    recording, result = read(path)
+    assert (result, recording.damage) == (GIVEN, None)
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -60,9 +60,9 @@ def test_a_compressed_file_that_was_cut_is_read_as_far_as_it_goes(tmp_path: Path
     path.write_bytes(packed)
     assert read(path)[1] == given
     path.write_bytes(packed[:-100_000])
-    recording, found = read(path)
-    assert found == given[: len(found)]
-    assert 400 < len(found) < 800
+    recording, result = read(path)
+    assert result == given[: len(result)]
+    assert 400 < len(result) < 800
     assert recording.damage is not None
     assert (
         f"is {KINDS[ending]}, and is damaged: it can be unpacked in part only; ends in the middle" == recording.damage
@@ -87,8 +87,8 @@ def test_what_rosbag2_compressed_is_read(
             writer.write(connection, at, payload)
     [path] = [path for path in folder.iterdir() if path.name != METADATA]
     assert path.name.endswith(".zstd") == (mode == CompressionMode.FILE)
-    recording, found = read(path if bare else folder)
-    assert (found, recording.damage) == (GIVEN, None)
+    recording, result = read(path if bare else folder)
+    assert (result, recording.damage) == (GIVEN, None)
 
 
 def test_a_part_and_its_compressed_twin_are_read_once(tmp_path: Path) -> None:
@@ -104,8 +104,8 @@ def test_a_file_that_was_decompressed_since_is_the_one_that_the_metadata_names(t
     folder = bag(tmp_path / "bag", GIVEN, StoragePlugin.MCAP)
     metadata = folder / METADATA
     metadata.write_text(metadata.read_text().replace("- bag.mcap", "- bag.mcap.zstd"))
-    recording, found = read(folder)
-    assert (found, recording.damage) == (GIVEN, None)
+    recording, result = read(folder)
+    assert (result, recording.damage) == (GIVEN, None)
 
 
 def tar(inside: str) -> bytes:
@@ -153,17 +153,15 @@ def test_messages_in_an_unknown_compression_name_the_command_that_decompresses_t
             "compression_mode: ''", "compression_mode: message"
         )
     )
-    with pytest.raises(
-        UnreadableRecording, match=r"compressed by 'own', but only zstd can be read.*`ros2 bag convert -i"
-    ):
+    with pytest.raises(UnreadableRecording, match=r"compressed by 'own', but only zstd can be.*`ros2 bag convert -i"):
         read(folder)
 
 
 def test_messages_that_cannot_be_decompressed_are_counted(tmp_path: Path) -> None:
     topic, type_name, at, payload = GIVEN[0]
     broken = zstandard.compress(payload)[:-5]
-    recording, found = read(mcap(tmp_path / "x.mcap", [*GIVEN, (topic, type_name, at, broken)]))
-    assert found == GIVEN
+    recording, result = read(mcap(tmp_path / "x.mcap", [*GIVEN, (topic, type_name, at, broken)]))
+    assert result == GIVEN
     assert recording.damage == "has 1 messages that cannot be decompressed"
 
 

@@ -33,8 +33,8 @@ def ros1_bag(path: Path) -> Path:
 def test_a_ros_1_bag_is_read_as_ros_2_s_bytes(tmp_path: Path, name: str) -> None:
     path = ros1_bag(tmp_path / "x.bag").rename(tmp_path / name)
     assert is_recording(path)
-    recording, found = read(path)
-    assert found[:-1] == by_time(GIVEN)
+    recording, result = read(path)
+    assert result[:-1] == by_time(GIVEN)
     assert recording.damage is None
     assert [message.encoding for message in Recording(path, RosTypes()).messages()] == ["cdr"] * 20 + ["ros1"]
 
@@ -54,8 +54,8 @@ def test_what_is_damaged_inside_is_read_up_to_there(tmp_path: Path) -> None:
     place = whole.find(bytes(STORE.cdr_to_ros1(payload, type_name)))
     whole[place - 40 : place] = b"\xff" * 40
     path.write_bytes(whole)
-    recording, found = read(path)
-    assert found == by_time(GIVEN)[: len(found)]
-    assert 0 < len(found) < 20
+    recording, result = read(path)
+    assert result == by_time(GIVEN)[: len(result)]
+    assert 0 < len(result) < 20
     assert recording.damage is not None
     assert "is damaged" in recording.damage

@@ -24,7 +24,7 @@ IMU = "sensor_msgs/msg/Imu"
         ("a/b", None),
     ],
 )
-def test_a_token_tells_the_type_of_its_key(token: str, type_name: str | None) -> None:
+def test_a_token_announces_the_type_of_its_key(token: str, type_name: str | None) -> None:
     types = BridgeTypes()
     types.note(token)
     assert types.type_of("rb/imu") == type_name

@@ -31,14 +31,14 @@ SCAN = encode_laser_scan(laser_scan([0.5] * 4, START_NS))
 ODOM = encode_odometry(Odometry(STAMP, "odom", "base", POSE))
 AMCL = encode_pose(PoseWithCovariance(STAMP, "map", POSE))
 RMW = "0/tb3_1/scan/sensor_msgs::msg::dds_::LaserScan_/RIHS01_x"
-LATER = START_NS + 1_000_000_000
+NEXT = START_NS + 1_000_000_000
 
 
-def heard(key: str, payload: bytes = b"", **changes: Any) -> Received:
-    told: dict[str, Any] = {
-        "attachment": b"", "encoding": "zenoh/bytes", "deleted": False, "log_ns": LATER, "sent_ns": None,
+def received(key: str, payload: bytes = b"", **changes: Any) -> Received:
+    content: dict[str, Any] = {
+        "attachment": b"", "encoding": "zenoh/bytes", "deleted": False, "log_ns": NEXT, "sent_ns": None,
     }  # fmt: skip
-    return Received(key, payload, **(told | changes))
+    return Received(key, payload, **(content | changes))
 
 
 def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
@@ -49,8 +49,8 @@ def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]],
     moved = [filing.file(item) for item in items]
     writer.finish()
     file.seek(0)
-    found = [(c.topic, s.name if s else None, m) for s, c, m in make_reader(file).iter_messages()]
-    return found, moved, filing
+    result = [(c.topic, s.name if s else None, m) for s, c, m in make_reader(file).iter_messages()]
+    return result, moved, filing
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]],
     ],
 )
 def test_a_ros_sample_gets_its_topic_and_type(key: str, payload: bytes, topic: str, type_name: str | None) -> None:
-    found, moved, filing = filed(heard(key, payload))
-    assert [(name, kind, message.data) for name, kind, message in found] == [(topic, type_name, payload)]
+    result, moved, filing = filed(received(key, payload))
+    assert [(name, kind, message.data) for name, kind, message in result] == [(topic, type_name, payload)]
     assert moved == [None]
     assert filing.unknown == ({"/what/ever": 1} if key == "what/ever" else {})
 
@@ -78,11 +78,11 @@ def test_the_type_that_a_bridge_announces_is_kept() -> None:
     writer = RecordingWriter(file, TYPES)
     filing = Filing(writer, KEYS, {"rb/imu": "sensor_msgs/msg/Imu", "rb/own": "lab/msg/Own"}.get)
     for key in ("rb/imu", "rb/own", "rb/else"):
-        filing.file(heard(key, b"\0\1\0\0"))
+        filing.file(received(key, b"\0\1\0\0"))
     writer.finish()
     file.seek(0)
-    found = {c.topic: s and (s.name, s.encoding, bool(s.data)) for s, c, _ in make_reader(file).iter_messages()}
-    assert found == {
+    result = {c.topic: s and (s.name, s.encoding, bool(s.data)) for s, c, _ in make_reader(file).iter_messages()}
+    assert result == {
         "/rb/imu": ("sensor_msgs/msg/Imu", "ros2msg", True),
         "/rb/own": ("lab/msg/Own", "", False),
         "/rb/else": None,
@@ -93,21 +93,21 @@ def test_the_type_that_a_bridge_announces_is_kept() -> None:
 def test_a_scan_is_one_however_many_beams_it_has_and_a_topic_keeps_its_type() -> None:
     large = encode_laser_scan(laser_scan([0.5] * 5_521, START_NS, angle_increment=0.001))
     broken = bytes(SCAN[:-30])
-    found, _, filing = filed(heard("rb/scan", large), heard("rb/scan", broken), heard("rb/scan", SCAN))
-    assert [kind for _, kind, _ in found] == [LASER_SCAN] * 3
+    result, _, filing = filed(received("rb/scan", large), received("rb/scan", broken), received("rb/scan", SCAN))
+    assert [kind for _, kind, _ in result] == [LASER_SCAN] * 3
     assert filing.beams == {"/rb/scan": 5_521}
 
 
-def test_what_becomes_known_later_is_told_from_then_on() -> None:
-    found, _, filing = filed(heard("rb/scan", b"\0\1\0\0"), heard("rb/scan", SCAN))
-    assert [kind for _, kind, _ in found] == [None, LASER_SCAN]
+def test_a_type_that_becomes_known_is_recorded_from_then_on() -> None:
+    result, _, filing = filed(received("rb/scan", b"\0\1\0\0"), received("rb/scan", SCAN))
+    assert [kind for _, kind, _ in result] == [None, LASER_SCAN]
     assert filing.unknown == {"/rb/scan": 1}
 
 
 def test_a_definition_with_another_hash_is_not_passed_off_as_the_sender_s() -> None:
     type_name, right = "sensor_msgs/msg/Imu", TYPES.store.hash_rihs01("sensor_msgs/msg/Imu")
-    for told, is_defined in ((right, True), ("TypeHashNotSupported", True), (f"RIHS01_{'0' * 64}", False)):
-        assert (TYPES.definition(type_name, told) is not None) == is_defined
+    for content, is_defined in ((right, True), ("TypeHashNotSupported", True), (f"RIHS01_{'0' * 64}", False)):
+        assert (TYPES.definition(type_name, content) is not None) == is_defined
 
 
 def test_what_others_cannot_read_is_said() -> None:
@@ -125,38 +125,38 @@ def test_what_others_cannot_read_is_said() -> None:
     ("key", "of_rmw"),
     [(RMW, True), ("a/rb/b/c", False), ("x/rb/scan/sensor_msgs::msg::dds_::LaserScan_/h", False), ("rb/scan", False)],
 )
-def test_keys_of_rmw_zenoh_are_told_by_domain_and_type(key: str, of_rmw: bool) -> None:
+def test_keys_of_rmw_zenoh_are_recognised_by_domain_and_type(key: str, of_rmw: bool) -> None:
     assert is_of_rmw(key) == of_rmw
 
 
 def test_when_it_was_sent_says_who_knows_best() -> None:
     attachment = RmwAttachment(2**32 + 3, START_NS + 7, bytes(16)).encode()
-    found, _, _ = filed(
-        heard(RMW, SCAN, attachment=attachment, sent_ns=START_NS + 9),
-        heard(RMW, SCAN, attachment=attachment),
-        heard(RMW, SCAN),
-        heard("what/ever", b"x"),
+    result, _, _ = filed(
+        received(RMW, SCAN, attachment=attachment, sent_ns=START_NS + 9),
+        received(RMW, SCAN, attachment=attachment),
+        received(RMW, SCAN),
+        received("what/ever", b"x"),
     )
-    assert sorted((m.publish_time, m.sequence) for _, _, m in found) == [
+    assert sorted((m.publish_time, m.sequence) for _, _, m in result) == [
         (START_NS, 0),
         (START_NS + 7, 3),
         (START_NS + 9, 3),
-        (LATER, 0),
+        (NEXT, 0),
     ]
 
 
 def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
-    found, moved, _ = filed(
-        heard(KEYS.belief("s1"), b"{}"),
-        heard(KEYS.belief("s1"), deleted=True),
-        heard(KEYS.scan("s1", "r1"), b"{}", attachment=b'{"key": "secret", "sensor": "Q1"}'),
-        heard(KEYS.scan("s1", "r1"), b"{}", attachment=b'{"key": "secret"}'),
-        heard(KEYS.scan("s1", "r1"), SCAN, attachment=b"no JSON"),
-        heard(KEYS.refused("s1", "r1"), b"{}"),
-        heard(f"{KEYS.root}/other/s1", b"{}"),
-        Answer("s1", "history", b"{}", LATER, LATER),
+    result, moved, _ = filed(
+        received(KEYS.belief("s1"), b"{}"),
+        received(KEYS.belief("s1"), deleted=True),
+        received(KEYS.scan("s1", "r1"), b"{}", attachment=b'{"key": "secret", "sensor": "Q1"}'),
+        received(KEYS.scan("s1", "r1"), b"{}", attachment=b'{"key": "secret"}'),
+        received(KEYS.scan("s1", "r1"), SCAN, attachment=b"no JSON"),
+        received(KEYS.refused("s1", "r1"), b"{}"),
+        received(f"{KEYS.root}/other/s1", b"{}"),
+        Answer("s1", "history", b"{}", NEXT, NEXT),
     )
-    assert Counter((topic, kind) for topic, kind, _ in found) == {
+    assert Counter((topic, kind) for topic, kind, _ in result) == {
         ("/voa/s1/belief", "Session"): 1,
         ("/voa/s1/deleted", None): 1,
         ("/voa/s1/scan", "ScanRequest"): 2,
@@ -165,30 +165,30 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
         ("/voa/s1/refused", "Problem"): 1,
         ("/voa/s1/history", "HistoryEntry"): 1,
     }
-    beside = [message.data for topic, _, message in found if topic.endswith("attachment")]
+    beside = [message.data for topic, _, message in result if topic.endswith("attachment")]
     assert [json.loads(data) for data in beside] == [{"sensor": "Q1"}]
     assert moved == ["s1"] + [None] * 7
 
 
 @pytest.mark.parametrize("attachment", [b"[" * 100_000, b"9" * 5_000, b"\xff", b"{", b'"key"'])
 def test_an_attachment_that_is_none_of_the_service_s_ends_no_recording(attachment: bytes) -> None:
-    kept, _, _ = filed(heard(KEYS.scan("s", "r"), b"{}", attachment=attachment))
+    kept, _, _ = filed(received(KEYS.scan("s", "r"), b"{}", attachment=attachment))
     assert len(kept) == 1
 
 
 def test_an_inbox_that_is_full_drops_and_counts() -> None:
     inbox = Inbox(2)
-    items = [heard("a"), heard("b"), heard("c")]
+    items = [received("a"), received("b"), received("c")]
     for item in items:
         inbox.put(item)
     assert (inbox.get(0.0), inbox.get(0.0), inbox.get(0.0), inbox.get(0.01)) == (*items[:2], None, None)
     assert inbox.dropped == 1
 
 
-def test_a_history_that_cannot_be_fetched_is_told() -> None:
+def test_a_history_that_cannot_be_fetched_is_reported() -> None:
     inbox = Inbox()
     with Client("http://127.0.0.1:1", timeout_s=0.1) as client:
-        histories = Histories(client, inbox, lambda: LATER)
+        histories = Histories(client, inbox, lambda: NEXT)
         histories.start()
         histories.want("s1")
         wait_for(lambda: histories.failed, "the attempt fails")
@@ -202,5 +202,5 @@ def test_the_line_says_how_it_stands() -> None:
     line = status.line(counts, 1_234_567, 2.0, 0, linked=True)
     assert line == "recording 15 messages, 1.2 MB, last 2 s ago  /scan 12  /odom 3"
     assert "no router  4 dropped" in status.line(counts, 0, None, 4, linked=False)
-    assert "nothing heard yet" in status.line(Counter(), 0, None, 0, linked=True)
+    assert "nothing received yet" in status.line(Counter(), 0, None, 0, linked=True)
     assert [status.size(count) for count in (999, 1000, 2_500_000_000_000)] == ["999 B", "1.0 kB", "2500.0 GB"]

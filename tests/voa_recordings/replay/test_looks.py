@@ -44,8 +44,8 @@ def replayed(capsys: pytest.CaptureFixture[str], process: str, path: Path, *opti
     code = main(["replay", str(path), "--json", "--url", process, *options])
     out, err = capsys.readouterr()
     assert (code, err) == (0, ""), err
-    told: dict[str, Any] = json.loads(out)
-    return told
+    document: dict[str, Any] = json.loads(out)
+    return document
 
 
 @pytest.mark.parametrize("storage", [StoragePlugin.SQLITE3, StoragePlugin.MCAP])
@@ -54,13 +54,13 @@ def test_a_parked_lidar_gives_one_look_or_every_scan_one(
     capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, storage: StoragePlugin, mode: str, count: int
 ) -> None:
     folder = bag(tmp_path / "bag", revolutions(25), storage)
-    told = replayed(
+    document = replayed(
         capsys, process, folder, "--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1", "--look", mode
     )
-    assert (told["damage"], told["messages"]) == (None, 25)
-    assert [(robot["scans"], robot["looks"]) for robot in told["robots"]] == [(25, count)]
-    assert len(told["looks"]) == count
-    first = told["looks"][0]
+    assert (document["damage"], document["messages"]) == (None, 25)
+    assert [(robot["scans"], robot["looks"]) for robot in document["robots"]] == [(25, count)]
+    assert len(document["looks"]) == count
+    first = document["looks"][0]
     assert (first["sensor"], first["update"]["accepted"], first["best_grasp"], first["version"]) == (
         "Q1",
         True,
@@ -88,8 +88,8 @@ def test_a_file_that_ends_in_the_middle_says_so_and_is_no_error(
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.read_bytes()[:-60])
     options = ["--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1"]
-    told = replayed(capsys, process, cut, *options)
-    assert (told["damage"], told["messages"], len(told["looks"])) == ("ends in the middle", 25, 1)
+    document = replayed(capsys, process, cut, *options)
+    assert (document["damage"], document["messages"], len(document["looks"])) == ("ends in the middle", 25, 1)
     whole.write_bytes(cut.read_bytes())
     assert main(["replay", str(folder), *options, "--url", process]) == 0
     out = " ".join(capsys.readouterr().out.split())
@@ -125,8 +125,8 @@ def drive(at_places: Sequence[float], *, amcl: bool = False) -> list[Written]:
         odometry = Odometry(stamp(at), "odom", "base_footprint", pose)
         made.append(("/tb3_1/odom", ODOMETRY, at, encode_odometry(odometry)))
         if amcl and index == 0:
-            told = PoseWithCovariance(stamp(at), "map", pose, (0.01, *(0.0,) * 6, 0.01, *(0.0,) * 27, 0.0))
-            made.append(("/tb3_1/amcl_pose", POSE_WITH_COVARIANCE, at, encode_pose(told)))
+            document = PoseWithCovariance(stamp(at), "map", pose, (0.01, *(0.0,) * 6, 0.01, *(0.0,) * 27, 0.0))
+            made.append(("/tb3_1/amcl_pose", POSE_WITH_COVARIANCE, at, encode_pose(document)))
         ranges = [0.4 + 0.1 * x] * 360
         made.append(("/tb3_1/scan", LASER_SCAN, at, encode_laser_scan(laser_scan(ranges, at))))
     return made
@@ -143,23 +143,23 @@ def test_a_mapping_finds_looks_and_places_as_live(
     mapping = tmp_path / "robots.toml"
     mapping.write_text(MAPPING.format(mode=mode, place=place), encoding="utf-8")
     folder = bag(tmp_path / "bag", drive([0.0, 0.2], amcl=place == "amcl"), StoragePlugin.SQLITE3)
-    told = replayed(capsys, process, folder, "--scenario", str(scenario), "--robots", str(mapping))
-    assert [(look["robot"], look["sensor"]) for look in told["looks"]] == [("tb3_1", None)] * 2
-    poses = [look["sensor_pose"] for look in told["looks"]]
+    document = replayed(capsys, process, folder, "--scenario", str(scenario), "--robots", str(mapping))
+    assert [(look["robot"], look["sensor"]) for look in document["looks"]] == [("tb3_1", None)] * 2
+    poses = [look["sensor_pose"] for look in document["looks"]]
     assert [pose["x"] for pose in poses] == pytest.approx([0.432, 0.232])
     assert [abs(pose["yaw_rad"]) for pose in poses] == pytest.approx([math.pi] * 2)
     assert (poses[0].get("std") is not None) == (place == "amcl")
-    one, other = told["robots"]
+    one, other = document["robots"]
     assert one["session"] == other["session"]
     assert (other["scans"], other["waiting_for"]) == (0, "a scan")
 
 
-def test_a_look_that_the_service_refuses_is_told(
+def test_a_look_that_the_service_refuses_is_reported(
     capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path
 ) -> None:
     folder = bag(tmp_path / "bag", revolutions(12, [0.5] * 7), StoragePlugin.MCAP)
-    told = replayed(capsys, process, folder, "--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1")
-    [look] = told["looks"]
+    document = replayed(capsys, process, folder, "--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1")
+    [look] = document["looks"]
     assert look["update"] is None
     assert look["refused"].startswith("beam-grid-mismatch")
 
@@ -221,7 +221,9 @@ def test_a_bag_with_neither_sessions_nor_a_scenario_names_its_topics(
     assert "--scenario" in said
 
 
-def test_scans_that_cannot_be_read_are_told(capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path) -> None:
+def test_scans_that_cannot_be_read_are_reported(
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path
+) -> None:
     folder = bag(tmp_path / "bag", [("/scan", LASER_SCAN, START_NS, b"\0\1\0\0nonsense")], StoragePlugin.MCAP)
     command = ["replay", str(folder), "--scenario", str(scenario_file(tmp_path)), "--sensor", "Q1", "--url", process]
     assert main(command) == 1
@@ -230,7 +232,7 @@ def test_scans_that_cannot_be_read_are_told(capsys: pytest.CaptureFixture[str], 
 
 @pytest.mark.parametrize("storage", [StoragePlugin.SQLITE3, StoragePlugin.MCAP])
 @pytest.mark.parametrize("type_name", [ODOMETRY, "sensor_msgs/msg/PointCloud2"])
-def test_a_topic_of_another_type_is_told_with_the_type_that_it_should_have(
+def test_a_topic_of_another_type_is_reported_with_the_expected_type(
     capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, type_name: str, storage: StoragePlugin
 ) -> None:
     folder = bag(tmp_path / "bag", [("/scan", type_name, START_NS, bytes(4))], storage)

@@ -23,12 +23,12 @@ from voa_recordings.files.writer import RecordingWriter
 TYPES = RosTypes()
 MUG = asset_path("mug")
 
-Told = tuple[str, str, BaseModel | bytes]
+SessionMessage = tuple[str, str, BaseModel | bytes]
 """Session, kind, message."""
 
 
 @pytest.fixture(scope="module")
-def told(process: str) -> list[Told]:
+def content(process: str) -> list[SessionMessage]:
     """Everything about a session with three versions, in the order of a recording."""
     with Client(process) as client:
         scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
@@ -40,13 +40,13 @@ def told(process: str) -> list[Told]:
         client.report_outcome(own, OutcomeRequest(grasp="G1", success=False))
         beliefs = [begun, first, client.get_session(own)]
         history = list(client.history(own))
-    found: list[Told] = [("s1", "scenario", scenario)]
+    result: list[SessionMessage] = [("s1", "scenario", scenario)]
     for state, entry in zip(beliefs, history, strict=True):
-        found += [("s1", "belief", state), ("s1", "history", entry)]
-    return found
+        result += [("s1", "belief", state), ("s1", "history", entry)]
+    return result
 
 
-def written(path: Path, messages: Iterable[Told]) -> Path:
+def written(path: Path, messages: Iterable[SessionMessage]) -> Path:
     with path.open("wb") as file:
         writer = RecordingWriter(file, TYPES)
         for session, what, message in messages:
@@ -65,8 +65,10 @@ def replayed(capsys: pytest.CaptureFixture[str], process: str, path: Path, *more
     return code, sessions
 
 
-def test_all_of_it(capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: list[Told]) -> None:
-    code, [again] = replayed(capsys, process, written(tmp_path / "x.mcap", told))
+def test_all_of_it(
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: list[SessionMessage]
+) -> None:
+    code, [again] = replayed(capsys, process, written(tmp_path / "x.mcap", content))
     assert (code, again["same"], again["session"]["version"], again["lacks"]) == (0, True, 2, None)
 
 
@@ -75,25 +77,30 @@ def test_all_of_it(capsys: pytest.CaptureFixture[str], process: str, tmp_path: P
     [([-1], 1), ([-2], 1), ([3], 2), ([3, 5], 0), ([4, 6], 0)],
     ids=["last history", "last belief", "a belief between", "all but the first belief", "all but the first history"],
 )
-def test_a_session_is_made_anew_as_far_as_it_is_whole(
+def test_a_session_is_rebuilt_as_far_as_it_is_complete(
     capsys: pytest.CaptureFixture[str],
     process: str,
     tmp_path: Path,
-    told: list[Told],
+    content: list[SessionMessage],
     left_out: list[int],
     version: int,
 ) -> None:
-    gone = {index % len(told) for index in left_out}
-    kept = [message for index, message in enumerate(told) if index not in gone]
+    gone = {index % len(content) for index in left_out}
+    kept = [message for index, message in enumerate(content) if index not in gone]
     code, [again] = replayed(capsys, process, written(tmp_path / "x.mcap", kept))
     assert (code, again["same"], again["session"]["version"]) == (0, True, version)
 
 
 @pytest.mark.parametrize(("left_out", "lacks"), [(0, "its scenario"), (2, "no version has both")])
 def test_a_session_that_lacks_something_is_named(
-    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: list[Told], left_out: int, lacks: str
+    capsys: pytest.CaptureFixture[str],
+    process: str,
+    tmp_path: Path,
+    content: list[SessionMessage],
+    left_out: int,
+    lacks: str,
 ) -> None:
-    kept = [message for index, message in enumerate(told) if index != left_out]
+    kept = [message for index, message in enumerate(content) if index != left_out]
     path = written(tmp_path / "x.mcap", kept)
     code, [again] = replayed(capsys, process, path)
     assert (code, again["same"], again["session"]) == (1, None, None)
@@ -103,12 +110,12 @@ def test_a_session_that_lacks_something_is_named(
 
 
 def test_another_belief_is_an_error(
-    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: list[Told]
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: list[SessionMessage]
 ) -> None:
-    session, what, last = told[-2]
+    session, what, last = content[-2]
     assert isinstance(last, BaseModel)
     otherwise = last.model_copy(update={"belief": [0.2, 0.3, 0.5]})
-    path = written(tmp_path / "x.mcap", [*told, (session, what, otherwise)])
+    path = written(tmp_path / "x.mcap", [*content, (session, what, otherwise)])
     code, [again] = replayed(capsys, process, path)
     assert (code, again["same"]) == (1, False)
     assert main(["replay", str(path), "--url", process]) == 1
@@ -116,26 +123,26 @@ def test_another_belief_is_an_error(
 
 
 def test_a_message_that_is_none_is_an_error(
-    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: list[Told]
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: list[SessionMessage]
 ) -> None:
-    path = written(tmp_path / "x.mcap", [*told, ("s1", "history", b"{}")])
+    path = written(tmp_path / "x.mcap", [*content, ("s1", "history", b"{}")])
     assert main(["replay", str(path), "--url", process]) == 1
     assert "/voa/s1/history: version: expected, but it is not there" in capsys.readouterr().err
 
 
 def test_a_mesh_is_given_where_the_service_has_none(
-    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, told: list[Told]
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: list[SessionMessage]
 ) -> None:
     with Client(process) as client:
         scenario = load_scenario(client, MUG / "scenario.json")
         session = client.create_session(SessionRequest(scenario=scenario.id))
-        mug: list[Told] = [("s2", "scenario", scenario), ("s2", "belief", session)]
+        mug: list[SessionMessage] = [("s2", "scenario", scenario), ("s2", "belief", session)]
         mug += [("s2", "history", entry) for entry in client.history(session.id)]
-    path = written(tmp_path / "x.mcap", [*mug, *told])
+    path = written(tmp_path / "x.mcap", [*mug, *content])
     assert main(["replay", str(path)]) == 1
     assert "give its mesh with `voa replay --mesh FILE`" in capsys.readouterr().err
     assert main(["replay", str(path), "--mesh", str(MUG / "mug.obj")]) == 0
     assert " ".join(capsys.readouterr().out.split()).count("its belief is exactly the recorded one") == 2
-    alone = written(tmp_path / "y.mcap", told)
+    alone = written(tmp_path / "y.mcap", content)
     assert main(["replay", str(alone), "--url", process, "--mesh", str(MUG / "mug.obj")]) == 1
     assert "but the sessions need none" in capsys.readouterr().err
