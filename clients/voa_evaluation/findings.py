@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from voa_client.readable import signed
+from voa_client.formatting import signed
 from voa_evaluation.found import Found
 from voa_evaluation.outcomes import Outcome, Rate
 from voa_evaluation.rows import Rows

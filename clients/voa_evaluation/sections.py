@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from voa_client.readable import signed
+from voa_client.formatting import signed
 from voa_evaluation.findings import findings
 from voa_evaluation.findings_section import findings_section
 from voa_evaluation.found import Found

@@ -25,8 +25,8 @@ from typing import Annotated, Any, Self, TypeGuard
 from annotated_types import Gt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from voa_client._errors import VoaClientError
-from voa_client._files import read_file
+from voa_client import VoaClientError
+from voa_client.message_files import read_file
 from voa_msgs.base import Point3, Quaternion
 from voa_msgs.reading import InvalidMessage, read_json
 

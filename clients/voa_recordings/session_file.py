@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from voa_client._client import Client
-from voa_client._errors import NotFoundError, VoaClientError
-from voa_client._files import read_file
+from voa_client import Client, NotFoundError, VoaClientError
+from voa_client.message_files import read_file
 from voa_msgs.base import Message
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, HistoryEntry, OutcomeRequest, ScanRequest, Session, SessionRequest

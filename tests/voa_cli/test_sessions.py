@@ -12,8 +12,7 @@ from tests.support.serving import Service, data_scenario
 from voa_assets import path as asset_path
 from voa_cli import sessions
 from voa_cli.main import main
-from voa_client import Client
-from voa_client._in_process import InProcessTransport
+from voa_client import Client, InProcessTransport
 from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest

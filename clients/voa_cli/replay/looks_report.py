@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from voa_client.readable import share
+from voa_client.formatting import share
 from voa_recordings.files.reading import Recording
 from voa_recordings.replay.looks import Found, Look, Replayed
 from voa_recordings.replay.recordings import show_damage

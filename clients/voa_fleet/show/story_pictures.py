@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle
 
-from voa_client.readable import share, signed
+from voa_client.formatting import share, signed
 from voa_evaluation.figures import new_figure
 from voa_fleet.devices.session_looks import TakenLook
 from voa_fleet.episodes.attempts import object_pose

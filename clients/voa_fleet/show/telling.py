@@ -10,7 +10,7 @@ from rich.live import Live
 from rich.markup import escape
 from rich.table import Table
 
-from voa_client.readable import bar, no_look, ranks, scale, share, signed, signed_apart
+from voa_client.formatting import bar, no_look, ranks, scale, share, signed, signed_apart
 from voa_fleet.devices.session_looks import TakenLook
 from voa_fleet.episodes.story import Arrived, Chosen, Event, Grasped, Grasping, Happening, Looked, Opened, Reported
 from voa_msgs.rankings import Ranking

@@ -14,7 +14,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from voa_client import Client
-from voa_client.readable import share, signed
+from voa_client.formatting import share, signed
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
