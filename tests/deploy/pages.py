@@ -1,4 +1,4 @@
-"""README.md and the documentation in parts that can be run: blocks of code, commands, and what a page says they print."""
+"""README.md and the documentation in parts that can be run: blocks of code, commands, and what they should print."""
 
 import re
 import shlex

@@ -52,9 +52,7 @@ def test_the_program_of_the_readme_prints_what_is_stated(process: str, capsys: p
     assert capsys.readouterr().out == stated[1] + "\n"
 
 
-def test_the_program_of_the_quick_start_prints_what_is_stated(
-    process: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_program_of_the_quick_start_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
     program = page("quick-start").program("load_scenario")
     run(program, process)
     stated = re.match(r"\s*It prints\n\n```\n(.*?)```", program.after, re.DOTALL)
