@@ -22,7 +22,7 @@ _SLACK_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Which beams of one scan could see the object, and which do (DESIGN.md, "A scan without the object").
+    """Which beams of one scan could see the object, and which do (deploy/docs/mathematics.md, "Update").
 
     Attributes:
         measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.

@@ -65,8 +65,8 @@ def scan_of(lidar: LidarModel, ranges: Sequence[float | None], no_return: Sequen
 def classify(scan: Scan, lidar: LidarModel, crossing: Crossing | None) -> Floats:
     """Every beam of a measured scan as a return (its range), a no-return (inf) or missing (NaN).
 
-    The order is DESIGN.md's, section 4 "Which beam is what". An index in `no_return` goes first: what stands
-    in `ranges` there is ignored.
+    The order is that of deploy/docs/mathematics.md, "What each beam says". An index in `no_return` goes first: what
+    stands in `ranges` there is ignored.
 
     Args:
         scan: as the driver gave it.
