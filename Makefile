@@ -52,7 +52,7 @@ lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy voa_core service clients assets deploy tests
 
-docs: setup  ## the documentation, into build/docs
+docs: setup  ## the documentation, into build/docs/index.html
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet -f deploy/mkdocs.yml
 
 chaos: setup system-packages  ## attacks on a running service, each with its figure before and now

@@ -12,6 +12,9 @@ from pydantic import BaseModel
 from tests.deploy.pages import PAGES, README, REPOSITORY, Command, Page, agrees, page
 from tests.support.serving import Service
 from voa_cli.main import main
+from voa_client import ScanRequest, ScenarioRequest
+from voa_client.scenario_files import ScenarioFile
+from voa_msgs.lidars import Lidar
 from voa_ros.robots import load
 from voa_service.failures import Failure, HttpError
 from voa_service.settings import Settings
@@ -51,6 +54,17 @@ def test_links_lead_somewhere(each: Page) -> None:
 def test_named_files_and_folders_exist(each: Page) -> None:
     for path in PATHS.findall(each.text):
         assert (REPOSITORY / path).exists(), path
+
+
+def test_the_scenarios_and_the_scan_are_valid_requests() -> None:
+    (own,) = page("set-up-an-object").blocks("json")
+    assert ScenarioFile.model_validate_json(own.text).object == "box.obj"
+    scenario, scan = page("contract").blocks("json")
+    stored = json.loads(scenario.text.replace("<object id or null>", "0" * 64))
+    assert ScenarioRequest.model_validate(stored).lidar.preset == "lds-01"
+    assert ScanRequest.model_validate_json(scan.text).scan.no_return == [2]
+    (lidar,) = page("add-a-lidar").blocks("json")
+    assert Lidar.model_validate_json(lidar.text.split(":", 1)[1]).beams == 720
 
 
 def test_the_folders_of_the_house_exist() -> None:
