@@ -1,8 +1,8 @@
-"""Which transport an address means.
+"""Choice of the transport by the address of a service.
 
 http://127.0.0.1:8000                          HTTP; https:// too
 zenoh://127.0.0.1:7447                         Zenoh by TCP, root voa/v1/default
-zenoh://user:password@lab:7447/voa/v1/lab7     the same, with a user and another root
+zenoh://user:password@lab:7447/voa/v1/lab7     Zenoh by TCP as a user, with another root of the keys
 zenoh+tls://lab:7447?ca=ca.pem                 Zenoh by TLS
 tcp/127.0.0.1:7447                             an endpoint as Zenoh writes it
 """
@@ -19,14 +19,14 @@ _HTTP = ("http", "https")
 
 
 def transport_to(address: str) -> Transport:
-    """What carries calls to an address; raises UsageError if that is none."""
+    """Make the transport for an address; raises UsageError if the address is not valid."""
     if _is_http(address):
         return HttpTransport(address)
     return ZenohTransport(ZenohAddress.parse(address))
 
 
 def async_transport_to(address: str) -> AsyncTransport:
-    """The same for asyncio."""
+    """Make the transport for an address, for asyncio; raises UsageError if the address is not valid."""
     if _is_http(address):
         return AsyncHttpTransport(address)
     return AsyncZenohTransport(ZenohAddress.parse(address))

@@ -1,4 +1,4 @@
-"""What comes back over any transport, and what it means."""
+"""Answers of the service, as transports return them: read as messages, or raised as errors."""
 
 import json
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from voa_msgs.reading import in_one_line
 
 @dataclass(frozen=True)
 class Reply:
-    """An answer as it arrived.
+    """An answer of the service, before it is read.
 
     Attributes:
         body: JSON; empty for an answer without content.
-        refused: whether the body is a problem document.
-        wire: the version of the messages that the service speaks, if it said so.
-        retry_after_s: when to try again, if it said so.
+        refused: True if the body is a problem document.
+        wire: version of the messages that the service uses; None: not stated.
+        retry_after_s: seconds after which to try again; None: not stated.
     """
 
     body: bytes
@@ -31,33 +31,33 @@ class Reply:
 
 
 def read(call: Call[M], reply: Reply) -> M:
-    """The answer to a call.
+    """Read the answer to a call.
 
-    An old robot may talk to a new service: what it does not know in an answer, it ignores.
+    Fields of the answer that this version does not know are ignored, so that an older robot can use a newer service.
 
     Raises:
-        WireVersionError: the service speaks another version of the messages.
-        ProblemError: it refuses.
-        UnexpectedAnswerError: that is no answer to this call.
+        WireVersionError: the service uses another version of the messages.
+        ProblemError: the service refuses the call.
+        UnexpectedAnswerError: the body is not an answer to this call.
     """
     check(reply)
     return parse(call.answer, reply.body or b"{}")
 
 
 def check(reply: Reply) -> None:
-    """Raise what a reply is, unless it is an answer; raises as `read`."""
+    """Raise WireVersionError or ProblemError if a reply is not an answer, as `read` does."""
     if reply.wire is not None and reply.wire != WIRE_VERSION:
         raise WireVersionError(_skew(reply.wire))
     if not reply.refused:
         return
     problem = parse(Problem, reply.body)
     if problem.type.endswith(":wire-version"):
-        raise WireVersionError(f"the service does not speak version {WIRE_VERSION} of the messages: {problem.detail}")
+        raise WireVersionError(f"the service does not accept version {WIRE_VERSION} of the messages: {problem.detail}")
     raise refusal(problem, problem.retry_after_s if reply.retry_after_s is None else reply.retry_after_s)
 
 
 def parse(kind: type[M], body: bytes) -> M:
-    """A message from JSON, fields that it does not know left out; raises UnexpectedAnswerError."""
+    """Parse a message from JSON, and ignore unknown fields; raises UnexpectedAnswerError if it is another document."""
     try:
         return kind.model_validate_json(body, extra="ignore")
     except ValidationError as error:
@@ -66,8 +66,8 @@ def parse(kind: type[M], body: bytes) -> M:
         ) from error
 
 
-def made_up(status: int, where: str, text: str) -> bytes:
-    """The problem document of an error that something in between answered."""
+def synthetic_problem(status: int, where: str, text: str) -> bytes:
+    """Make a problem document for an HTTP error that a proxy answered, rather than the service."""
     title = f"HTTP {status} from {where}"
     return json.dumps(
         {"type": f"urn:voa:problem:{ANSWERED_BETWEEN}", "title": title, "status": status, "detail": text[:200]}
@@ -76,4 +76,4 @@ def made_up(status: int, where: str, text: str) -> bytes:
 
 def _skew(theirs: int) -> str:
     side = f"this program: {install_hint()}, of a newer clone" if theirs > WIRE_VERSION else "the service"
-    return f"the service speaks version {theirs} of the messages, this program version {WIRE_VERSION}: update {side}"
+    return f"the service uses version {theirs} of the messages, this program version {WIRE_VERSION}: update {side}"

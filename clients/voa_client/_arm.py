@@ -1,4 +1,4 @@
-"""The role of the arm: wait until it is worth grasping, grasp, tell what came of it."""
+"""Clients for the program on the arm: wait until grasping pays, choose the grasp, report its outcome."""
 
 from collections.abc import AsyncGenerator, Generator, Sequence
 from contextlib import aclosing, closing
@@ -17,12 +17,12 @@ WAIT_S = 300.0
 
 @dataclass(frozen=True)
 class Waited:
-    """Why a wait is over, and the session as it was then.
+    """End of a wait: the newest version of the session, and the reason why the wait ended.
 
     Attributes:
-        session: the newest that was seen.
-        reason: the best grasp is good enough (`score`); no look is worth its cost any more (`no_look_pays`); the
-            time is over (`timeout`); the session has ended (`deleted`).
+        session: its newest version that was received.
+        reason: `score`: the best grasp is good enough; `no_look_pays`: no further look is worth its cost; `timeout`:
+            the time is over; `deleted`: the session was deleted.
     """
 
     session: Session
@@ -30,11 +30,11 @@ class Waited:
 
 
 class ArmClient:
-    """The arm's side of one session.
+    """Client of the arm in one session.
 
     Args:
-        client: of the service; it stays the caller's.
-        session_id: which session.
+        client: of the service; the caller closes it.
+        session_id: of the session.
     """
 
     def __init__(self, client: Client, session_id: str) -> None:
@@ -42,15 +42,28 @@ class ArmClient:
         self._session = session_id
 
     def best_grasp(self, reachable: Sequence[str] | None = None) -> RankedGrasp | None:
-        """The grasp to try now, of those that are reachable (None: all); None if every one scores 0."""
+        """Return the reachable grasp that is most likely to succeed; None if none can succeed.
+
+        Args:
+            reachable: names of grasps; None: all.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         return _best(self._client.rank_grasps(self._session, _named(reachable)))
 
     def wait_until(
         self, score: float = SCORE, reachable: Sequence[str] | None = None, timeout_s: float = WAIT_S
     ) -> Waited:
-        """Wait until a reachable grasp is expected to succeed with `score`, or no further look would pay.
+        """Wait until a reachable grasp has an expected score of at least `score`, or no further look is worth its cost.
 
-        Each version of the session is judged as it comes; `timeout_s` bounds the wait, not the last judgement.
+        Args:
+            score: probability of success that is good enough.
+            reachable: names of grasps; None: all.
+            timeout_s: longest wait, seconds; a ranking that has begun is completed after it.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
         """
         seen = self._client.get_session(self._session)
         try:
@@ -70,29 +83,63 @@ class ArmClient:
             return Waited(seen, "deleted")
 
     def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:
-        """Tell what came of an attempt that left the object where it was; with a `key` it can be told again."""
+        """Report the outcome of an attempt that did not move the object, and return the updated session.
+
+        Args:
+            grasp: name of the grasp that was tried.
+            success: True if it succeeded.
+            key: idempotency key: a report that is repeated with it takes effect once; None: a new key.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         return self._client.report_outcome(self._session, OutcomeRequest(grasp=grasp, success=success), key=key)
 
     def follow(self, for_s: float | None = None) -> Generator[Session, None, None]:
-        """The session as it stands, then every newer version; as `Client.follow`."""
+        """Yield the current version of the session, then each newer one; see `Client.follow`.
+
+        Args:
+            for_s: seconds after which to end; None: when the session is deleted.
+        """
         return self._client.follow(self._session, for_s)
 
 
 class AsyncArmClient:
-    """The same for asyncio."""
+    """Client of the arm in one session, for asyncio.
+
+    Args:
+        client: of the service; the caller closes it.
+        session_id: of the session.
+    """
 
     def __init__(self, client: AsyncClient, session_id: str) -> None:
         self._client = client
         self._session = session_id
 
     async def best_grasp(self, reachable: Sequence[str] | None = None) -> RankedGrasp | None:
-        """As in `ArmClient`."""
+        """Return the reachable grasp that is most likely to succeed; None if none can succeed.
+
+        Args:
+            reachable: names of grasps; None: all.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         return _best(await self._client.rank_grasps(self._session, _named(reachable)))
 
     async def wait_until(
         self, score: float = SCORE, reachable: Sequence[str] | None = None, timeout_s: float = WAIT_S
     ) -> Waited:
-        """As in `ArmClient`."""
+        """Wait until a reachable grasp has an expected score of at least `score`, or no further look is worth its cost.
+
+        Args:
+            score: probability of success that is good enough.
+            reachable: names of grasps; None: all.
+            timeout_s: longest wait, seconds; a ranking that has begun is completed after it.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         seen = await self._client.get_session(self._session)
         try:
             async with aclosing(self._client.follow(self._session, timeout_s)) as sessions:
@@ -111,12 +158,25 @@ class AsyncArmClient:
             return Waited(seen, "deleted")
 
     async def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:
-        """As in `ArmClient`."""
+        """Report the outcome of an attempt that did not move the object, and return the updated session.
+
+        Args:
+            grasp: name of the grasp that was tried.
+            success: True if it succeeded.
+            key: idempotency key: a report that is repeated with it takes effect once; None: a new key.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         request = OutcomeRequest(grasp=grasp, success=success)
         return await self._client.report_outcome(self._session, request, key=key)
 
     def follow(self, for_s: float | None = None) -> AsyncGenerator[Session, None]:
-        """As in `ArmClient`."""
+        """Yield the current version of the session, then each newer one; see `Client.follow`.
+
+        Args:
+            for_s: seconds after which to end; None: when the session is deleted.
+        """
         return self._client.follow(self._session, for_s)
 
 

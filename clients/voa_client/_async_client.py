@@ -1,4 +1,4 @@
-"""The client for asyncio: as `voa_client._client`, with `await`."""
+"""The client for asyncio: one coroutine per call of the service, over any transport."""
 
 import asyncio
 import random
@@ -14,7 +14,7 @@ from voa_client._answers import Reply, read
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client._calls import Call, M
 from voa_client._errors import VoaClientError
-from voa_client._following import Ask, Following, Pause, Result, Step, Wait, taken
+from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import AsyncMailbox
 from voa_client._transport import AsyncTransport
 from voa_msgs.lidars import LidarPresets
@@ -39,25 +39,26 @@ from voa_msgs.warnings import Warnings
 
 
 class AsyncClient:
-    """Talks to one service; use as an asynchronous context manager.
+    """Client of one service; use as an asynchronous context manager.
 
-    A call that finds nobody, or a service that has too much to do, is tried again until `timeout_s` is over. All
-    attempts of one write share an idempotency key, so that it takes effect once, however often it was sent; give a
-    `key` of your own to send it again later, from another process too.
+    A call is tried again until `timeout_s` is over if the service cannot be reached or is overloaded. All attempts of
+    one write share an idempotency key, so that it takes effect once, however often it was sent; with a `key` of your
+    own, another process can repeat it, too.
 
-    Every method raises `UnreachableError` if there is no answer in time, and `ProblemError` if the service refuses;
-    the others are in `voa_client._errors`.
+    Every method raises `UnreachableError` if there is no answer in time, and `ProblemError` if the service refuses; all
+    errors are a `VoaClientError`.
 
     Args:
         to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
-            `voa_client._addresses` has examples), or a transport.
-        timeout_s: bounds a whole call.
-        attempt_s: bounds one attempt; rankings, predictions, uploads and scenarios may use all of `timeout_s`.
-        retries: what lies between attempts.
-        clock: seconds, never going back.
-        sleep: waits so many seconds.
-        chance: uniform in [0, 1).
-        keys: a new idempotency key.
+            such as `zenoh://user:password@lab:7447/voa/v1/lab7`), or a transport.
+        timeout_s: longest duration of a call with all its attempts, seconds.
+        attempt_s: longest duration of an attempt, seconds; rankings, predictions, uploads and scenarios may use all of
+            `timeout_s` for one.
+        retries: waits between attempts.
+        clock: returns seconds that never go back.
+        sleep: waits for a number of seconds.
+        chance: returns random numbers, uniform in [0, 1).
+        keys: returns new idempotency keys.
     """
 
     def __init__(
@@ -89,103 +90,107 @@ class AsyncClient:
         await self._transport.close()
 
     async def health(self) -> Health:
-        """How the service is, asked once."""
+        """Return the state of the service, after one attempt."""
         call = calls.health()
         return read(call, await self._transport.send(call, None, self._patience.attempt_s))
 
     async def ready(self) -> Health:
-        """Wait until the service can work."""
+        """Wait until the service is ready to answer, and return its state."""
         return await self._do(calls.health())
 
     async def create_object(
         self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
     ) -> Object:
-        """Upload a mesh file; `scale` is metres per unit of the file, `up` its axis that points up.
+        """Upload a mesh file, and return the stored object.
 
-        Without `up`, +Y is up in a GLB file, as its standard says, and +Z in any other. +Y is turned to z.
+        Args:
+            mesh: the file.
+            name: of the object; None: the file's name.
+            scale: metres per unit of the file.
+            up: the axis of the file that points up, which becomes z; None: +Y in a GLB file, +Z in any other.
         """
         content = await asyncio.to_thread(mesh.read_bytes)
         return await self._do(calls.create_object(mesh.name, content, name, scale, up))
 
     async def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
-        """Find what `create_object` would return for a mesh file that was uploaded before, without uploading it again.
+        """Return the object of a mesh file that was uploaded before with the same scale and axis, without uploading it.
 
-        None: this file was never uploaded so, or the service is an older one, which does not know.
+        None: it was not uploaded, or the service is too old to search.
         """
         call = calls.find_object(mesh.name, await asyncio.to_thread(mesh.read_bytes), scale, up)
-        return calls.found_object(call, await self._do(call))
+        return calls.matching_object(call, await self._do(call))
 
     async def get_object(self, object_id: str) -> Object:
-        """A stored mesh."""
+        """Return a stored object."""
         return await self._do(calls.get_object(object_id))
 
     def list_objects(self) -> AsyncIterator[Object]:
-        """Every mesh, oldest first, a page at a time."""
+        """Yield every object, oldest first; they are fetched a page at a time."""
         return self._items(calls.list_objects)
 
     async def stable_poses(self, object_id: str) -> StablePoses:
-        """How an object can rest."""
+        """Return the poses in which an object can rest on the table, with their probabilities."""
         return await self._do(calls.stable_poses(object_id))
 
     async def lidars(self) -> LidarPresets:
-        """The lidars that scenarios can name."""
+        """Return the lidars that scenarios can name."""
         return await self._do(calls.lidars())
 
     async def create_scenario(self, request: ScenarioRequest) -> Scenario:
-        """Store a scenario."""
+        """Store a scenario, and return it with its id; equal content gives the same id."""
         return await self._do(calls.create_scenario(request))
 
     async def get_scenario(self, scenario_id: str) -> Scenario:
-        """A stored scenario."""
+        """Return a stored scenario."""
         return await self._do(calls.get_scenario(scenario_id))
 
     def list_scenarios(self) -> AsyncIterator[ScenarioSummary]:
-        """Every scenario, oldest first, a page at a time."""
+        """Yield every scenario, oldest first; they are fetched a page at a time."""
         return self._items(calls.list_scenarios)
 
     async def warnings(self, scenario_id: str) -> Warnings:
-        """Ask for everything that is probably wrong with a scenario."""
+        """Return the probable mistakes in a scenario."""
         return await self._do(calls.warnings(scenario_id))
 
     async def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
-        """Predicted scans of every pose."""
+        """Return the predicted scan of each pose from each sensor configuration, or from those in the request."""
         return await self._do(calls.predict(scenario_id, request or PredictionsRequest()))
 
     async def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
 
         Raises:
-            InvalidRequestError: there is no such scenario or mapped robot, or the prior is none.
+            InvalidRequestError: there is no such scenario or mapped robot, or the prior is not valid.
             ConflictError: the mapping of a robot names a session, or another scenario.
         """
         return await self._do(calls.create_session(request), key)
 
     async def get_session(self, session_id: str) -> Session:
-        """A session as it stands."""
+        """Return the current version of a session."""
         return await self._do(calls.get_session(session_id))
 
     def list_sessions(self) -> AsyncIterator[SessionSummary]:
-        """Every session, oldest first, a page at a time."""
+        """Yield every session, oldest first; they are fetched a page at a time."""
         return self._items(calls.list_sessions)
 
     async def delete_session(self, session_id: str, *, key: str | None = None, if_match: int | None = None) -> None:
-        """Remove a session and its history; with `if_match` only if it is at that version (over HTTP)."""
+        """Delete a session with its history; with `if_match` only if it has that version (over HTTP only)."""
         await self._do(calls.delete_session(session_id, if_match), key)
 
     def history(self, session_id: str) -> AsyncIterator[HistoryEntry]:
-        """Every version of a session and what made it, the prior first."""
+        """Yield the history of a session: for each version the request that made it, beginning with the prior."""
         return self._items(lambda after: calls.history(session_id, after))
 
     async def put_belief(
         self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None
     ) -> Session:
-        """Replace a session's belief; null: back to its prior. With `if_match` as in `apply_scan`."""
+        """Replace a session's belief, or reset it to the prior; with `if_match` only if it has that version."""
         return await self._do(calls.put_belief(session_id, request, if_match), key)
 
     async def report_outcome(
         self, session_id: str, request: OutcomeRequest, *, key: str | None = None, if_match: int | None = None
     ) -> UpdatedSession:
-        """Update a session's belief by what came of a grasp attempt. With `if_match` as in `apply_scan`."""
+        """Update a session's belief by a grasp's outcome; with `if_match` only if it has that version."""
         return await self._do(calls.report_outcome(session_id, request, if_match), key)
 
     async def apply_scan(
@@ -194,39 +199,41 @@ class AsyncClient:
         """Update a session's belief by a raw scan.
 
         Args:
-            session_id: which.
-            request: the scan, and where it was taken.
-            key: idempotency key; None: a new one.
-            if_match: only if the session is at this version, else `StaleVersionError`; over HTTP.
+            session_id: of the session.
+            request: the scan, and the place where it was taken.
+            key: idempotency key; None: a new key.
+            if_match: version that the session must have, else `StaleVersionError` is raised; over HTTP only.
         """
         return await self._do(calls.apply_scan(session_id, request, if_match), key)
 
     async def rank_looks(self, session_id: str, request: VoaRequest | None = None) -> Ranking:
-        """Looks by their Value of Assistance."""
+        """Rank looks by Value of Assistance, and recommend a look or a grasp."""
         return await self._do(calls.rank_looks(session_id, request or VoaRequest()))
 
     async def rank_grasps(self, session_id: str, reachable: list[str] | None = None) -> RankedGrasps:
-        """Grasps by their expected score."""
+        """Rank grasps by their expected score, the best first."""
         return await self._do(calls.rank_grasps(session_id, reachable))
 
     async def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
-        """Update a belief of one's own; nothing is stored."""
+        """Update the belief in the request by a scan; the service stores nothing."""
         return await self._do(calls.update_once(request))
 
     async def rank_once(self, request: RankingRequest) -> Ranking:
-        """Rank looks for a belief of one's own; nothing is stored."""
+        """Rank looks for the belief in the request; the service stores nothing."""
         return await self._do(calls.rank_once(request))
 
     async def robots(self) -> Robots:
-        """The robots that the service has heard, or listens to."""
+        """Return a report of each robot that the service received scans of, or that is mapped."""
         return await self._do(calls.robots())
 
     async def request_look(self, robot: str) -> RobotReport:
-        """The next scans of a robot that looks on request are a look."""
+        """Request a look of a robot whose mapping says `on_request`: its next scans make one."""
         return await self._do(calls.request_look(robot))
 
     async def claim_robot(self, robot: str, session_id: str | None) -> RobotReport:
-        """Say whose session a mapped robot's scans are for from now on, over HTTP; None: nobody's until the next claim.
+        """Assign a mapped robot to a session, which receives its looks from now on; over HTTP only.
+
+        With None, the robot belongs to no session until the next claim.
 
         Raises:
             NotFoundError: no such robot is mapped.
@@ -237,23 +244,24 @@ class AsyncClient:
         return await self._do(calls.claim_robot(robot, ClaimRequest(session=session_id)))
 
     async def follow(self, session_id: str, for_s: float | None = None) -> AsyncGenerator[Session, None]:
-        """A session as it stands, then every newer version: in order, none twice.
+        """Yield the current version of a session, then each newer version: in order, none twice.
 
-        Ends when the session is deleted, or after `for_s` seconds. A service or router that goes away is waited for,
-        however long it takes, once anything was received. Whoever reads slowly, or was cut off, may miss versions, but
-        never the newest. The service alone is believed: what others put on a bus ends nothing and is never returned.
+        The iterator ends when the session is deleted, or after `for_s` seconds. Once a version was received, it waits
+        for a service or router that goes away, however long that takes. A caller that reads slowly, or was cut off, may
+        miss versions, but never the newest. Every version is confirmed by the service: messages that other programs
+        publish on the session's key are neither returned nor end the iterator.
 
         Raises:
-            NotFoundError: there is no such session to begin with.
-            UnreachableError: nothing was ever received, within `timeout_s` or `for_s`.
+            NotFoundError: there is no such session at the beginning.
+            UnreachableError: no version was received within `timeout_s` or `for_s`.
         """
         following = Following(session_id, self._patience, for_s)
         while not following.is_over:
             box = AsyncMailbox(following.seen)
-            steps = following.steps(self._transport.ask_s)
+            steps = following.steps(self._transport.poll_s)
             async with self._transport.watch(session_id, following.seen, box.put):
                 result: Result = None
-                while isinstance(step := taken(steps, result), Step):
+                while isinstance(step := next_step(steps, result), Step):
                     if isinstance(step, Session):
                         yield step
                     result = await self._result(step, box)
@@ -262,17 +270,17 @@ class AsyncClient:
         following.end()
 
     async def _result(self, step: Step, box: AsyncMailbox) -> Result:
-        """Result of a step of a follower."""
+        """Take a step of a follower, and return its result."""
         match step:
             case Wait():
                 return await box.take(step.seconds, step.seen)
             case Pause():
                 await self._sleep(step.seconds)
-            case Ask():
+            case Send():
                 return await self._attempt(step)
         return None
 
-    async def _attempt(self, step: Ask) -> Reply | VoaClientError:
+    async def _attempt(self, step: Send) -> Reply | VoaClientError:
         try:
             return await self._transport.send(step.call, None, step.seconds)
         except VoaClientError as error:
@@ -288,7 +296,7 @@ class AsyncClient:
                 await self._sleep(attempts.pause(error))
 
     async def _items(self, page_after: Callable[[str | None], Call[Any]]) -> AsyncIterator[Any]:
-        """The items of every page."""
+        """Yield the items of every page of a list."""
         after: str | None = None
         while True:
             page = await self._do(page_after(after))

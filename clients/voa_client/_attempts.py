@@ -1,4 +1,4 @@
-"""When to try again, and for how long: decided here, without I/O, for every transport."""
+"""Retries of calls: decisions when to try again and when to give up, without I/O, for every transport."""
 
 import math
 import random
@@ -17,21 +17,21 @@ _LONGEST_KEY = 255
 
 
 def new_key() -> str:
-    """An idempotency key that nobody has used."""
+    """Make a new idempotency key, 32 random hexadecimal digits."""
     return uuid.uuid4().hex
 
 
 @dataclass(frozen=True)
 class Retries:
-    """How a call that was not answered is tried again.
+    """Waits between the attempts of a call that was not answered.
 
-    The waits double from `first_s` to `most_s`, each cut at random by up to a half, so that robots which lost the
-    service together do not come back together. A service that says when to come back is obeyed.
+    The waits double from `first_s` to `most_s`, each shortened at random by up to a half, so that robots which lost the
+    service at the same time do not all return at the same time. A longer wait that the service requests is respected.
 
     Attributes:
-        first_s: the first wait, seconds.
-        most_s: the longest.
-        within_s: no new attempt begins later than this after the first; the call's own time-out holds besides.
+        first_s: first wait, seconds.
+        most_s: longest wait, seconds.
+        within_s: seconds after the first attempt in which further ones may begin; the call's time-out holds as well.
     """
 
     first_s: float = 0.1
@@ -39,8 +39,8 @@ class Retries:
     within_s: float = math.inf
 
     def wait_s(self, failures: int, chance: float) -> float:
-        """The wait after so many failures in a row; `chance` is uniform in [0, 1)."""
-        # Beyond 64 doublings every wait is the longest, and a float would soon end.
+        """Return the wait in seconds after a number of failures in a row; `chance` is uniform in [0, 1)."""
+        # 64 doublings reach any longest wait; more would overflow a float.
         return min(self.most_s, self.first_s * 2.0 ** min(failures - 1, 64)) * (1.0 - chance / 2.0)
 
 
@@ -49,15 +49,15 @@ RETRIES = Retries()
 
 @dataclass(frozen=True)
 class Patience:
-    """How long a client waits for what, by which clock.
+    """Time limits of a client's calls, with the clock and the random generators that they use.
 
     Attributes:
-        timeout_s: bounds a whole call with all its attempts.
-        attempt_s: bounds one attempt of a call that is not heavy.
-        retries: what lies between attempts.
-        clock: seconds, never going back.
-        chance: uniform in [0, 1).
-        keys: an idempotency key that nobody has used.
+        timeout_s: longest duration of a call with all its attempts, seconds.
+        attempt_s: longest duration of an attempt, seconds; heavy calls may use all of `timeout_s` for one.
+        retries: waits between attempts.
+        clock: returns seconds that never go back.
+        chance: returns random numbers, uniform in [0, 1).
+        keys: returns new idempotency keys.
     """
 
     timeout_s: float = TIMEOUT_S
@@ -74,7 +74,7 @@ class Patience:
                 raise UsageError(f"{name}: expected seconds above 0, got {value}")
 
     def key(self, call: Call[Any], given: str | None) -> str | None:
-        """The idempotency key that all attempts of a call share; raises UsageError if `given` cannot be sent."""
+        """Return the idempotency key of a call's attempts, None for reads; raises UsageError if `given` is invalid."""
         if not call.writes:
             return None
         if given is None:
@@ -85,7 +85,7 @@ class Patience:
 
 
 class Attempts:
-    """The attempts of one call."""
+    """Attempts of one call: their durations, and the pauses between them."""
 
     def __init__(self, patience: Patience, *, heavy: bool) -> None:
         self._patience = patience
@@ -95,12 +95,12 @@ class Attempts:
 
     @property
     def seconds(self) -> float:
-        """How long the next attempt may take."""
+        """Longest duration of the next attempt, seconds."""
         left = self._began + self._patience.timeout_s - self._patience.clock()
         return max(0.001, min(self._most, left))
 
     def pause(self, error: VoaClientError) -> float:
-        """Seconds to wait before the next attempt; raises the error if there is none."""
+        """Return the seconds to wait before the next attempt; raises the error if there is to be none."""
         if not worth_another(error):
             raise error
         self._failures += 1
@@ -115,5 +115,5 @@ class Attempts:
 
 
 def worth_another(error: VoaClientError) -> bool:
-    """Whether the same call may succeed later; writes are safe to repeat because their attempts share a key."""
+    """True if the same call may succeed later; repeating writes is safe because their attempts share a key."""
     return isinstance(error, UnreachableError | UnavailableError)

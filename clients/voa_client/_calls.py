@@ -1,7 +1,7 @@
-"""What can be asked of the service, one function per call, without any I/O.
+"""Calls of the service as data, made by one function each, without I/O.
 
-A `Call` says the same thing twice: as a method, a path and a query for HTTP, and as the name of an rpc for the other
-transports, whose payload has the ids and the query beside the body's fields.
+A `Call` holds the request in two forms: as a method, a path and a query for HTTP, and as the name of an rpc for the
+other transports, whose payload has the ids and the query parameters beside the body's fields.
 """
 
 import base64
@@ -39,14 +39,16 @@ from voa_msgs.warnings import Warnings
 
 M = TypeVar("M", bound=BaseModel)
 
+_USE_HTTP = "make the client with the service's http:// address"
+
 
 class Nothing(Message):
-    """The answer to a call that has none."""
+    """Empty answer, to calls that return nothing."""
 
 
 @dataclass(frozen=True)
 class Upload:
-    """A mesh file: a multipart form over HTTP, base64 elsewhere."""
+    """A mesh file to upload: a multipart form over HTTP, base64 over other transports."""
 
     filename: str
     content: bytes
@@ -55,37 +57,37 @@ class Upload:
     up: UpAxis | None = None
 
     def form(self) -> dict[str, str]:
-        """The fields of the form beside the file."""
+        """Return the fields of the multipart form, without the file."""
         return {"scale": repr(self.scale)} | self._stated()
 
     def fields(self) -> dict[str, Any]:
-        """The same as JSON, file included."""
+        """Return the fields of the JSON payload, with the file in base64."""
         file = base64.b64encode(self.content).decode("ascii")
         return {"filename": self.filename, "file": file, "scale": float(self.scale)} | self._stated()
 
     def _stated(self) -> dict[str, str]:
-        """Pick the form fields that the caller has stated; the others keep their defaults."""
+        """Return the optional fields that the caller gave; the service has defaults for the others."""
         given = {"name": self.name, "up": self.up}
         return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)
 class Call(Generic[M]):
-    """One call, before it is sent.
+    """A request to the service, before it is sent.
 
     Attributes:
-        rpc: its name on Zenoh.
+        rpc: name of the method on Zenoh.
         method: of HTTP.
         path: of HTTP, with the names of `ids` in braces.
-        answer: what comes back.
-        ids: what the path names.
-        query: what HTTP has in the query string; None is left out.
-        body: the message.
-        upload: the file, instead of a body.
-        writes: whether it takes an idempotency key.
-        heavy: whether its answer may take long: one long attempt instead of several short ones.
-        if_match: the version that the session must be at.
-        http_only: whether the service answers it over HTTP alone.
+        answer: class of the answer's message.
+        ids: values for the names in the path.
+        query: parameters of the query string; those that are None are left out.
+        body: message to send; None: there is none.
+        upload: file to send instead of a body.
+        writes: True if the call takes an idempotency key.
+        heavy: True if the answer may take long, so that one long attempt is made instead of several short ones.
+        if_match: version that the session must have; None: any.
+        http_only: True if the service answers the call over HTTP only.
     """
 
     rpc: str
@@ -104,110 +106,110 @@ class Call(Generic[M]):
     def __post_init__(self) -> None:
         for what, id_ in self.ids.items():
             if not id_:
-                raise UsageError(f"{self.rpc}: expected the {what}, got an empty text")
+                raise UsageError(f"{self.rpc}: {what}: expected an id, got an empty string")
 
     def check_has_rpc(self) -> None:
-        """Raise UsageError unless the call means the same by name as over HTTP."""
+        """Raise UsageError if the call can be sent over HTTP only."""
         if self.http_only:
-            raise UsageError(f"{self.rpc}: goes over HTTP only; make the client with the service's http:// address")
+            raise UsageError(f"{self.rpc}: can be called over HTTP only; {_USE_HTTP}")
         if self.if_match is not None:
-            raise UsageError(f"{self.rpc}: if_match goes over HTTP only; the other transports have no such condition")
+            raise UsageError(f"{self.rpc}: if_match can be used over HTTP only; {_USE_HTTP}")
 
     @property
     def url(self) -> str:
-        """The path of HTTP, with the ids in it."""
+        """The path of HTTP, with the ids filled in."""
         return self.path.format(**{name: _quoted(id_) for name, id_ in self.ids.items()})
 
     @property
-    def asked(self) -> dict[str, str | int | float | list[str]]:
-        """The query, without what is None."""
+    def parameters(self) -> dict[str, str | int | float | list[str]]:
+        """The parameters of the query that are not None."""
         return {name: value for name, value in self.query.items() if value is not None}
 
     def content(self) -> bytes | None:
-        """The body of HTTP as JSON; only what the caller has set."""
+        """Return the body of HTTP as JSON, with the fields that the caller has set; None if there is no body."""
         return None if self.body is None else self.body.model_dump_json(exclude_unset=True).encode()
 
     def payload(self) -> bytes:
-        """The payload of an rpc."""
+        """Return the payload of an rpc as JSON: ids, parameters, and the fields of the body that the caller has set."""
         fields: dict[str, Any] = {} if self.body is None else self.body.model_dump(exclude_unset=True)
         if self.upload is not None:
             fields = self.upload.fields()
-        return to_json(fields | dict(self.ids) | self.asked)
+        return to_json(fields | dict(self.ids) | self.parameters)
 
 
 def _quoted(id_: str) -> str:
-    """An id as one segment of a path, also one that is nothing but dots."""
+    """Quote an id as one segment of a path; dots, too, where it has nothing else."""
     quoted = quote(id_, safe="")
     return quoted.replace(".", "%2E") if not quoted.strip(".") else quoted
 
 
 def health() -> Call[Health]:
-    """How the service is."""
+    """Read the state of the service."""
     return Call("service.health", "GET", "/readyz", Health)
 
 
 def create_object(
     filename: str, content: bytes, name: str | None, scale: float, up: UpAxis | None = None
 ) -> Call[Object]:
-    """Store a mesh."""
+    """Upload a mesh file."""
     upload = Upload(filename, content, name, scale, up)
     return Call("object.create", "POST", "/v1/objects", Object, upload=upload, heavy=True)
 
 
 def get_object(object_id: str) -> Call[Object]:
-    """One mesh."""
+    """Read a stored object."""
     return Call("object.get", "GET", "/v1/objects/{id}", Object, {"id": object_id})
 
 
 def list_objects(after: str | None) -> Call[ObjectPage]:
-    """A page of meshes."""
+    """List stored objects, a page at a time."""
     return Call("object.list", "GET", "/v1/objects", ObjectPage, query={"after": after})
 
 
 def find_object(filename: str, content: bytes, scale: float, up: UpAxis | None = None) -> Call[ObjectPage]:
-    """Ask for the mesh that a file became when it was uploaded, by the digest of its bytes; see `found_object`."""
+    """Search the object that was made from a mesh file, by its digest; `matching_object` reads the answer."""
     file = {"sha256": hashlib.sha256(content).hexdigest(), "type": PurePath(filename).suffix.lower().removeprefix(".")}
     return Call("object.list", "GET", "/v1/objects", ObjectPage, query=file | {"scale": float(scale), "up": up})
 
 
-def found_object(call: Call[ObjectPage], answer: ObjectPage) -> Object | None:
-    """Pick the mesh that `find_object` asked for; a service that does not know the question lists any meshes."""
+def matching_object(call: Call[ObjectPage], answer: ObjectPage) -> Object | None:
+    """Pick the object of a `find_object` call; None if it is not there. Older services ignore the digest."""
     return next((item for item in answer.items if item.sha256 == call.query["sha256"]), None)
 
 
 def stable_poses(object_id: str) -> Call[StablePoses]:
-    """How a mesh can rest."""
+    """Compute the poses in which an object can rest on the table."""
     path = "/v1/objects/{id}/stable-poses"
     return Call("object.stable_poses", "GET", path, StablePoses, {"id": object_id}, heavy=True)
 
 
 def lidars() -> Call[LidarPresets]:
-    """The presets."""
+    """List the lidars that scenarios can name."""
     return Call("lidar.list", "GET", "/v1/lidars", LidarPresets)
 
 
 def create_scenario(request: ScenarioRequest) -> Call[Scenario]:
-    """Store a scenario; the same content again is the same scenario."""
+    """Store a scenario; equal content gives the same id."""
     return Call("scenario.create", "POST", "/v1/scenarios", Scenario, body=request, heavy=True)
 
 
 def get_scenario(scenario_id: str) -> Call[Scenario]:
-    """One scenario."""
+    """Read a stored scenario."""
     return Call("scenario.get", "GET", "/v1/scenarios/{id}", Scenario, {"id": scenario_id})
 
 
 def list_scenarios(after: str | None) -> Call[ScenarioPage]:
-    """A page of scenarios."""
+    """List stored scenarios, a page at a time."""
     return Call("scenario.list", "GET", "/v1/scenarios", ScenarioPage, query={"after": after})
 
 
 def warnings(scenario_id: str) -> Call[Warnings]:
-    """Ask for everything that is probably wrong with a scenario."""
+    """List the probable mistakes in a scenario."""
     return Call("scenario.warnings", "GET", "/v1/scenarios/{id}/warnings", Warnings, {"id": scenario_id}, heavy=True)
 
 
 def predict(scenario_id: str, request: PredictionsRequest) -> Call[Predictions]:
-    """Predicted scans."""
+    """Predict scans."""
     path = "/v1/scenarios/{id}/predictions"
     return Call("scenario.predict", "POST", path, Predictions, {"id": scenario_id}, body=request, heavy=True)
 
@@ -218,23 +220,23 @@ def create_session(request: SessionRequest) -> Call[Session]:
 
 
 def get_session(session_id: str) -> Call[Session]:
-    """A session as it stands."""
+    """Read the current version of a session."""
     return Call("session.get", "GET", "/v1/sessions/{session}", Session, {"session": session_id})
 
 
 def list_sessions(after: str | None) -> Call[SessionPage]:
-    """A page of sessions."""
+    """List sessions, a page at a time."""
     return Call("session.list", "GET", "/v1/sessions", SessionPage, query={"after": after})
 
 
 def delete_session(session_id: str, if_match: int | None) -> Call[Nothing]:
-    """Remove a session."""
+    """Delete a session with its history."""
     path, ids = "/v1/sessions/{session}", {"session": session_id}
     return Call("session.delete", "DELETE", path, Nothing, ids, writes=True, if_match=if_match)
 
 
 def history(session_id: str, after: str | None) -> Call[HistoryPage]:
-    """A page of a session's history."""
+    """Read a session's history, a page at a time."""
     path = "/v1/sessions/{session}/history"
     return Call("history.get", "GET", path, HistoryPage, {"session": session_id}, {"after": after})
 
@@ -246,50 +248,50 @@ def put_belief(session_id: str, request: BeliefRequest, if_match: int | None) ->
 
 
 def report_outcome(session_id: str, request: OutcomeRequest, if_match: int | None) -> Call[UpdatedSession]:
-    """What came of a grasp attempt."""
+    """Update a session's belief by the outcome of a grasp attempt."""
     path, ids = "/v1/sessions/{session}/grasp-outcomes", {"session": session_id}
     return Call("outcome.report", "POST", path, UpdatedSession, ids, body=request, writes=True, if_match=if_match)
 
 
 def apply_scan(session_id: str, request: ScanRequest, if_match: int | None) -> Call[UpdatedSession]:
-    """A raw scan."""
+    """Update a session's belief by a raw scan."""
     path, ids = "/v1/sessions/{session}/scans", {"session": session_id}
     return Call("scan.apply", "POST", path, UpdatedSession, ids, body=request, writes=True, if_match=if_match)
 
 
 def rank_looks(session_id: str, request: VoaRequest) -> Call[Ranking]:
-    """Looks by their Value of Assistance."""
+    """Rank looks by Value of Assistance."""
     path = "/v1/sessions/{session}/voa"
     return Call("voa.rank", "POST", path, Ranking, {"session": session_id}, body=request, heavy=True)
 
 
 def rank_grasps(session_id: str, reachable: list[str] | None) -> Call[RankedGrasps]:
-    """Grasps by their expected score."""
+    """Rank grasps by expected score."""
     path = "/v1/sessions/{session}/grasps"
     return Call("grasp.rank", "GET", path, RankedGrasps, {"session": session_id}, {"grasps": reachable})
 
 
 def update_once(request: UpdateRequest) -> Call[UpdatedEstimate]:
-    """An update of a belief in the request."""
+    """Update a belief that is given in the request, by a scan."""
     return Call("update.compute", "POST", "/v1/updates", UpdatedEstimate, body=request)
 
 
 def rank_once(request: RankingRequest) -> Call[Ranking]:
-    """A ranking for a belief in the request."""
+    """Rank looks for a belief that is given in the request."""
     return Call("ranking.compute", "POST", "/v1/rankings", Ranking, body=request, heavy=True)
 
 
 def robots() -> Call[Robots]:
-    """The robots that were heard."""
+    """List the robots that the service knows."""
     return Call("robot.list", "GET", "/v1/robots", Robots)
 
 
 def request_look(robot: str) -> Call[RobotReport]:
-    """The next scans of a robot are a look."""
+    """Request a look of a robot's next scans."""
     return Call("robot.look", "POST", "/v1/robots/{robot}/look", RobotReport, {"robot": robot})
 
 
 def claim_robot(robot: str, request: ClaimRequest) -> Call[RobotReport]:
-    """Say whose session a mapped robot's scans are for."""
+    """Assign a mapped robot to a session."""
     path = "/v1/robots/{robot}/session"
     return Call("robot.claim", "PUT", path, RobotReport, {"robot": robot}, body=request, http_only=True)

@@ -1,53 +1,53 @@
-"""What can go wrong between a client and the service.
+"""Errors that clients raise.
 
 VoaClientError
-|-- UnreachableError          no answer: not running, wrong address, cut off
+|-- UnreachableError          no answer: the service is not running, the address is wrong, the network is cut
 |   `-- TimedOutError         no answer in time
-|-- UsageError                the call itself makes no sense: no such scheme, an empty id
-|-- WireVersionError          the two sides speak different versions of the messages
-|-- UnexpectedAnswerError     an answer that is not what was asked for: something else listens there
+|-- UsageError                the call is not valid: unknown scheme, empty id
+|-- WireVersionError          client and service use different versions of the messages
+|-- UnexpectedAnswerError     the answer is of another kind: another program listens there
 `-- ProblemError              the service answered with a problem document
-    |-- InvalidRequestError   400, 413, 415, 422: sent again, it will be refused again
+    |-- InvalidRequestError   400, 413, 415, 422: repeating the same request is of no use
     |-- DeniedError           401, 403
     |-- NotFoundError         404
-    |-- ConflictError         409: it contradicts what is there
-    |-- StaleVersionError     412: the session has moved on
-    `-- UnavailableError      502, 503, 504: later, perhaps
-        `-- OverloadedError   too much to do at the moment
+    |-- ConflictError         409: the request contradicts the state of the service
+    |-- StaleVersionError     412: the session has another version
+    `-- UnavailableError      502, 503, 504: may succeed after a while
+        `-- OverloadedError   the service is overloaded at the moment
 """
 
 from voa_msgs.problems import Problem
 
 ANSWERED_BETWEEN = "http-error"
-"""The kind of a problem that a proxy's answer, or whatever else is no document of the service, stands for."""
+"""Kind of the problem that stands for an HTTP error that a proxy answered, rather than the service."""
 
 
 class VoaClientError(Exception):
-    """Root of what this package raises on purpose."""
+    """Base class of all errors that clients raise on purpose."""
 
 
 class UnreachableError(VoaClientError):
-    """There was no answer."""
+    """No answer of the service was received."""
 
 
 class TimedOutError(UnreachableError):
-    """There was no answer in time."""
+    """No answer of the service was received in time."""
 
 
 class UsageError(VoaClientError, ValueError):
-    """The call makes no sense, whatever the service is like; nothing was sent."""
+    """The call or address is not valid, independent of the service; nothing was sent."""
 
 
 class WireVersionError(VoaClientError):
-    """The two sides speak different versions of the messages; says which one to update."""
+    """Client and service use different versions of the messages; the error's text says which one to update."""
 
 
 class UnexpectedAnswerError(VoaClientError):
-    """What came back is not what was asked for."""
+    """The answer is not a message of the requested kind; another program may listen at the address."""
 
 
 class ProblemError(VoaClientError):
-    """The service refused; `problem` says why, `kind` is the name to program against."""
+    """The service refused the request; `problem` says why, and programs can match its `kind`."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -55,42 +55,42 @@ class ProblemError(VoaClientError):
 
     @property
     def kind(self) -> str:
-        """The last part of the problem's type, as in "no-mesh"."""
+        """Name of the kind of problem, such as "no-mesh"."""
         return self.problem.type.rpartition(":")[2]
 
 
 class InvalidRequestError(ProblemError):
-    """The request is not as expected; `problem.errors` says where."""
+    """The request is not valid; `problem.errors` lists the fields that are wrong."""
 
 
 class DeniedError(ProblemError):
-    """The caller may not do that, or did not say who it is."""
+    """The caller has no valid API key, or its role does not allow the request."""
 
 
 class NotFoundError(ProblemError):
-    """There is no such thing, or no longer."""
+    """The requested object, scenario, session or robot does not exist, or no longer exists."""
 
     @property
     def is_of_the_service(self) -> bool:
-        """Whether the service says so, and not something in between that answered in its place."""
+        """True if the service itself answered, and not a proxy in its place."""
         return self.kind != ANSWERED_BETWEEN
 
 
 class ConflictError(ProblemError):
-    """The request contradicts what is there, such as a robot's mapping; `problem` says what to change."""
+    """The request contradicts the state of the service, such as a robot's mapping; `problem` says what to change."""
 
 
 class StaleVersionError(ProblemError):
-    """The session is at another version than the caller had seen."""
+    """The session has another version than the request requires."""
 
     @property
     def version(self) -> int | None:
-        """Where the session is."""
+        """Current version of the session; None if the service did not state it."""
         return self.problem.version
 
 
 class UnavailableError(ProblemError):
-    """The service cannot answer at the moment."""
+    """The service cannot answer at the moment; `retry_after_s` is when to try again, seconds, if it is known."""
 
     def __init__(self, problem: Problem, retry_after_s: float | None = None) -> None:
         super().__init__(problem)
@@ -98,7 +98,7 @@ class UnavailableError(ProblemError):
 
 
 class OverloadedError(UnavailableError):
-    """The service has too much to do at the moment."""
+    """The service is overloaded at the moment."""
 
 
 _BY_STATUS: dict[int, type[ProblemError]] = {
@@ -115,11 +115,11 @@ _BY_STATUS: dict[int, type[ProblemError]] = {
 
 
 def refusal(problem: Problem, retry_after_s: float | None = None) -> ProblemError:
-    """The error that a problem document is.
+    """Make the error for a problem document.
 
     Args:
         problem: the document.
-        retry_after_s: when to try again, if the answer said so.
+        retry_after_s: seconds after which to try again; None: not stated.
     """
     if problem.status in (502, 503, 504):
         kind = OverloadedError if problem.type.endswith(":overloaded") else UnavailableError

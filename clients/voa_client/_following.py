@@ -1,11 +1,12 @@
-"""A session's versions in order, each once, out of news that may be late, double, lost, cut off or forged.
+"""Following a session: each version once and in order, from news that may be late, repeated, lost or forged.
 
-The service alone is believed. What anybody may put on a bus is a hint: a reason to ask the service, which then says
-how the session stands. The versions between two questions are taken from hints, if the service's history has them with
-the same time; the history itself has no beliefs. Whoever wants to forge such a version has to know when it was
-committed before the service has published it.
+Only the service is trusted. A sample on the session's Zenoh key, where any program may publish, is a hint: a reason to
+request the session's current version from the service. The versions between two requests are taken from hints if the
+service's history, which has no beliefs, has entries with the same time. To forge such a version, a program would have
+to know its time of commit before the service publishes it.
 
-A hint that the service does not bear out costs a pause: a flood of them comes to `1 / PAUSE_S` questions a second.
+After a hint that the service does not confirm, the follower pauses, so that a flood of hints causes at most
+`1 / PAUSE_S` requests per second.
 """
 
 from collections.abc import Generator, Mapping, Sequence
@@ -23,15 +24,15 @@ from voa_client._versions import Version, confirmed, received, stored
 from voa_msgs.sessions import HistoryPage, Session
 
 PAUSE_S = 0.1
-"""After a hint that the service does not bear out."""
+"""Pause after a hint that the service does not confirm, seconds."""
 GRACE_S = 0.25
-"""For hints of versions that the service has, and that are still on their way."""
+"""Longest wait for hints of versions that the service has, and that have not arrived yet, seconds."""
 _SHORTEST_S = 0.001
 
 
 @dataclass(frozen=True)
 class Wait:
-    """Wait for news, at most so many seconds (None: for ever); hints of versions up to `seen` are of no use."""
+    """Step: wait for news, at most `seconds` (None: without limit); hints of versions up to `seen` are ignored."""
 
     seconds: float | None
     seen: int | None
@@ -39,28 +40,28 @@ class Wait:
 
 @dataclass(frozen=True)
 class Pause:
-    """Do nothing for so many seconds."""
+    """Step: do nothing for a number of seconds."""
 
     seconds: float
 
 
 @dataclass(frozen=True)
-class Ask:
-    """Make one attempt of a call, in so many seconds."""
+class Send:
+    """Step: make one attempt of a call, within a number of seconds."""
 
     call: Call[Any]
     seconds: float
 
 
-Step = Wait | Pause | Ask | Session
-"""Next step of a follower; a `Session` is for the caller."""
+Step = Wait | Pause | Send | Session
+"""Next step of a follower; a `Session` is given to the caller."""
 Result = Batch | Reply | VoaClientError | None
-"""Result of a step: of a `Wait` a batch, of an `Ask` a reply or why there is none."""
+"""Result of a step: of a `Wait` a batch, of a `Send` a reply or the error, else None."""
 Steps = Generator[Step, Result, Lost | None]
 
 
-def taken(steps: Steps, result: Result) -> Step | Lost | None:
-    """The step after one that came to `result`; at the end what `Following.steps` returns."""
+def next_step(steps: Steps, result: Result) -> Step | Lost | None:
+    """Return the step after one with `result`; after the last, the value that `Following.steps` returns."""
     try:
         return steps.send(result)
     except StopIteration as end:
@@ -69,12 +70,12 @@ def taken(steps: Steps, result: Result) -> Step | Lost | None:
 
 
 class Following:
-    """Knowledge of a follower, and the step that it takes next; without I/O.
+    """State of a follower of a session, and its next step; without I/O.
 
     Args:
-        session_id: which session.
-        patience: how long to wait for what.
-        for_s: when to end; None: with the session.
+        session_id: of the session.
+        patience: time limits and retries.
+        for_s: seconds after which to end; None: when the session is deleted.
     """
 
     def __init__(self, session_id: str, patience: Patience, for_s: float | None) -> None:
@@ -90,50 +91,50 @@ class Following:
 
     @property
     def left_s(self) -> float | None:
-        """Seconds until the end; None: there is none."""
+        """Seconds until the end; None: without limit."""
         return None if self._for_s is None else max(0.0, self._began + self._for_s - self._patience.clock())
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more is to come."""
+        """True if the session was deleted, or the time is over."""
         return self.ended or self.left_s == 0.0
 
     def within(self, seconds: float | None) -> float | None:
-        """So long, but not beyond the end; None: for ever."""
+        """Shorten a duration in seconds so that it does not exceed the end; None: without limit."""
         left = self.left_s
         if seconds is None or left is None:
             return left if seconds is None else seconds
         return min(seconds, left)
 
-    def steps(self, ask_s: float | None) -> Steps:
-        """Follow along one watch; returns why it must be begun anew, or None if all is over.
+    def steps(self, poll_s: float | None) -> Steps:
+        """Give the steps for one watch of a transport; return why the watch must be restarted, or None at the end.
 
         Args:
-            ask_s: as the transport's; None: the watch says by itself how the session stands.
+            poll_s: polling interval of the transport, seconds; None: its watch reports the current version by itself.
         """
-        lost = None if ask_s is None else (yield from self._look({}, hinted=False))
+        lost = None if poll_s is None else (yield from self._poll({}, hinted=False))
         while lost is None and not self.is_over:
             pause = self._pause_until - self._patience.clock()
             if pause > 0.0:
                 yield Pause(self.within(pause) or 0.0)
-            batch = yield from self._wait(ask_s)
+            batch = yield from self._wait(poll_s)
             for news in batch.news:
                 lost = yield from self._take(news)
                 if lost is not None or self.is_over:
                     return lost
-            silent = batch.is_empty and ask_s is not None
+            silent = batch.is_empty and poll_s is not None
             if (batch.hinted or silent) and not self.is_over:
-                lost = yield from self._look(batch.bodies, hinted=batch.hinted)
+                lost = yield from self._poll(batch.bodies, hinted=batch.hinted)
         return lost
 
     def lost(self, news: Lost) -> float:
-        """Seconds to wait before a new watch.
+        """Return the seconds to wait before a new watch.
 
-        A service that went away is waited for as long as it takes, and so is one in whose place something else
-        answers; one that was never there, as long as a call.
+        Once a version was received, the follower waits for the service without limit, even if another program answers
+        in its place; before that, as long as for a call.
 
         Raises:
-            VoaClientError: there is no use in waiting, or nothing was ever received within the time of a call.
+            VoaClientError: waiting is of no use, or no version was received within the time of a call.
         """
         error = news.error
         gone = isinstance(error, NotFoundError) and error.is_of_the_service
@@ -150,12 +151,12 @@ class Following:
         return self.within(wait) or 0.0
 
     def end(self) -> None:
-        """The time is over; raises UnreachableError if nothing was ever received."""
+        """End the following; raises UnreachableError if no version was ever received."""
         if self.seen is None and not self.ended:
             raise self._error
 
     def _take(self, news: State | Deleted | Lost) -> Steps:
-        """Take what came over the service's own connection; where that is odd, the service is asked."""
+        """Take news from the service's own connection; where versions are missing, request the current one."""
         if isinstance(news, Lost):
             return news
         at: Version | None = None
@@ -171,12 +172,12 @@ class Following:
             if isinstance(now, Lost):
                 return now
             if at is None or at.number > now.number:
-                return Lost(UnexpectedAnswerError(f"the events of session {self._id} contradict the service"))
+                return Lost(UnexpectedAnswerError(f"the service does not have the newest event of session {self._id}"))
         yield self._new(at)
         return None
 
-    def _look(self, bodies: Mapping[int, Sequence[bytes]], *, hinted: bool) -> Steps:
-        """Ask how the session stands, and hand out what is new, with what lies between as far as it is known."""
+    def _poll(self, bodies: Mapping[int, Sequence[bytes]], *, hinted: bool) -> Steps:
+        """Request the current version; give it to the caller if it is new, after the known versions before it."""
         now = yield from self._now()
         if isinstance(now, Lost):
             return now
@@ -186,42 +187,42 @@ class Following:
                 return None
             if hinted:
                 between = range(self.seen + 1, now.number)
-                found = yield from self._await_hints(between, bodies)
-                yield from self._confirm(found, now.session)
+                hinted_bodies = yield from self._await_hints(between, bodies)
+                yield from self._confirm(hinted_bodies, now.session)
         yield self._new(now)
         return None
 
     def _await_hints(
         self, between: range, bodies: Mapping[int, Sequence[bytes]]
     ) -> Generator[Step, Result, Mapping[int, Sequence[bytes]]]:
-        """Samples that claim to be one of some versions: those at hand, and those that come within the grace."""
-        found = {version: bodies[version] for version in between if version in bodies}
+        """Collect samples that claim to be one of the versions in `between`, waiting up to `GRACE_S` for them."""
+        hinted_bodies = {version: bodies[version] for version in between if version in bodies}
         until, left = self._patience.clock() + GRACE_S, GRACE_S
-        while left > 0.0 and len(found) < len(between) <= MOST_VERSIONS and not self.is_over:
+        while left > 0.0 and len(hinted_bodies) < len(between) <= MOST_VERSIONS and not self.is_over:
             batch = yield from self._wait(left)
             more = {version: each for version, each in batch.bodies.items() if version in between}
-            found |= {version: [*found.get(version, ()), *each] for version, each in more.items()}
-            # A batch takes its part of the grace, however quickly it came and whatever the clock says.
+            hinted_bodies |= {version: [*hinted_bodies.get(version, ()), *each] for version, each in more.items()}
+            # Every batch shortens the wait, so that a flood of samples cannot prolong it.
             left = 0.0 if batch.is_empty else min(left - _SHORTEST_S, until - self._patience.clock())
-        return found
+        return hinted_bodies
 
-    def _confirm(self, found: Mapping[int, Sequence[bytes]], now: Session) -> Generator[Step, Result, None]:
-        """Hand out the versions that the service's history has; a page that has none of them is the last one."""
-        left = sorted(found)
+    def _confirm(self, hinted_bodies: Mapping[int, Sequence[bytes]], now: Session) -> Generator[Step, Result, None]:
+        """Give the caller the versions that the service's history confirms; ends at a page without any of them."""
+        left = sorted(hinted_bodies)
         while left:
-            page = yield from self._ask(calls.history(self._id, str(left[0] - 1)))
+            page = yield from self._send(calls.history(self._id, str(left[0] - 1)))
             entries = page.items if isinstance(page, HistoryPage) else []
             before = self.seen
             for entry in entries:
-                session = confirmed(entry, found[entry.version], now) if entry.version in left else None
+                session = confirmed(entry, hinted_bodies[entry.version], now) if entry.version in left else None
                 if session is not None:
                     yield self._new(stored(self._id, session))
             reached = entries[-1].version if entries and self.seen != before else left[-1]
             left = [version for version in left if version > reached]
 
     def _now(self) -> Generator[Step, Result, Version | Lost]:
-        """Ask how the session stands."""
-        answer = yield from self._ask(calls.get_session(self._id))
+        """Request the current version of the session."""
+        answer = yield from self._send(calls.get_session(self._id))
         if not isinstance(answer, Session):
             return Lost(answer)
         try:
@@ -231,9 +232,9 @@ class Following:
         self._failures = 0
         return now
 
-    def _ask(self, call: Call[M]) -> Generator[Step, Result, M | VoaClientError]:
-        result = yield Ask(call, self.within(self._patience.attempt_s) or _SHORTEST_S)
-        assert isinstance(result, Reply | VoaClientError)  # noqa: S101 - as whoever takes the steps promises
+    def _send(self, call: Call[M]) -> Generator[Step, Result, M | VoaClientError]:
+        result = yield Send(call, self.within(self._patience.attempt_s) or _SHORTEST_S)
+        assert isinstance(result, Reply | VoaClientError)  # noqa: S101 - the contract of the caller
         if isinstance(result, VoaClientError):
             return result
         try:
@@ -243,11 +244,11 @@ class Following:
 
     def _wait(self, seconds: float | None) -> Generator[Step, Result, Batch]:
         result = yield Wait(self.within(seconds), self.seen)
-        assert isinstance(result, Batch)  # noqa: S101 - as whoever takes the steps promises
+        assert isinstance(result, Batch)  # noqa: S101 - the contract of the caller
         return result
 
     def _new(self, at: Version) -> Session:
-        """The session of a version, which is seen from now on."""
+        """Mark a version as seen, and return its session."""
         self.seen = at.number
         self._failures = 0
         return at.session

@@ -1,4 +1,4 @@
-"""In-process: the service in the same program, for tests and for a laptop without a network."""
+"""Transports to a service in the same process, for tests and for a laptop without a network."""
 
 import asyncio
 from collections.abc import AsyncIterator, Iterator
@@ -8,63 +8,71 @@ from typing import Any, Protocol
 from voa_client._answers import Reply
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError
-from voa_client._transport import Tell
+from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Attachment
 
-_ASK_S = 0.05
+_POLL_S = 0.05
 
 
 class Answered(Protocol):
-    """What a dispatcher answers."""
+    """An answer of a dispatcher."""
 
     @property
     def body(self) -> bytes:
-        """JSON."""
+        """Message or problem document, as JSON."""
 
     @property
     def is_problem(self) -> bool:
-        """Whether the body is a problem document."""
+        """True if the body is a problem document."""
 
 
 class Dispatcher(Protocol):
-    """A service without an entrypoint: it answers rpcs, as over Zenoh."""
+    """A service that is called directly: it answers the rpcs that it answers over Zenoh."""
 
     def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> Answered:
-        """Answer one call; blocks, and may be called from any thread."""
+        """Answer an rpc; blocks until the answer is there, and may be called from any thread."""
 
 
 class InProcessTransport:
-    """Calls a dispatcher; an attempt takes as long as the dispatcher does."""
+    """Transport to a dispatcher in this process; an attempt takes as long as the dispatcher does.
 
-    ask_s = _ASK_S
+    Args:
+        service: the dispatcher; the caller closes it.
+    """
+
+    poll_s = _POLL_S
 
     def __init__(self, service: Dispatcher) -> None:
         self._service = service
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:  # noqa: ARG002 - the port's
-        """As the port says."""
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:  # noqa: ARG002 - of the protocol
+        """Call the dispatcher, and return its answer."""
         return _send(self._service, call, key)
 
     @contextmanager
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:  # noqa: ARG002 - the port's
-        """As the port says: asking is cheap here, so nothing is told."""
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:  # noqa: ARG002 - of the protocol
+        """Pass on no news: followers poll, which is cheap within a process."""
         yield
 
     def close(self) -> None:
-        """The service belongs to whoever made it."""
+        """Do nothing: the caller closes the dispatcher."""
 
 
 class AsyncInProcessTransport:
-    """The same for asyncio, in worker threads."""
+    """Transport to a dispatcher in this process, for asyncio; calls run in worker threads.
 
-    ask_s = _ASK_S
+    Args:
+        service: the dispatcher; the caller closes it.
+    """
+
+    poll_s = _POLL_S
 
     def __init__(self, service: Dispatcher) -> None:
         self._service = service
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """As the port says; a call that takes too long goes on behind."""
+        """Call the dispatcher; raises TimedOutError if it takes too long, and then the call continues in its thread."""
         try:
             async with asyncio.timeout(seconds):
                 return await asyncio.to_thread(_send, self._service, call, key)
@@ -72,12 +80,12 @@ class AsyncInProcessTransport:
             raise TimedOutError(f"{call.rpc}: no answer within {seconds:.3g} s") from error
 
     @asynccontextmanager
-    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002 - the port's
-        """As the port says: asking is cheap here, so nothing is told."""
+    async def watch(self, session_id: str, seen: int | None, receive: Receive) -> AsyncIterator[None]:  # noqa: ARG002 - of the protocol
+        """Pass on no news: followers poll, which is cheap within a process."""
         yield
 
     async def close(self) -> None:
-        """The service belongs to whoever made it."""
+        """Do nothing: the caller closes the dispatcher."""
 
 
 def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Reply:

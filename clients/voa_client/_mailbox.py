@@ -1,4 +1,4 @@
-"""News between a transport's threads and a follower: bounded, whatever is sent."""
+"""Bounded queues of news between a transport's threads and a follower."""
 
 import asyncio
 import threading
@@ -10,22 +10,23 @@ from dataclasses import dataclass, field
 from voa_client._transport import Deleted, Hint, Lost, News, State
 
 MOST_NEWS = 1_000
-"""Of the service's own; beyond it the oldest go: who reads slowly misses versions, never the newest."""
+"""Most news of the service that are kept; beyond it the oldest are dropped, so that the newest is never missed."""
 MOST_VERSIONS = 256
+"""Most versions whose hints are kept."""
 MOST_BODIES = 16
-"""Different bodies that claim to be one version; the newest, since a true one comes no earlier than its version."""
+"""Most different bodies kept per version; the newest ones, because the true one cannot arrive before its version."""
 MOST_BYTES = 32_000_000
-"""In all bodies of hints."""
+"""Most bytes in all bodies of hints together."""
 
 
 @dataclass(frozen=True)
 class Batch:
-    """All that came since the last time.
+    """News that arrived since the last batch.
 
     Attributes:
-        news: of the service's own, and the end of the watch, in order.
-        hinted: whether anybody gave a reason to ask the service.
-        bodies: by version, the different bodies that claim to be it, in order.
+        news: from the service's own connection, in order, with the end of the watch.
+        hinted: True if a hint arrived, so that the service should be requested for the current version.
+        bodies: by version, the different bodies that claim to be it, in order of arrival.
     """
 
     news: Sequence[State | Deleted | Lost] = ()
@@ -34,15 +35,15 @@ class Batch:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing came."""
+        """True if nothing arrived."""
         return not self.news and not self.hinted
 
 
 class Pile:
-    """News that nobody has taken yet.
+    """News that no follower has taken yet.
 
-    A hint of a version that is known is dropped. Of the others the lowest versions are kept, because the newest one
-    is always asked for; a hint whose body is not kept is a reason to ask all the same.
+    Hints of versions that are known are dropped. Of the others the lowest versions are kept, because the newest version
+    is requested from the service; a hint whose body is dropped still causes that request.
     """
 
     def __init__(self, seen: int | None) -> None:
@@ -60,7 +61,7 @@ class Pile:
         return self._hinted or bool(self._news)
 
     def add(self, news: News) -> None:
-        """Keep a piece of news."""
+        """Add a piece of news."""
         if not isinstance(news, Hint):
             self._news.append(news)
         elif news.version is None or news.version > self._seen:
@@ -69,7 +70,7 @@ class Pile:
                 self._keep(news.version, news.body)
 
     def take(self, seen: int | None) -> Batch:
-        """All of it; from now on hints of versions up to `seen` are dropped."""
+        """Remove and return all news; from now on hints of versions up to `seen` are dropped."""
         batch = Batch(tuple(self._news), self._hinted, self._bodies)
         self._empty(seen)
         return batch
@@ -90,20 +91,20 @@ class Pile:
 
 
 class Mailbox:
-    """News for a follower in a thread."""
+    """Queue of news for a follower in a thread."""
 
     def __init__(self, seen: int | None = None) -> None:
         self._pile = Pile(seen)
         self._arrived = threading.Condition()
 
     def put(self, news: News) -> None:
-        """Keep a piece of news; from any thread, never waits."""
+        """Add a piece of news; from any thread, without waiting."""
         with self._arrived:
             self._pile.add(news)
             self._arrived.notify()
 
     def take(self, seconds: float | None, seen: int | None) -> Batch:
-        """All that came, as soon as anything did; an empty batch after so many seconds (None: never).
+        """Wait for news, and return all of it; an empty batch after `seconds` (None: wait without limit).
 
         Hints of versions up to `seen` are dropped from now on.
         """
@@ -113,7 +114,7 @@ class Mailbox:
 
 
 class AsyncMailbox:
-    """News for a follower in an event loop; made within it."""
+    """Queue of news for a follower in an event loop, in which it has to be constructed."""
 
     def __init__(self, seen: int | None = None) -> None:
         self._pile = Pile(seen)
@@ -123,7 +124,7 @@ class AsyncMailbox:
         self._waking = False
 
     def put(self, news: News) -> None:
-        """Keep a piece of news; from any thread, never waits."""
+        """Add a piece of news; from any thread, without waiting."""
         with self._lock:
             self._pile.add(news)
             if not self._pile or self._waking:
@@ -131,11 +132,11 @@ class AsyncMailbox:
             self._waking = True
         try:
             self._loop.call_soon_threadsafe(self._arrived.set)
-        except RuntimeError:  # the loop is closed: nobody waits any more
+        except RuntimeError:  # the loop is closed, and no follower waits in it
             return
 
     async def take(self, seconds: float | None, seen: int | None) -> Batch:
-        """All that came, as soon as anything did; an empty batch after so many seconds (None: never).
+        """Wait for news, and return all of it; an empty batch after `seconds` (None: wait without limit).
 
         Hints of versions up to `seen` are dropped from now on.
         """

@@ -1,4 +1,4 @@
-"""The role of the robot that carries the lidar: where to look, drive there, send what was seen."""
+"""Clients for the program on the robot that carries the lidar: choose the next look, drive there, send the scan."""
 
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ MOST_LOOKS = 10
 
 @dataclass(frozen=True)
 class TakenLook:
-    """A look: from where, and what it did to the session."""
+    """A look that was taken: the name of its sensor configuration or pose, and the session after it."""
 
     sensor: str
     after: UpdatedSession
@@ -22,11 +22,11 @@ class TakenLook:
 
 @dataclass(frozen=True)
 class Tour:
-    """What a drive came to.
+    """The looks of a drive, and the service's recommendation after them.
 
     Attributes:
         looks: in the order in which they were taken.
-        advice: what the service recommends now: to grasp, or, where the looks were used up, to look on.
+        advice: to grasp; or, if the largest number of looks was reached, perhaps to look again.
     """
 
     looks: tuple[TakenLook, ...]
@@ -34,11 +34,11 @@ class Tour:
 
 
 class SensorClient:
-    """The lidar robot's side of one session.
+    """Client of the robot that carries the lidar, in one session.
 
     Args:
-        client: of the service; it stays the caller's.
-        session_id: which session.
+        client: of the service; the caller closes it.
+        session_id: of the session.
     """
 
     def __init__(self, client: Client, session_id: str) -> None:
@@ -48,14 +48,17 @@ class SensorClient:
     def where_to_look(
         self, reachable: Sequence[Candidate] | None = None, grasps: Sequence[str] | None = None
     ) -> Look | GraspNow:
-        """The look that is worth most, or to grasp now because none is worth its cost.
+        """Return the look of the highest net value, or the grasp to try now if no look is worth its cost.
 
         Args:
-            reachable: where the robot can stand now: names of the scenario's configurations, or poses of the lidar;
-                None: all of the scenario's.
-            grasps: what the arm can reach now; None: all.
+            reachable: places that the robot can reach: names of sensor configurations, or poses of the lidar; None: all
+                sensor configurations of the scenario.
+            grasps: names of the grasps that the arm can reach; None: all.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
         """
-        return self._client.rank_looks(self._session, _asked(reachable, grasps)).recommendation
+        return self._client.rank_looks(self._session, _ranking_request(reachable, grasps)).recommendation
 
     def send_scan(
         self,
@@ -65,9 +68,16 @@ class SensorClient:
         *,
         key: str | None = None,
     ) -> UpdatedSession:
-        """Update the session by a scan that was taken at a configuration, or at any pose: one of the two.
+        """Update the session by a scan.
 
-        With a `key` of its own, the same scan can be sent again later, and takes effect once.
+        Args:
+            scan: ranges of one revolution.
+            sensor: name of the sensor configuration where it was taken; or None, and then:
+            sensor_pose: pose of the lidar, metres and radians in the world frame.
+            key: idempotency key: a scan that is repeated with it takes effect once; None: a new key.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
         """
         request = ScanRequest(sensor=sensor, sensor_pose=sensor_pose, scan=scan)
         return self._client.apply_scan(self._session, request, key=key)
@@ -79,27 +89,36 @@ class SensorClient:
         reachable: Sequence[Candidate] | None = None,
         most_looks: int = MOST_LOOKS,
     ) -> Tour:
-        """Look where it is worth most, again and again, until grasping is better.
+        """Take the recommended looks, one after another, until the service recommends to grasp.
 
         Args:
-            drive: brings the lidar to a configuration, or to a pose of `reachable` (by its name, or its index);
-                returns when it is there.
-            take_scan: one scan, or the median of several, from where the lidar is.
-            reachable: as in `where_to_look`.
-            most_looks: a scan that is not accepted counts too.
+            drive: brings the lidar to a sensor configuration, given by name, or to a pose of `reachable`, given by its
+                name or index; returns on arrival.
+            take_scan: returns a scan, or the median of several, from where the lidar stands.
+            reachable: places that the robot can reach: names of sensor configurations, or poses of the lidar; None: all
+                sensor configurations of the scenario.
+            most_looks: largest number of looks, those that are not accepted included.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
         """
         looks: list[TakenLook] = []
         advice = self.where_to_look(reachable)
         while isinstance(advice, Look) and len(looks) < most_looks:
             drive(advice.sensor)
-            request = _taken(take_scan(), advice.sensor, reachable)
+            request = _scan_request(take_scan(), advice.sensor, reachable)
             looks.append(TakenLook(advice.sensor, self._client.apply_scan(self._session, request)))
             advice = self.where_to_look(reachable)
         return Tour(tuple(looks), advice)
 
 
 class AsyncSensorClient:
-    """The same for asyncio."""
+    """Client of the robot that carries the lidar, in one session, for asyncio.
+
+    Args:
+        client: of the service; the caller closes it.
+        session_id: of the session.
+    """
 
     def __init__(self, client: AsyncClient, session_id: str) -> None:
         self._client = client
@@ -108,8 +127,17 @@ class AsyncSensorClient:
     async def where_to_look(
         self, reachable: Sequence[Candidate] | None = None, grasps: Sequence[str] | None = None
     ) -> Look | GraspNow:
-        """As in `SensorClient`."""
-        return (await self._client.rank_looks(self._session, _asked(reachable, grasps))).recommendation
+        """Return the look of the highest net value, or the grasp to try now if no look is worth its cost.
+
+        Args:
+            reachable: places that the robot can reach: names of sensor configurations, or poses of the lidar; None: all
+                sensor configurations of the scenario.
+            grasps: names of the grasps that the arm can reach; None: all.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
+        return (await self._client.rank_looks(self._session, _ranking_request(reachable, grasps))).recommendation
 
     async def send_scan(
         self,
@@ -119,7 +147,17 @@ class AsyncSensorClient:
         *,
         key: str | None = None,
     ) -> UpdatedSession:
-        """As in `SensorClient`."""
+        """Update the session by a scan.
+
+        Args:
+            scan: ranges of one revolution.
+            sensor: name of the sensor configuration where it was taken; or None, and then:
+            sensor_pose: pose of the lidar, metres and radians in the world frame.
+            key: idempotency key: a scan that is repeated with it takes effect once; None: a new key.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         request = ScanRequest(sensor=sensor, sensor_pose=sensor_pose, scan=scan)
         return await self._client.apply_scan(self._session, request, key=key)
 
@@ -130,25 +168,37 @@ class AsyncSensorClient:
         reachable: Sequence[Candidate] | None = None,
         most_looks: int = MOST_LOOKS,
     ) -> Tour:
-        """As in `SensorClient`."""
+        """Take the recommended looks, one after another, until the service recommends to grasp.
+
+        Args:
+            drive: brings the lidar to a sensor configuration, given by name, or to a pose of `reachable`, given by its
+                name or index; returns on arrival.
+            take_scan: returns a scan, or the median of several, from where the lidar stands.
+            reachable: places that the robot can reach: names of sensor configurations, or poses of the lidar; None: all
+                sensor configurations of the scenario.
+            most_looks: largest number of looks, those that are not accepted included.
+
+        Raises:
+            VoaClientError: the service cannot be reached, or refuses.
+        """
         looks: list[TakenLook] = []
         advice = await self.where_to_look(reachable)
         while isinstance(advice, Look) and len(looks) < most_looks:
             await drive(advice.sensor)
-            request = _taken(await take_scan(), advice.sensor, reachable)
+            request = _scan_request(await take_scan(), advice.sensor, reachable)
             looks.append(TakenLook(advice.sensor, await self._client.apply_scan(self._session, request)))
             advice = await self.where_to_look(reachable)
         return Tour(tuple(looks), advice)
 
 
-def _asked(reachable: Sequence[Candidate] | None, grasps: Sequence[str] | None) -> VoaRequest:
-    """The ranking to ask for."""
+def _ranking_request(reachable: Sequence[Candidate] | None, grasps: Sequence[str] | None) -> VoaRequest:
+    """Make the request for a ranking of the reachable places."""
     sensors = None if reachable is None else list(reachable)
     return VoaRequest(sensors=sensors, grasps=None if grasps is None else list(grasps))
 
 
-def _taken(scan: Scan, name: str, reachable: Sequence[Candidate] | None) -> ScanRequest:
-    """A scan with where it was taken: a pose that the scenario does not know goes along."""
+def _scan_request(scan: Scan, name: str, reachable: Sequence[Candidate] | None) -> ScanRequest:
+    """Make the request for a scan at a place: by its pose if it is one of `reachable`, else by its sensor's name."""
     for index, candidate in enumerate(reachable or ()):
         if isinstance(candidate, CandidateSensor) and name == (candidate.name or str(index)):
             pose = UncertainSensorPose(**candidate.model_dump(include=set(SensorPose.model_fields)))

@@ -1,7 +1,7 @@
-"""The port: what a client needs of a transport, whatever it is made of.
+"""Protocols of transports, which carry calls to a service and news of sessions back.
 
-A transport makes one attempt at a time. Trying again, reading answers, and putting a session's versions in order are
-the client's; so they are the same everywhere.
+A transport makes single attempts. Retries, the reading of answers, and the order of a session's versions are the
+client's part, and so are equal for all transports.
 """
 
 from collections.abc import Callable
@@ -16,23 +16,23 @@ from voa_client._errors import VoaClientError
 
 @dataclass(frozen=True)
 class State:
-    """A session at some version, from the service over a connection of its own: its body, as JSON."""
+    """News of a session's version, from the service's own connection: its body, as JSON."""
 
     body: bytes
 
 
 @dataclass(frozen=True)
 class Deleted:
-    """The session has ended, the service says over a connection of its own."""
+    """News from the service's own connection that the session was deleted."""
 
 
 @dataclass(frozen=True)
 class Hint:
-    """A reason to ask the service how a session stands, from anybody who may put on the session's key.
+    """News of a session from a key on which any program may publish: a reason to request its version from the service.
 
     Attributes:
-        version: what the session is said to be at; None: nothing sensible is said, or that it has ended.
-        body: the session at that version, if it is true; b"" where none is said.
+        version: that the session is claimed to have; None: none, or the session is claimed to be deleted.
+        body: the session at that version, if the claim is true; b"" if there is none.
     """
 
     version: int | None
@@ -41,64 +41,83 @@ class Hint:
 
 @dataclass(frozen=True)
 class Lost:
-    """This watch hears no more; it must be begun again."""
+    """News that a watch has ended because of an error, and has to be restarted."""
 
     error: VoaClientError
 
 
 News = State | Deleted | Hint | Lost
-Tell = Callable[[News], None]
-"""Takes news of a session. It only keeps them, and may be called from any thread."""
+Receive = Callable[[News], None]
+"""Function that takes news of a session; it returns at once, and may be called from any thread."""
 
 
 class Transport(Protocol):
-    """Carries calls to a service, and news of sessions back."""
+    """Carrier of calls to a service, and of news of sessions back."""
 
     @property
-    def ask_s(self) -> float | None:
-        """A watcher asks for the session when it begins, and after so many seconds of silence.
+    def poll_s(self) -> float | None:
+        """Polling interval: a follower requests the session when a watch starts, and after so many seconds of silence.
 
-        None: there is no need to. The watch says by itself how things stand, and notices when it is cut off.
+        None: no polling, because the watch reports the current version by itself, and notices when it is cut off.
         """
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         """Make one attempt.
 
         Args:
-            call: what to ask.
-            key: idempotency key.
-            seconds: how long it may take.
+            call: the request.
+            key: idempotency key; None: the call is a read.
+            seconds: longest duration of the attempt.
 
         Raises:
-            UnreachableError: there was no answer.
+            UnreachableError: no answer was received.
             UsageError: the transport cannot carry this call.
         """
 
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> AbstractContextManager[None]:
-        """Hear of a session's versions for the length of a `with`.
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> AbstractContextManager[None]:
+        """Pass news of a session's versions on to `receive`, for the length of a `with`.
 
         Args:
-            session_id: which.
-            seen: the newest version that is known; None: none.
-            tell: called with each version; some may be missing, come twice, or too late.
+            session_id: of the session.
+            seen: newest version that is known; None: none.
+            receive: called with each piece of news; versions may be missing, repeated, or late.
         """
 
     def close(self) -> None:
-        """Release what is held; safe to call twice."""
+        """Release connections and threads; may be called twice."""
 
 
 class AsyncTransport(Protocol):
-    """The same for asyncio."""
+    """Carrier of calls to a service, and of news of sessions back, for asyncio."""
 
     @property
-    def ask_s(self) -> float | None:
-        """As in `Transport`."""
+    def poll_s(self) -> float | None:
+        """Polling interval: a follower requests the session when a watch starts, and after so many seconds of silence.
+
+        None: no polling, because the watch reports the current version by itself, and notices when it is cut off.
+        """
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """As in `Transport`."""
+        """Make one attempt.
 
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> AbstractAsyncContextManager[None]:
-        """As in `Transport`."""
+        Args:
+            call: the request.
+            key: idempotency key; None: the call is a read.
+            seconds: longest duration of the attempt.
+
+        Raises:
+            UnreachableError: no answer was received.
+            UsageError: the transport cannot carry this call.
+        """
+
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> AbstractAsyncContextManager[None]:
+        """Pass news of a session's versions on to `receive`, for the length of a `with`.
+
+        Args:
+            session_id: of the session.
+            seen: newest version that is known; None: none.
+            receive: called with each piece of news; versions may be missing, repeated, or late.
+        """
 
     async def close(self) -> None:
-        """As in `Transport`."""
+        """Release connections and threads; may be called twice."""

@@ -1,7 +1,8 @@
-"""Zenoh: calls as queries, news as what the service puts on a session's key.
+"""Transports over Zenoh: calls are queries, news are samples that the service puts on a session's key.
 
-A transport is made without a router and joins by itself when there is one, again and again; a call waits for the link
-within its own time. Zenoh's callbacks run on its network threads, so they only hand over what they got.
+A transport can be made while no router is there: it connects in the background as soon as one answers, and reconnects.
+A call waits for the connection within its own time limit. Zenoh runs callbacks on its network threads, so they only
+pass on what they receive.
 """
 
 import asyncio
@@ -15,116 +16,124 @@ from typing import TYPE_CHECKING, Any
 from voa_client._answers import Reply
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError, UnreachableError
-from voa_client._transport import Hint, Lost, Tell
+from voa_client._transport import Hint, Lost, Receive
 from voa_client._zenoh_address import ZenohAddress
-from voa_client._zenoh_link import LOOK_S, Links, joined, zenoh_library
+from voa_client._zenoh_link import CHECK_S, Links, joined, zenoh_library
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import CHUNK, Attachment, Keys
 
 if TYPE_CHECKING:
     import zenoh
 
-_ASK_S = 3.0  # puts are lost without a word while a link is down
-_GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over; it gets a moment to say so
-_JOIN_S = 0.2  # a watch begins again where it cannot begin now
+_POLL_S = 3.0  # samples are lost without notice while a link is down
+_GRACE_S = 1.0  # Zenoh ends a query by itself when its time is over, and may report it a little late
+_JOIN_S = 0.2  # a watch that cannot start now is restarted
 _MOST_DIGITS = 18
 _MOST_BODY_BYTES = 8_000_000
-"""Of a version that is kept until the service was asked; larger ones are asked for."""
+"""Largest body of a hint that is kept; of larger ones, only the version is."""
 
 
 class ZenohTransport:
-    """A service behind a router."""
+    """Transport to a service behind a Zenoh router.
 
-    ask_s = _ASK_S
+    Args:
+        address: of the router.
+    """
+
+    poll_s = _POLL_S
 
     def __init__(self, address: ZenohAddress) -> None:
         self._keys = Keys(address.root)
         self._links = Links(address)
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """As the port says."""
+        """Send a call as a query, and return the answer; raises UnreachableError, TimedOutError or UsageError."""
         call.check_has_rpc()
-        asked = self._keys.rpc(call.rpc)
+        target = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
         session = self._links.calls.wait(seconds)
         replies: list[zenoh.Reply] = []
         complete = threading.Event()
-        left = max(LOOK_S, until - time.monotonic())
-        _ask(session, asked, call, key, left, replies.append, complete.set)
+        left = max(CHECK_S, until - time.monotonic())
+        _query(session, target, call, key, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
-            raise TimedOutError(f"no answer at {asked} within {seconds:.3g} s")
-        return _reply(asked, replies)
+            raise TimedOutError(f"no answer at {target} within {seconds:.3g} s")
+        return _reply(target, replies)
 
     @contextmanager
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:  # noqa: ARG002 - the port's
-        """As the port says."""
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:  # noqa: ARG002 - of the protocol
+        """Pass hints of a session's versions on to `receive`, for the length of a `with`."""
         try:
             session = self._links.news().wait(_JOIN_S)
         except UnreachableError as error:
-            tell(Lost(error))
+            receive(Lost(error))
             yield
             return
-        subscriber = _subscribe(session, self._keys, session_id, tell)
+        subscriber = _subscribe(session, self._keys, session_id, receive)
         try:
             yield
         finally:
             _undeclare(subscriber)
 
     def close(self) -> None:
-        """As the port says."""
+        """Close the connections to the router."""
         self._links.close()
 
 
 class AsyncZenohTransport:
-    """The same for asyncio."""
+    """Transport to a service behind a Zenoh router, for asyncio.
 
-    ask_s = _ASK_S
+    Args:
+        address: of the router.
+    """
+
+    poll_s = _POLL_S
 
     def __init__(self, address: ZenohAddress) -> None:
         self._keys = Keys(address.root)
         self._links = Links(address)
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """As the port says."""
+        """Send a call as a query, and return the answer; raises UnreachableError, TimedOutError or UsageError."""
         call.check_has_rpc()
-        asked = self._keys.rpc(call.rpc)
+        target = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
         session = await joined(self._links.calls, seconds)
         loop = asyncio.get_running_loop()
         replies: list[zenoh.Reply] = []
         complete = asyncio.Event()
-        left = max(LOOK_S, until - time.monotonic())
-        _ask(session, asked, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
+        left = max(CHECK_S, until - time.monotonic())
+        _query(session, target, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
         try:
             async with asyncio.timeout(left + _GRACE_S):
                 await complete.wait()
         except TimeoutError as error:
-            raise TimedOutError(f"no answer at {asked} within {seconds:.3g} s") from error
-        return _reply(asked, replies)
+            raise TimedOutError(f"no answer at {target} within {seconds:.3g} s") from error
+        return _reply(target, replies)
 
     @asynccontextmanager
-    async def watch(self, session_id: str, seen: int | None, tell: Tell) -> AsyncIterator[None]:  # noqa: ARG002 - the port's
-        """As the port says."""
+    async def watch(self, session_id: str, seen: int | None, receive: Receive) -> AsyncIterator[None]:  # noqa: ARG002 - of the protocol
+        """Pass hints of a session's versions on to `receive`, for the length of a `with`."""
         try:
             session = await joined(self._links.news(), _JOIN_S)
         except UnreachableError as error:
-            tell(Lost(error))
+            receive(Lost(error))
             yield
             return
-        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, tell)
+        subscriber = await asyncio.to_thread(_subscribe, session, self._keys, session_id, receive)
         try:
             yield
         finally:
             await asyncio.to_thread(_undeclare, subscriber)
 
     async def close(self) -> None:
-        """As the port says."""
+        """Close the connections to the router."""
         await asyncio.to_thread(self._links.close)
 
 
-def _ask(
+def _query(
     session: "zenoh.Session",
-    asked: str,
+    target: str,
     call: Call[Any],
     key: str | None,
     seconds: float,
@@ -135,7 +144,7 @@ def _ask(
     library = zenoh_library()
     try:
         session.get(
-            asked,
+            target,
             library.handlers.Callback(reply, done, indirect=False),
             payload=call.payload(),
             encoding=library.Encoding.APPLICATION_JSON,
@@ -143,16 +152,16 @@ def _ask(
             timeout=seconds,
         )
     except library.ZError as error:
-        raise UnreachableError(f"cannot ask at {asked}: {error}") from error
+        raise UnreachableError(f"cannot send a query to {target}: {error}") from error
 
 
-def _reply(asked: str, replies: "list[zenoh.Reply]") -> Reply:
-    """What came back of a query.
+def _reply(target: str, replies: "list[zenoh.Reply]") -> Reply:
+    """Return the answer among the replies to a query.
 
     Raises:
-        UnreachableError: nothing. That is no proof that nobody is there: a link that broke, a router that does not
-            let this user ask, and a service that is not running all look the same.
-        TimedOutError: somebody had the query and did not answer.
+        UnreachableError: there is no reply: the link broke, the router does not let this user query the service, or the
+            service is not running; Zenoh does not report which.
+        TimedOutError: the query was received and not answered in time.
     """
     for reply in replies:
         if reply.ok is not None:
@@ -164,31 +173,35 @@ def _reply(asked: str, replies: "list[zenoh.Reply]") -> Reply:
             if str(reply.err.encoding).startswith("application/json"):
                 return Reply(body, refused=True)
             kind = TimedOutError if body == b"Timeout" else UnreachableError
-            raise kind(f"no answer at {asked}: {body.decode(errors='replace')}")
-    raise UnreachableError(f"nobody answers at {asked}: the service is not there, or this user may not ask it")
+            raise kind(f"no answer at {target}: {body.decode(errors='replace')}")
+    raise UnreachableError(
+        f"no answer at {target}: no service runs there, or the router does not let this user query it"
+    )
 
 
 def _wire(attachment: bytes) -> int | None:
     try:
-        told = json.loads(attachment)
+        fields = json.loads(attachment)
     except (ValueError, RecursionError):
         return None
-    wire = told.get("wire") if isinstance(told, dict) else None
+    wire = fields.get("wire") if isinstance(fields, dict) else None
     return wire if isinstance(wire, int) else None
 
 
-def _subscribe(session: "zenoh.Session", keys: Keys, session_id: str, tell: Tell) -> "zenoh.Subscriber[None] | None":
-    """Hear what is put on a session's key; None for an id that can be no part of a key, so nothing is put there."""
+def _subscribe(
+    session: "zenoh.Session", keys: Keys, session_id: str, receive: Receive
+) -> "zenoh.Subscriber[None] | None":
+    """Subscribe to a session's key; None if the id cannot be part of a key, so that no sample can exist."""
     if not CHUNK.fullmatch(session_id):
         return None
     library = zenoh_library()
 
-    def receive(sample: "zenoh.Sample") -> None:
-        tell(_hint(sample))
+    def on_sample(sample: "zenoh.Sample") -> None:
+        receive(_hint(sample))
 
     try:
         subscriber: zenoh.Subscriber[None] = session.declare_subscriber(
-            keys.belief(session_id), library.handlers.Callback(receive, indirect=False)
+            keys.belief(session_id), library.handlers.Callback(on_sample, indirect=False)
         )
     except library.ZError as error:
         raise UnreachableError(f"cannot follow {session_id}: {error}") from error
@@ -196,12 +209,12 @@ def _subscribe(session: "zenoh.Session", keys: Keys, session_id: str, tell: Tell
 
 
 def _hint(sample: "zenoh.Sample") -> Hint:
-    """Content of a sample, be it from the service or from anybody else who may put there.
+    """Turn a sample on a session's key, from the service or any other program, into a hint.
 
-    A delete, and a put without a version beside it, say that there is something to ask for.
+    A delete, and a sample without a version in its attachment, give a hint without a version.
     """
-    said = b"" if sample.attachment is None else sample.attachment.to_bytes()
-    version = int(said) if said.isdigit() and len(said) <= _MOST_DIGITS else None
+    stated = b"" if sample.attachment is None else sample.attachment.to_bytes()
+    version = int(stated) if stated.isdigit() and len(stated) <= _MOST_DIGITS else None
     is_kept = version is not None and len(sample.payload) <= _MOST_BODY_BYTES
     return Hint(version, sample.payload.to_bytes() if is_kept else b"")
 
@@ -214,10 +227,10 @@ def _undeclare(subscriber: "zenoh.Subscriber[None] | None") -> None:
 
 
 def _into(loop: asyncio.AbstractEventLoop, function: Callable[..., object]) -> Callable[..., None]:
-    """Calls a function in a loop, from any thread; not at all once the loop is closed."""
+    """Make a function that calls another in an event loop, from any thread; it does nothing once the loop is closed."""
 
-    def call(*given: object) -> None:
+    def call(*arguments: object) -> None:
         with suppress(RuntimeError):
-            loop.call_soon_threadsafe(function, *given)
+            loop.call_soon_threadsafe(function, *arguments)
 
     return call

@@ -1,4 +1,4 @@
-"""Where a Zenoh router is, and as whom to connect."""
+"""Addresses of Zenoh routers, with credentials."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -8,24 +8,24 @@ from voa_client._errors import UsageError
 from voa_msgs.keys import ROOT, check_root
 
 SCHEMES = {"zenoh": "tcp", "zenoh+tls": "tls"}
-"""URL schemes, and the link that each is."""
+"""URL schemes, and the protocol of the link that each stands for."""
 ENDPOINTS = ("tcp", "tls", "quic", "ws", "udp", "unixsock-stream")
-"""The links of endpoints as Zenoh writes them."""
+"""Protocols of endpoints as Zenoh writes them."""
 PORT = 7447
 
 
 @dataclass(frozen=True)
 class ZenohAddress:
-    """A router, and the root of the service's keys on it.
+    """Address of a Zenoh router, and the root of the service's keys on it.
 
     Attributes:
         endpoint: as Zenoh writes it, `tcp/host:port`.
         root: of the keys.
-        user: as whom to connect; None: as nobody.
+        user: to connect as; None: without a user.
         password: of the user.
-        ca: file with the certificate of who signed the router's; None: the system's.
-        cert: file with one's own certificate; None: none.
-        key: file with its private key.
+        ca: file with the certificate of the authority that signed the router's; None: the system's authorities.
+        cert: file with the client's certificate; None: none.
+        key: file with the private key of that certificate.
     """
 
     endpoint: str
@@ -38,7 +38,7 @@ class ZenohAddress:
 
     @classmethod
     def parse(cls, address: str) -> Self:
-        """The address of a `zenoh://` or `zenoh+tls://` URL, or of an endpoint; raises UsageError."""
+        """Parse a `zenoh://` or `zenoh+tls://` URL, or an endpoint; raises UsageError if it is not valid."""
         if "://" not in address:
             return cls(address)
         scheme = address.partition("://")[0]
@@ -65,6 +65,6 @@ class ZenohAddress:
 
 
 def _safe(address: str) -> str:
-    """Without the password."""
+    """Remove user and password from a URL."""
     scheme, _, rest = address.partition("://")
     return f"{scheme}://{rest.rpartition('@')[2]}"

@@ -1,6 +1,6 @@
-"""Links with a Zenoh router: joined in the background, as soon as one answers, and again whenever it comes back.
+"""Links to a Zenoh router: opened in the background as soon as it answers, and reopened whenever it comes back.
 
-Zenoh's library is imported when a link is made, not before: robots that speak HTTP do without it.
+Zenoh's library is imported when a link is made, not before, because robots that use HTTP do not need it.
 """
 
 import asyncio
@@ -18,28 +18,28 @@ from voa_msgs.links import session_config
 if TYPE_CHECKING:
     import zenoh
 
-LOOK_S = 0.02
-"""Between two looks whether a link is joined."""
+CHECK_S = 0.02
+"""Interval at which a coroutine checks that a link is connected, seconds."""
 _AGAIN_S = 0.2
 _CLOSE_S = 2.0
 
 
 class MissingLibraryError(VoaClientError, ImportError):
-    """Zenoh's library is not installed; says how to get it."""
+    """Zenoh's library is not installed; the error's text has the command that installs it."""
 
 
 async def joined(link: "Link", seconds: float) -> "zenoh.Session":
-    """The session, once it is connected; raises as `Link.wait`."""
+    """Wait for a link's session to be connected; raises TimedOutError after `seconds`, UsageError if it is closed."""
     until = time.monotonic() + seconds
     while (session := link.session) is None:
         if time.monotonic() > until:
             raise link.failure(seconds)
-        await asyncio.sleep(LOOK_S)
+        await asyncio.sleep(CHECK_S)
     return session
 
 
 class Links:
-    """One link for calls, and one for news as soon as somebody follows: a flood of samples delays no answer."""
+    """Links to a router: one for calls, and a second one for news, so that a flood of samples delays no answer."""
 
     def __init__(self, address: ZenohAddress) -> None:
         self._address = address
@@ -48,14 +48,14 @@ class Links:
         self.calls = Link(address)
 
     def news(self) -> "Link":
-        """The link for news, which is made when it is first asked for."""
+        """Return the link for news, which is opened at the first call."""
         with self._making:
             if self._news is None and not self.calls.is_closed:
                 self._news = Link(self._address)
             return self._news or self.calls
 
     def close(self) -> None:
-        """Close both."""
+        """Close both links."""
         self.calls.close()
         with self._making:
             if self._news is not None:
@@ -63,7 +63,7 @@ class Links:
 
 
 class Link:
-    """A session with a router: opened by a thread as soon as one answers; from then on it joins again by itself."""
+    """A link to a router: a thread opens it as soon as the router answers; from then on it reconnects by itself."""
 
     def __init__(self, address: ZenohAddress) -> None:
         self._address = address
@@ -78,29 +78,29 @@ class Link:
 
     @property
     def is_closed(self) -> bool:
-        """Whether it was closed."""
+        """True once the link was closed."""
         return self._ended.is_set()
 
     @property
     def session(self) -> "zenoh.Session | None":
-        """The session while it is connected; raises UsageError once it is closed."""
+        """Zenoh's session while it is connected, else None; raises UsageError once the link is closed."""
         if self._ended.is_set():
             raise UsageError(f"the client of {self._address.endpoint} is closed")
         return self._opened if self._connected else None
 
     def wait(self, seconds: float) -> "zenoh.Session":
-        """The session; raises TimedOutError if it is not connected in time, UsageError if it is closed."""
+        """Wait until the session is connected; raises TimedOutError after `seconds`, UsageError if closed."""
         with self._changed:
             if not self._changed.wait_for(lambda: self.session is not None, seconds) or self._opened is None:
                 raise self.failure(seconds)
             return self._opened
 
     def failure(self, seconds: float) -> TimedOutError:
-        """Words for a wait that was in vain."""
+        """Make the error for a wait of `seconds` in which no router was reached."""
         return TimedOutError(f"no Zenoh router at {self._address.endpoint} within {seconds:.3g} s{self._why}")
 
     def close(self) -> None:
-        """An open session keeps threads, and hears the router for ever."""
+        """Close the session, whose threads would run until the end of the process."""
         self._ended.set()
         with self._changed:
             self._changed.notify_all()
@@ -115,18 +115,18 @@ class Link:
             try:
                 opened = library.open(self._config)
             except library.ZError as error:
-                self._why = f" ({str(error).partition(' at /')[0]}); it is down, or refuses the credentials"
+                self._why = f" ({str(error).partition(' at /')[0]}); it is not running, or refuses the credentials"
                 self._ended.wait(_AGAIN_S)
                 continue
             self._opened = opened
-            if self._ended.is_set():  # closed in the meantime, without waiting for us
+            if self._ended.is_set():  # the link was closed while the session was opened
                 opened.close()
                 return
-            heard = library.handlers.Callback(self._heard, indirect=False)
-            self._listener = opened.info.declare_transport_events_listener(heard, history=True)
+            on_event = library.handlers.Callback(self._on_event, indirect=False)
+            self._listener = opened.info.declare_transport_events_listener(on_event, history=True)
             return
 
-    def _heard(self, event: "zenoh.TransportEvent") -> None:
+    def _on_event(self, event: "zenoh.TransportEvent") -> None:
         with self._changed:
             gone = event.kind == zenoh_library().SampleKind.DELETE
             change = self._connected.discard if gone else self._connected.add
@@ -164,9 +164,9 @@ def config(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
 
 
 def zenoh_library() -> Any:
-    """Import Zenoh; raises MissingLibraryError if it is not installed."""
+    """Import Zenoh's library; raises MissingLibraryError if it is not installed."""
     try:
-        import zenoh  # noqa: PLC0415 - optional: only who speaks Zenoh needs it
+        import zenoh  # noqa: PLC0415 - optional: only clients over Zenoh need it
     except ModuleNotFoundError as error:
         raise MissingLibraryError(f"Zenoh is not installed; install it with: {install_hint('zenoh')}") from error
     return zenoh

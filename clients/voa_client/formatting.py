@@ -1,18 +1,18 @@
-"""Rankings and figures as a person reads them: nothing that is rounded away, and ties that are called ties."""
+"""Rankings and figures as text for people, with small values and ties kept visible."""
 
 from collections import Counter
 
 from voa_msgs.rankings import Look, Ranking
 
 _NOTHING = 1e-12
-"""A figure this close to 0 is 0: rankings are sorted by net values that are rounded to it."""
+"""Figures this close to 0 count as 0; the service rounds net values to it before it sorts a ranking."""
 _TIE = 1e-6
-"""Looks whose net values differ by no more tie, as the service has it for the first of a ranking."""
+"""Largest difference of net values of two looks that tie, as the service defines it for the first of a ranking."""
 _MOST_DIGITS = 12
 
 
 def signed(value: float, digits: int = 3) -> str:
-    """Write a difference with its sign: "0" only where there is none, "< 0.001" where rounding would hide it."""
+    """Write a difference with its sign; "0" if there is none, "< 0.001" if rounding to `digits` would hide it."""
     if abs(value) < _NOTHING:
         return "0"
     least = 10.0**-digits
@@ -22,12 +22,12 @@ def signed(value: float, digits: int = 3) -> str:
 
 
 def unsigned(value: float, digits: int = 3) -> str:
-    """Write an amount of at least 0: "0" only where there is none, "< 0.001" where rounding would hide it."""
+    """Write an amount of at least 0; "0" if it is 0, "< 0.001" if rounding to `digits` would hide it."""
     return signed(value, digits).removeprefix("+")
 
 
 def signed_apart(value: float, limit: float) -> str:
-    """Write a difference with at least three digits, and as many as show on which side of `limit` it lies."""
+    """Write a difference with three digits, or with as many as show on which side of `limit` it is."""
     for digits in range(3, _MOST_DIGITS):
         if round(value, digits) != round(limit, digits):
             return signed(value, digits)
@@ -35,7 +35,7 @@ def signed_apart(value: float, limit: float) -> str:
 
 
 def share(value: float, digits: int = 2) -> str:
-    """Write a probability: "0" and "1" only where it is that, "< 0.01" and "> 0.99" where rounding would say so."""
+    """Write a probability; "0" or "1" only if it is 0 or 1, else "< 0.01" or "> 0.99" if rounding would hide it."""
     if value < _NOTHING or value > 1.0 - _NOTHING:
         return str(round(value))
     least = 10.0**-digits
@@ -47,17 +47,17 @@ def share(value: float, digits: int = 2) -> str:
 
 
 def bar(value: float, most: float, width: int) -> str:
-    """Draw a value on a scale from 0 to `most`; nothing of one that is negative or too small to see."""
+    """Draw a value as a bar of up to `width` characters for `most`; "" if it is negative or too small."""
     return "█" * round(width * value / most) if most > _NOTHING and value > 0.0 else ""
 
 
 def scale(most: float) -> str:
-    """Head a column of bars: what an empty bar and what a full one is worth; "" where none is drawn."""
+    """Write the heading of a column of bars, with the values of an empty and a full bar; "" if no bar is drawn."""
     return f"0 to {most:.3g}" if most > _NOTHING else ""
 
 
 def ranks(ranking: Ranking) -> list[str]:
-    """Number the looks of a ranking from "1", and each of those that tie "=1"."""
+    """Number the looks of a ranking from "1"; looks that tie all get the number of their first, as "=1"."""
     looks = ranking.ranking
     firsts: list[int] = []
     for index, look in enumerate(looks):
@@ -69,11 +69,11 @@ def ranks(ranking: Ranking) -> list[str]:
 
 
 def recommendation(ranking: Ranking, min_gain: float) -> str:
-    """Say what to do now, and why.
+    """Write a sentence with the recommended look or grasp, and the reason.
 
     Args:
         ranking: with the service's recommendation.
-        min_gain: what a look's net value has to exceed.
+        min_gain: threshold that the net value of a recommended look exceeds.
     """
     advice = ranking.recommendation
     if isinstance(advice, Look):
@@ -87,7 +87,7 @@ def recommendation(ranking: Ranking, min_gain: float) -> str:
 
 
 def no_look(ranking: Ranking, min_gain: float) -> str:
-    """Say that no look is worth taking, and how far the best of them is from it."""
+    """Write a sentence that no look is worth its cost, with the net value of the best one."""
     if not ranking.ranking:
         return "there is no place to look from"
     first, *others = ranking.ranking

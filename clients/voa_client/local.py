@@ -1,4 +1,4 @@
-"""A service of one's own for the length of a command."""
+"""Services that are started on this machine for the length of a `with`."""
 
 import socket
 import subprocess
@@ -17,15 +17,15 @@ _START_SECONDS = 60.0
 _STOP_SECONDS = 20
 _LOG_LINES = 15
 BRIEFLY = Retries(within_s=2.0)
-"""For a person at a terminal: over a hiccup, but a wrong address is soon told."""
+"""Retries for a person at a terminal: enough for a short disturbance, and a wrong address is soon reported."""
 
 
 class ServiceDidNotStart(VoaClientError):
-    """The service ended, or did not answer."""
+    """A service that was started ended early, or did not answer in time."""
 
 
 class Running(NamedTuple):
-    """A server process that answers."""
+    """A server process that is ready: its URL and process id."""
 
     url: str
     pid: int
@@ -35,23 +35,23 @@ class Running(NamedTuple):
 def running(module: str, options: Sequence[str], log: Path, ready: str = "/readyz") -> Iterator[Running]:
     """Start `python -m MODULE --fd N OPTIONS` on a free port of 127.0.0.1 and stop it on leaving.
 
-    The socket is opened here and handed over, so the port is known and the first request waits for the server
-    instead of failing.
+    The socket is opened here and passed to the process, so that the port is known, and the first request waits for the
+    server instead of failing.
 
     Args:
-        module: what to run.
-        options: of its command line, besides `--fd`.
-        log: where its stderr goes.
-        ready: a path that it answers when it is ready.
+        module: to run.
+        options: for its command line, besides `--fd`.
+        log: file for its stderr.
+        ready: path that it answers when it is ready.
 
     Raises:
-        ServiceDidNotStart: it ended, or did not answer.
+        ServiceDidNotStart: the process ended, or did not answer within 60 s.
     """
     with socket.create_server(("127.0.0.1", 0)) as listening, log.open("wb") as stderr:
         url = f"http://127.0.0.1:{listening.getsockname()[1]}"
         command = [sys.executable, "-m", module, "--fd", str(listening.fileno()), *options]
-        # Not our stdout: whoever reads that would wait for a service that outlives us.
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - ours
+        # Not our stdout: a reader of our output would wait for the end of this process, too.
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr, pass_fds=[listening.fileno()])  # noqa: S603 - our own module
     try:
         try:
             httpx2.get(url + ready, timeout=_START_SECONDS).raise_for_status()
@@ -69,10 +69,13 @@ def running(module: str, options: Sequence[str], log: Path, ready: str = "/ready
 
 @contextmanager
 def local_service(folder: Path | None = None) -> Iterator[str]:
-    """`voa serve` for the length of a `with`; gives its URL.
+    """Run `voa serve` on SQLite for the length of a `with`; gives its URL.
 
     Args:
-        folder: where its database and log go; None: a temporary folder.
+        folder: for its database and log; None: a temporary folder.
+
+    Raises:
+        ServiceDidNotStart: the service ended, or did not answer within 60 s.
     """
     with tempfile.TemporaryDirectory(prefix="voa-") as temporary:
         place = Path(temporary) if folder is None else folder
@@ -88,7 +91,7 @@ def _tail(log: Path) -> str:
 
 @contextmanager
 def service_at(url: str | None) -> Iterator[Client]:
-    """A client of the service at `url`, or of one that is started for the purpose."""
+    """Open a client of the service at `url`; None: of a service that is started for the length of the `with`."""
     if url is not None:
         with Client(url, retries=BRIEFLY) as client:
             yield client

@@ -1,4 +1,4 @@
-"""JSON files as messages."""
+"""Reading of messages from JSON files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,9 +15,10 @@ def read_file(kind: type[M], path: Path, wrong: Callable[[str], Exception]) -> M
     """Read a message from a JSON file.
 
     Args:
-        kind: of message.
+        kind: class of the message.
         path: of the file.
-        wrong: makes the error that is raised from one line: the file cannot be opened, is not JSON, or not a `kind`.
+        wrong: class of the error that is raised, with a text of one line, if the file cannot be opened, is not JSON, or
+            is not a message of that kind.
     """
     try:
         return read_message(kind, path.read_bytes())

@@ -1,6 +1,6 @@
-"""Scenario files: the body of POST /v1/scenarios, whose `object` may be a mesh file beside it.
+"""Scenario files: JSON with the body of POST /v1/scenarios, in which `object` may name a mesh file.
 
-A mesh file's `scale` (metres per unit of the file) and `up` ("+Z" or "+Y") may stand beside `object`.
+Beside `object`, the file may have the mesh file's `scale` (metres per unit of the file) and `up` ("+Z" or "+Y").
 """
 
 import re
@@ -14,15 +14,15 @@ from voa_msgs.scenarios import Scenario, ScenarioRequest
 from voa_msgs.warnings import ProbableMistake
 
 _STORED = re.compile(r"[0-9a-f]{64}")
-_OF_THE_MESH = {"scale", "up"}
+_MESH_FIELDS = {"scale", "up"}
 
 
 class InvalidScenarioFile(VoaClientError):
-    """A file is not a scenario; says what is wrong with it."""
+    """A file is not a scenario, or its mesh file is missing or not valid; the message says what is wrong."""
 
 
 class ScenarioFile(ScenarioRequest):
-    """A scenario, and how its mesh file is to be read."""
+    """Content of a scenario file: the scenario, and scale and axis of its mesh file."""
 
     scale: Positive | None = None
     """Metres per unit of the mesh file; null: it is in metres."""
@@ -31,65 +31,78 @@ class ScenarioFile(ScenarioRequest):
 
 
 def load_scenario(client: Client, path: Path) -> Scenario:
-    """Store the scenario of a file, its mesh first if it names one; raises as `load_with_warnings`."""
+    """Store the scenario of a file on the service, and the mesh file that it names.
+
+    Args:
+        client: of the service.
+        path: of the scenario file; mesh files are searched in its folder.
+
+    Raises:
+        InvalidScenarioFile: the scenario file or its mesh file is missing or not valid.
+        VoaClientError: the service cannot be reached, or refuses.
+    """
     return load_with_warnings(client, path)[0]
 
 
 def load_with_warnings(client: Client, path: Path) -> tuple[Scenario, list[ProbableMistake]]:
-    """Store the scenario of a file, its mesh first if it names one; returns what is warned of about the mesh, too.
+    """Store the scenario of a file on the service, and return it with the service's warnings about its mesh.
+
+    Args:
+        client: of the service.
+        path: of the scenario file; mesh files are searched in its folder.
 
     Raises:
-        InvalidScenarioFile: the file is not there or not a scenario, or its mesh is not there or not read.
-        VoaClientError: the service refuses it.
+        InvalidScenarioFile: the scenario file or its mesh file is missing or not valid.
+        VoaClientError: the service cannot be reached, or refuses.
     """
-    told = read_file(ScenarioFile, path, InvalidScenarioFile)
-    mesh = _mesh(told, path)
-    given = {name: getattr(told, name) for name in told.model_fields_set - _OF_THE_MESH}
+    file = read_file(ScenarioFile, path, InvalidScenarioFile)
+    mesh = _mesh(file, path)
+    fields = {name: getattr(file, name) for name in file.model_fields_set - _MESH_FIELDS}
     warnings: list[ProbableMistake] = []
     if mesh is not None:
-        uploaded = _uploaded(client, told, path, mesh)
-        given["object"], warnings = uploaded.id, uploaded.warnings
-    scenario = client.create_scenario(ScenarioRequest.model_construct(**given))
+        uploaded = _uploaded(client, file, path, mesh)
+        fields["object"], warnings = uploaded.id, uploaded.warnings
+    scenario = client.create_scenario(ScenarioRequest.model_construct(**fields))
     if mesh is None and scenario.object is not None:
         warnings = client.get_object(scenario.object).warnings
     return scenario, warnings
 
 
-def _mesh(told: ScenarioFile, path: Path) -> Path | None:
-    """The file that `object` names; None: it is the id of a stored object, or there is none.
+def _mesh(file: ScenarioFile, path: Path) -> Path | None:
+    """Return the mesh file that `object` names; None: `object` is the id of a stored object, or missing.
 
     Raises:
-        InvalidScenarioFile: there is no such file, or nothing that `scale` and `up` could be about.
+        InvalidScenarioFile: there is no such file, or `scale` or `up` is fields without a mesh file.
     """
-    mesh = None if told.object is None else path.parent / told.object
+    mesh = None if file.object is None else path.parent / file.object
     if mesh is not None and mesh.is_file():
         return mesh
-    if told.object is not None and not _STORED.fullmatch(told.object):
+    if file.object is not None and not _STORED.fullmatch(file.object):
         raise InvalidScenarioFile(
-            f"{path}: object: there is no mesh file {mesh}; expected the name of one, seen from the scenario file's "
+            f"{path}: object: there is no mesh file {mesh}; expected its path, relative to the scenario file's "
             "folder, or the id of a stored object"
         )
-    beside = sorted(_OF_THE_MESH & told.model_fields_set)
+    beside = sorted(_MESH_FIELDS & file.model_fields_set)
     if beside:
-        raise InvalidScenarioFile(f"{path}: {beside[0]}: goes with a mesh file as `object`, and this scenario has none")
+        raise InvalidScenarioFile(f"{path}: {beside[0]}: needs a mesh file as `object`, and this scenario has none")
     return None
 
 
-def _uploaded(client: Client, told: ScenarioFile, path: Path, mesh: Path) -> Object:
+def _uploaded(client: Client, file: ScenarioFile, path: Path, mesh: Path) -> Object:
     """Find the object of a mesh file on the service, or upload the file."""
-    scale = 1.0 if told.scale is None else told.scale
+    scale = 1.0 if file.scale is None else file.scale
     try:
-        return _found(client, mesh, scale, told.up) or client.create_object(mesh, scale=scale, up=told.up)
+        return _uploaded_before(client, mesh, scale, file.up) or client.create_object(mesh, scale=scale, up=file.up)
     except OSError as error:
         raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.strerror}") from error
     except InvalidRequestError as error:
-        hint = f' (in {path.name}, "scale" stands beside "object")' if "scale" in error.problem.detail else ""
+        hint = f' (in {path.name}, put "scale" beside "object")' if "scale" in error.problem.detail else ""
         raise InvalidScenarioFile(f"{path}: object: {mesh}: {error.problem.detail}{hint}") from error
 
 
-def _found(client: Client, mesh: Path, scale: float, up: UpAxis | None) -> Object | None:
-    """Find the object of a mesh file that was uploaded before; None: upload it, and hear then what is wrong with it."""
+def _uploaded_before(client: Client, mesh: Path, scale: float, up: UpAxis | None) -> Object | None:
+    """Find the object of a mesh file that was uploaded before; None: it has to be uploaded."""
     try:
         return client.find_object(mesh, scale, up)
-    except InvalidRequestError:  # no mesh file; or, over Zenoh, an older service
+    except InvalidRequestError:  # not a mesh file, which the upload will report; or, over Zenoh, an older service
         return None

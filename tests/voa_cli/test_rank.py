@@ -124,7 +124,7 @@ class Old(Noted):
             problem = Problem(type="urn:voa:problem:invalid-request", title="", status=422, detail="no such field")
             raise InvalidRequestError(problem)
         call = calls.find_object(mesh.name, mesh.read_bytes(), scale, up)
-        return calls.found_object(call, ObjectPage(items=list(self.list_objects()), next=None))
+        return calls.matching_object(call, ObjectPage(items=list(self.list_objects()), next=None))
 
 
 @pytest.mark.parametrize("lists", [True, False])
@@ -164,7 +164,7 @@ def test_a_mesh_in_millimetres_is_read_by_its_scale_and_the_hint_says_where(
     assert main(["rank", str(unscaled), "--url", process]) == 1
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith(f"voa rank: {unscaled}: object: {unscaled.with_name('box.obj')}: expected an object of")
-    assert line.endswith('(in unscaled.json, "scale" stands beside "object")')
+    assert line.endswith('(in unscaled.json, put "scale" beside "object")')
     scaled = written(tmp_path / "scaled.json", mesh_scenario("box.obj", scale=0.001), mesh)
     assert values(capfd, process, scaled) == pytest.approx(values(capfd, process, in_metres), abs=1e-9)
 
@@ -333,8 +333,8 @@ def test_what_does_not_go_together_is_a_usage_error(arguments: list[str], capsys
         (json.dumps(changed(data_scenario(), "predictions.Q1.P1.0", math.nan)), "in predictions, null for no return"),
         (json.dumps(data_scenario(object="box.obj", scale=0)), "scale: "),
         (json.dumps(data_scenario(object="box.obj", up="Y")), "up: "),
-        (json.dumps(data_scenario(scale=0.001)), "scale: goes with a mesh file as `object`"),
-        (json.dumps(data_scenario(object="f" * 64, up="+Y")), "up: goes with a mesh file as `object`"),
+        (json.dumps(data_scenario(scale=0.001)), "scale: needs a mesh file as `object`"),
+        (json.dumps(data_scenario(object="f" * 64, up="+Y")), "up: needs a mesh file as `object`"),
         (json.dumps(data_scenario(object="..")), "there is no mesh file"),
         ('{"name": "a"}', "poses"),
         (json.dumps(data_scenario(object="missing.obj")), "there is no mesh file"),

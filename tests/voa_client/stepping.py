@@ -9,7 +9,7 @@ from tests.voa_client.test_attempts import SESSION, problem
 from voa_client._answers import Reply
 from voa_client._attempts import Patience
 from voa_client._errors import VoaClientError
-from voa_client._following import Ask, Following, Pause, Result, Wait, taken
+from voa_client._following import Following, Pause, Result, Send, Wait, next_step
 from voa_client._mailbox import Batch
 from voa_client._transport import Deleted, Lost, State
 from voa_msgs.sessions import Session
@@ -63,7 +63,7 @@ class Service:
         return Following(ID, Patience(clock=lambda: self.now, chance=lambda: 0.0), for_s)
 
     def follow(
-        self, following: Following, batches: Sequence[Batch | int | None], ask_s: float | None = POLL_S
+        self, following: Following, batches: Sequence[Batch | int | None], poll_s: float | None = POLL_S
     ) -> tuple[list[Session], Lost | None]:
         """The sessions that are handed out, and how the watch ended (None too where the batches did).
 
@@ -71,12 +71,12 @@ class Service:
             following: the follower.
             batches: what comes of its waits, one after another; a number moves the session there first, and None
                 deletes it, before the next wait.
-            ask_s: as the transport's.
+            poll_s: as the transport's.
         """
         sessions: list[Session] = []
-        steps, left, result = following.steps(ask_s), list(batches), None
+        steps, left, result = following.steps(poll_s), list(batches), None
         while True:
-            step = taken(steps, result)
+            step = next_step(steps, result)
             result = None
             match step:
                 case Session():
@@ -84,7 +84,7 @@ class Service:
                 case Pause(seconds):
                     self.paused.append(seconds)
                     self.now += seconds
-                case Ask(call, _):
+                case Send(call, _):
                     self.asked.append(call.rpc)
                     result = self._answer(call.rpc, call.query)
                 case Wait(seconds, _):

@@ -28,7 +28,7 @@ from voa_client import (
 from voa_client._answers import Reply
 from voa_client._attempts import Patience
 from voa_client._calls import Call
-from voa_client._transport import Tell
+from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION
 from voa_msgs.sessions import BeliefRequest
 
@@ -68,7 +68,7 @@ class Script:
     time: float = 0.0
     slept: list[float] = field(default_factory=list)
     sent: list[tuple[str, str | None, float]] = field(default_factory=list)
-    ask_s = None
+    poll_s = None
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
         reply = self.replies[min(len(self.sent), len(self.replies) - 1)]
@@ -79,7 +79,7 @@ class Script:
         return reply
 
     @contextmanager
-    def watch(self, session_id: str, seen: int | None, tell: Tell) -> Iterator[None]:
+    def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:
         raise AssertionError("not in these tests")
 
     def close(self) -> None:
@@ -251,7 +251,7 @@ def test_the_asynchronous_client_decides_alike() -> None:
     script = Script([NOWHERE, problem("overloaded", 503, 7.0), SESSION])
 
     class Scripted:
-        ask_s = None
+        poll_s = None
         watch = script.watch
 
         async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:

@@ -102,7 +102,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
     assert f"{call.method} {call.url}" == http
     assert json.loads(call.payload()) == payload
     body = json.loads(call.content() or b"{}")
-    assert body | dict(call.ids) | call.asked == payload
+    assert body | dict(call.ids) | call.parameters == payload
 
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
@@ -117,9 +117,9 @@ def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> No
 def test_what_goes_over_http_only_says_so() -> None:
     only = [call.rpc for call, *_ in CASES if call.http_only]
     assert only == ["robot.claim"]
-    with pytest.raises(UsageError, match=r"robot\.claim: goes over HTTP only; make the client with the service's http"):
+    with pytest.raises(UsageError, match=r"robot\.claim: can be called over HTTP only; make .* the service's http"):
         calls.claim_robot("r", ClaimRequest(session="s")).check_has_rpc()
-    with pytest.raises(UsageError, match=r"session\.delete: if_match goes over HTTP only"):
+    with pytest.raises(UsageError, match=r"session\.delete: if_match can be used over HTTP only"):
         calls.delete_session("s", 3).check_has_rpc()
 
 
@@ -131,7 +131,7 @@ def test_a_mesh_that_was_not_asked_for_is_not_found() -> None:
 
     def found(**more: object) -> Object | None:
         page = {"items": [item, item | {"id": "b"} | more], "next": None}
-        return calls.found_object(call, ObjectPage.model_validate_json(json.dumps(page)))
+        return calls.matching_object(call, ObjectPage.model_validate_json(json.dumps(page)))
 
     assert found() is None
     assert found(sha256="0" * 64) is None

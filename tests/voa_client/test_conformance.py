@@ -106,7 +106,7 @@ def test_a_robot_is_claimed_over_http_and_said_to_be_so_elsewhere(client: Client
             with pytest.raises(NotFoundError, match="no mapped robot 'nobody'"):
                 client.claim_robot("nobody", claimed)
         else:
-            with pytest.raises(UsageError, match="goes over HTTP only"):
+            with pytest.raises(UsageError, match="can be called over HTTP only"):
                 client.claim_robot("nobody", claimed)
 
 

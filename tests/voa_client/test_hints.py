@@ -7,7 +7,7 @@ import pytest
 from tests.voa_client.stepping import POLL_S, Service, body, hints, news
 from tests.voa_client.test_attempts import problem
 from voa_client import NotFoundError, Retries, UnexpectedAnswerError, UnreachableError, WireVersionError
-from voa_client._answers import Reply, check, made_up
+from voa_client._answers import Reply, check, synthetic_problem
 from voa_client._following import GRACE_S, PAUSE_S
 from voa_client._mailbox import Batch
 from voa_client._transport import Deleted, Lost, State
@@ -124,7 +124,11 @@ def test_a_delete_is_believed_of_the_service_alone() -> None:
 
 
 def test_after_something_was_received_spoilt_answers_are_waited_out() -> None:
-    for spoilt in (Reply(b"<html>"), Reply(made_up(404, "a proxy", "no"), refused=True), Reply(b"", refused=True)):
+    for spoilt in (
+        Reply(b"<html>"),
+        Reply(synthetic_problem(404, "a proxy", "no"), refused=True),
+        Reply(b"", refused=True),
+    ):
         service = Service(0)
         following = service.following()
         service.follow(following, [])
@@ -141,7 +145,7 @@ def test_after_something_was_received_spoilt_answers_are_waited_out() -> None:
 def test_before_anything_was_received_they_say_that_something_else_is_there() -> None:
     for spoilt, kind in (
         (Reply(b"<html>"), UnexpectedAnswerError),
-        (Reply(made_up(404, "a proxy", "no"), refused=True), NotFoundError),
+        (Reply(synthetic_problem(404, "a proxy", "no"), refused=True), NotFoundError),
         (Reply(b"{}", wire=2), WireVersionError),
     ):
         service = Service(0, spoilt)
@@ -166,7 +170,7 @@ def test_a_service_of_another_version_of_the_messages_is_said_at_once() -> None:
 def test_the_service_s_own_events_are_taken_as_they_come() -> None:
     service = Service(2)
     events = [State(body(version)) for version in (2, 3, 3, 2, 4)]
-    sessions, lost = service.follow(service.following(), [news(*events)], ask_s=None)
+    sessions, lost = service.follow(service.following(), [news(*events)], poll_s=None)
     assert (versions(sessions), lost) == ([2, 3, 4], None)
     assert service.asked == ["session.get"], "the first one only"
 
@@ -179,20 +183,20 @@ def test_the_service_s_own_events_are_taken_as_they_come() -> None:
 def test_an_event_that_the_service_does_not_bear_out_begins_a_new_watch(odd: State | Deleted) -> None:
     service = Service(0)
     following = service.following()
-    sessions, lost = service.follow(following, [news(State(body(0)), odd, State(body(2)))], ask_s=None)
+    sessions, lost = service.follow(following, [news(State(body(0)), odd, State(body(2)))], poll_s=None)
     assert versions(sessions) == [0]
     assert lost is not None
     assert isinstance(lost.error, UnexpectedAnswerError)
     assert following.lost(lost) == Retries().wait_s(1, 0.0)
     service.version = 1
-    sessions, _ = service.follow(following, [news(State(body(1)))], ask_s=None)
+    sessions, _ = service.follow(following, [news(State(body(1)))], poll_s=None)
     assert versions(sessions) == [1]
 
 
 def test_events_that_skip_versions_are_checked_and_then_go_on() -> None:
     service = Service(9)
     following = service.following()
-    sessions, _ = service.follow(following, [news(*[State(body(each)) for each in (2, 5, 6, 9)])], ask_s=None)
+    sessions, _ = service.follow(following, [news(*[State(body(each)) for each in (2, 5, 6, 9)])], poll_s=None)
     assert versions(sessions) == [2, 5, 6, 9]
     assert service.asked == ["session.get"] * 3
 
@@ -200,7 +204,7 @@ def test_events_that_skip_versions_are_checked_and_then_go_on() -> None:
 def test_an_end_that_the_service_confirms_is_one() -> None:
     service = Service(0)
     following = service.following()
-    _, lost = service.follow(following, [news(State(body(0))), None, news(Deleted())], ask_s=None)
+    _, lost = service.follow(following, [news(State(body(0))), None, news(Deleted())], poll_s=None)
     assert lost is not None
     following.lost(lost)
     assert following.is_over
@@ -210,12 +214,15 @@ def test_a_watch_that_is_lost_says_so_after_what_came_before() -> None:
     service = Service(1)
     gone = Lost(UnreachableError("gone"))
     batch = news(State(body(0)), State(body(1)), gone, State(body(2)))
-    sessions, lost = service.follow(service.following(), [batch], ask_s=None)
+    sessions, lost = service.follow(service.following(), [batch], poll_s=None)
     assert (versions(sessions), lost) == ([0, 1], gone)
 
 
 def test_refusals_of_the_service_are_told_from_those_of_a_proxy() -> None:
-    for reply, own in ((problem("not-found", 404), True), (Reply(made_up(404, "a proxy", "no"), refused=True), False)):
+    for reply, own in (
+        (problem("not-found", 404), True),
+        (Reply(synthetic_problem(404, "a proxy", "no"), refused=True), False),
+    ):
         with pytest.raises(NotFoundError) as refused:
             check(reply)
         assert refused.value.is_of_the_service is own

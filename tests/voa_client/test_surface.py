@@ -47,6 +47,12 @@ def test_twins_have_the_same_surface(sync: type[Any], twin: type[Any]) -> None:
     assert len(surface(sync)) > 3
 
 
+@pytest.mark.parametrize(("sync", "twin"), [*TWINS[:3], TWINS[-1]], ids=lambda kind: kind.__name__)
+def test_twins_have_the_same_documentation(sync: type[Any], twin: type[Any]) -> None:
+    for name in surface(sync).keys() - {"__init__"}:
+        assert getattr(twin, name).__doc__ == getattr(sync, name).__doc__, name
+
+
 @pytest.mark.parametrize(("sync", "twin"), TWINS[:3], ids=lambda kind: kind.__name__)
 def test_every_method_of_a_twin_is_awaited_or_iterated(sync: type[Any], twin: type[Any]) -> None:
     for name in surface(sync).keys() - {"__init__"}:
