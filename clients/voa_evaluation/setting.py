@@ -6,26 +6,17 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
+from voa_core.rules.registry import RULES as BUILT_IN_RULES
 from voa_fleet.world.imperfections import Imperfections
-from voa_msgs.updates import (
-    UpdateRule,
-)
+from voa_msgs.updates import UpdateRule
 from voa_recordings.replay.experiments import update_of as usual_update
 
 Belief = Literal["uniform", "hinted"]
 """What is believed before the look: nothing (`uniform`, as in the paper), or something that differs between drops."""
 
 BELIEFS: tuple[Belief, ...] = ("uniform", "hinted")
-RULES = ("margin", "exponential", "gaussian", "inverse_rmsd", "beam")
-MEANT: Mapping[str, str] = MappingProxyType(
-    {
-        "margin": "a pose stays possible if every beam agrees within 8 mm; if none does, the nearest poses share",
-        "exponential": "weight exp(-d), d the length of the vector of differences in metres",
-        "gaussian": "weight exp(-d²/2), d as above",
-        "inverse_rmsd": "weight 1 / RMSD, the root of the mean squared difference",
-        "beam": "this project's rule for live robots: every beam is a hit, too short, empty or random",
-    }
-)
+RULES = tuple(BUILT_IN_RULES)
+MEANT: Mapping[str, str] = MappingProxyType({name: rule.meaning for name, rule in BUILT_IN_RULES.items()})
 
 
 def usual_flaws() -> Imperfections:

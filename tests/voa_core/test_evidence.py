@@ -18,7 +18,7 @@ from voa_core.errors import BeamGridMismatch
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
 from voa_core.prediction import predictor_of_mesh
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scans import Scan, classify
 from voa_core.workspace import Workspace
 

@@ -19,7 +19,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
 from voa_core.ranking import rank
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scans import Scan
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy, update

@@ -12,7 +12,7 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scans import scan_of
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy

@@ -22,8 +22,8 @@ from tests.voa_core.mistakes.table import (
 )
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
-from voa_core.mistakes.found import length, listed
 from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.mistake import length, listed
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
