@@ -51,6 +51,15 @@ class Scan:
         if self.range_min is not None and self.range_max is not None and self.range_min > self.range_max:
             raise InvalidInput("range_max", f"at least range_min ({self.range_min})", repr(self.range_max))
 
+    @classmethod
+    def recorded(cls, ranges: Floats, lidar: LidarModel) -> "Scan":
+        """Make a scan on the lidar's beams from recorded ranges (r,), which count however short they are.
+
+        The recording has judged them already: the lidar's `range_min`, below which a measurement is missing, does not
+        apply; raises InvalidInput for another shape.
+        """
+        return cls(ranges, lidar.grid, range_min=0.0)
+
     def limits(self, lidar: LidarModel) -> tuple[float, float]:
         """Limits `range_min, range_max` in metres: the scan's own where it has them, else the lidar's."""
         return (

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from voa_core.assistance import Definition
 from voa_core.errors import UnknownName
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
 from voa_core.filtering import Belief
@@ -12,7 +13,7 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
-from voa_core.ranking import MIN_GAIN
+from voa_core.ranking import MIN_GAIN, Ranking, rank
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
@@ -106,6 +107,31 @@ class Scenario:
         compared = restricted(prediction, sensor, None, self.lidar, self.workspace)
         return Weigher.of(self.rule, compared, dtype, keep=keep, check=check)
 
-    def rankable(self, names: Sequence[str] | None) -> tuple[SensorConfiguration, ...]:
-        """Sensor configurations of the given names, None: all of the scenario's; raises UnknownName."""
-        return self.sensors if names is None else tuple(self.sensor(name) for name in names)
+    def rank(
+        self,
+        belief: Belief | None = None,
+        sensors: Sequence[str] | None = None,
+        *,
+        definition: Definition = "posterior",
+        sensor_belief: Belief | None = None,
+    ) -> Ranking:
+        """Rank looks by net value, in float64.
+
+        Args:
+            belief: of the gripper agent, (n,); None: the prior.
+            sensors: names of the sensor configurations to rank; None: all.
+            definition: of VOA, see `assistance`.
+            sensor_belief: of the sensor agent, (n,); None: the gripper agent's.
+
+        Raises:
+            UnknownName: there is no such sensor configuration.
+        """
+        return rank(
+            self.sensors if sensors is None else [self.sensor(name) for name in sensors],
+            lambda sensor: self.weigher(sensor, np.float64, keep=False),
+            self.prior if belief is None else belief,
+            self.table,
+            self.policy,
+            definition=definition,
+            sensor_belief=sensor_belief,
+        )
