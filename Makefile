@@ -10,7 +10,7 @@ COVERAGE := build/coverage
 # Per cent of the lines of all packages that the tests run, kernels not counted as they are compiled. Never lower it.
 FLOOR := 95
 
-.PHONY: help setup demo test bench chaos lint lock image clean
+.PHONY: help setup demo test bench chaos lint docs lock image clean
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
@@ -51,6 +51,9 @@ lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy voa_core service clients assets deploy tests
+
+docs: setup  ## the documentation, into build/docs/index.html
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet -f deploy/mkdocs.yml
 
 chaos: setup system-packages  ## attacks on a running service, each with its figure before and now
 	@$(BIN)/python -m tests.chaos

@@ -1,7 +1,7 @@
-"""What `make image` asks of a running container: the main job, and the same answer again after a restart.
+"""Check a running container for `make image`: the main job, and the same session again after a restart.
 
 `check_container.py work URL FILE` stores the mug's scenario, opens a session, ranks, applies a scan, and writes the
-session into FILE; `check_container.py recall URL FILE` finds it as it was.
+session into FILE; `check_container.py recall URL FILE` requests that session and compares it with FILE.
 """
 
 import sys
@@ -10,10 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from voa_assets import path as asset_path
-from voa_client import Client, UnreachableError
+from voa_client import Client, PredictionsRequest, Scan, ScanRequest, Session, SessionRequest, UnreachableError
 from voa_client.scenario_files import load_scenario
-from voa_msgs.scenarios import PredictionsRequest
-from voa_msgs.sessions import Scan, ScanRequest, Session, SessionRequest
 
 TRUE_POSE = "U_90"
 _START_SECONDS = 60.0
@@ -21,23 +19,23 @@ _PAUSE_SECONDS = 0.05
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Do one of the two; returns the exit code."""
-    what, url, file = arguments
+    """Run `work` or `recall` with its URL and file; return the exit code, 1 if the session differs."""
+    command, url, file = arguments
     with Client(url) as client:
-        print(f"  /readyz said {_wait(client)}")
-        if what == "work":
+        print(f"  /readyz: {_wait(client)}")
+        if command == "work":
             Path(file).write_text(_work(client).model_dump_json(), encoding="utf-8")
             return 0
         expected = Session.model_validate_json(Path(file).read_text(encoding="utf-8"))
-        found = client.get_session(expected.id)
-        print(f"  session {found.id} is at version {found.version}, best grasp {found.best_grasp}")
-        if found != expected:
+        session = client.get_session(expected.id)
+        print(f"  session {session.id} is at version {session.version}, best grasp {session.best_grasp}")
+        if session != expected:
             print(f"  but it was at version {expected.version}, best grasp {expected.best_grasp}", file=sys.stderr)
-        return int(found != expected)
+        return int(session != expected)
 
 
 def _wait(client: Client) -> str:
-    """Until the service is ready, at most a minute."""
+    """Wait until the service is ready, at most a minute; return its status."""
     until = time.monotonic() + _START_SECONDS
     while True:
         try:
@@ -49,7 +47,7 @@ def _wait(client: Client) -> str:
 
 
 def _work(client: Client) -> Session:
-    """A scenario, a session, a ranking and a scan."""
+    """Store a scenario, open a session, rank the looks and apply a scan; return the session."""
     scenario = load_scenario(client, asset_path("mug") / "scenario.json")
     session = client.create_session(SessionRequest(scenario=scenario.id))
     started = time.perf_counter()

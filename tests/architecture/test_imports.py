@@ -1,4 +1,4 @@
-"""Imports point one way (DESIGN.md, section 3), read from the syntax trees of the sources: nothing is imported."""
+"""Imports point one way (deploy/docs/where-is-what.md): the sources are parsed, and nothing is imported."""
 
 import ast
 import fnmatch

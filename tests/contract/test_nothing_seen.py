@@ -1,4 +1,4 @@
-"""A scan in which the object is not moves no belief: DESIGN.md, "A scan without the object"."""
+"""A scan in which the object is not moves no belief: deploy/docs/mathematics.md, "Update"."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""DESIGN.md 5.1 as a table: every write x what may happen to it, and the promised answer.
+"""The conventions of deploy/docs/contract.md as a table: every write x what may happen to it, and the promised answer.
 
 | write | same key, same body | same key, other body | concurrent twice | stale If-Match | after a crash |
 |---|---|---|---|---|---|

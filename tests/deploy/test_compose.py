@@ -1,4 +1,4 @@
-"""The compose files, the balancer and the Dockerfile agree with each other and with DESIGN.md, section 8.
+"""The compose files, the balancer and the Dockerfile agree with each other and with deploy/docs/operations.md.
 
 What `make image` cannot run is at least read.
 """

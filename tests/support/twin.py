@@ -1,4 +1,4 @@
-"""The mathematics once more, slow and obvious: written from the paper and DESIGN.md section 4, for tests only.
+"""The mathematics once more, slow and obvious: written from the paper and deploy/docs/mathematics.md, for tests only.
 
 It shares no code with `voa_core`: plain numbers, lists and loops. A beam is a float: its range for a return, `inf`
 for a no-return, NaN for a missing beam. Weights are kept as their natural logarithms.
@@ -49,7 +49,7 @@ def classify_beam(  # noqa: PLR0911 - one return per line of the rule
     range_max: float,
     within: tuple[float, float] | Literal["everywhere"] | None = "everywhere",
 ) -> float:
-    """One measured beam, by the order of DESIGN.md section 4; `within` is its `crossing` of the workspace."""
+    """One measured beam, by the order of deploy/docs/mathematics.md; `within` is its `crossing` of the workspace."""
     if declared_no_return:
         return NOTHING
     if value is None or math.isnan(value) or value == -math.inf:
@@ -127,7 +127,10 @@ def fit_hit_rmsd_mm(measured: Sequence[float], predicted: Sequence[float], no_re
 def misses_object(
     measured: Sequence[float], copies: Sequence[Sequence[Sequence[float]]], belief: Sequence[float], has_workspace: bool
 ) -> bool:
-    """DESIGN.md, "A scan without the object"; `copies[p]` are the predicted scans of the displaced copies of pose p."""
+    """True if a scan misses the object (deploy/docs/mathematics.md, "Update").
+
+    `copies[p]` are the predicted scans of the displaced copies of pose p.
+    """
     beams = compared(measured)
     possible = [copy for of_pose, b in zip(copies, belief, strict=True) if b > 0.0 for copy in of_pose]
     m = min(sum(copy[i] != NOTHING for i in beams) for copy in possible)

@@ -1,4 +1,4 @@
-"""The axioms of DESIGN.md section 4, for every update rule, and agreement with the brute-force twin."""
+"""The axioms of deploy/docs/mathematics.md, for every update rule, and agreement with the brute-force twin."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Every program and command of the README that runs on any machine is run, and prints what the README says."""
+"""Every program and command of the pages that runs on any machine is run, and prints what the page says."""
 
 import re
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.deploy.readme import README, REPOSITORY, Command, agrees, blocks, commands
+from tests.deploy.pages import PAGES, README, REPOSITORY, Block, Command, agrees, page
 from tests.support.scale import scaled
 from tests.support.serving import as_scan
 from voa_cli.main import main
@@ -18,7 +18,7 @@ from voa_msgs.sessions import OutcomeRequest, Scan, SessionRequest
 
 HERE = "http://127.0.0.1:8000"
 MUG = Path("assets/voa_assets/mug/scenario.json")
-LOCAL = [command for command in commands() if command.is_local]
+LOCAL = list({each.line: each for page_ in PAGES for each in page_.commands() if each.is_local}.values())
 
 
 @pytest.fixture(autouse=True)
@@ -27,32 +27,43 @@ def _from_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
 
 
-def _program(word: str) -> tuple[str, str]:
-    """The one program of the README with a word in it, and the text behind it."""
-    ((text, after),) = [(block.text, block.after) for block in blocks("python") if word in block.text]
-    return text, after
+def run(program: Block, url: str) -> dict[str, Any]:
+    """Run a program of a page against a service, and return its names."""
+    assert program.text.count(HERE) <= 1
+    namespace: dict[str, Any] = {}
+    exec(compile(program.text.replace(HERE, url), "page.md", "exec"), namespace)  # noqa: S102 - our own text
+    return namespace
 
 
 def test_every_program_and_most_commands_are_run() -> None:
-    assert len(blocks("python")) == 2, "each is run below"
-    assert {command.words[1] for command in LOCAL} == {"check", "rank", "fleet", "replay"}
-    assert len(LOCAL) >= 5
+    programs = {each.path: len(each.blocks("python")) for each in PAGES if each.blocks("python")}
+    others = {"deploy/docs/own-rule.md", "deploy/docs/own-policy.md"}  # tested with their example packages
+    expected = {"README.md": 1, "deploy/docs/quick-start.md": 1, "deploy/docs/on-your-robots.md": 1}
+    run_elsewhere = {"CONTRIBUTING.md"} | others
+    assert {path: count for path, count in programs.items() if path not in run_elsewhere} == expected
+    assert {command.words[1] for command in LOCAL} >= {"check", "rank", "fleet", "replay"}
 
 
-def test_the_first_program_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
-    text, after = _program("load_scenario")
-    assert text.count(HERE) == 1
-    exec(compile(text.replace(HERE, process), "README.md", "exec"), {})  # noqa: S102 - our own text
-    stated = re.match(r"\s*It prints `([^`]+)`", after)
+def test_the_program_of_the_readme_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
+    program = README.program("load_scenario")
+    run(program, process)
+    stated = re.match(r"\s*It prints `([^`]+)`", program.after)
     assert stated is not None, "README: expected what the program prints behind it: It prints `...`"
     assert capsys.readouterr().out == stated[1] + "\n"
 
 
-def test_the_robots_program_looks_grasps_and_tells(process: str) -> None:
-    text, _ = _program("look_and_grasp")
-    namespace: dict[str, Any] = {}
-    exec(compile(text, "README.md", "exec"), namespace)  # noqa: S102 - our own text
-    look_and_grasp: Callable[..., None] = namespace["look_and_grasp"]
+def test_the_program_of_the_quick_start_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
+    program = page("quick-start").program("load_scenario")
+    run(program, process)
+    stated = re.match(r"\s*It prints\n\n```\n(.*?)```", program.after, re.DOTALL)
+    assert stated is not None, "quick start: expected a block with what the program prints behind it"
+    assert capsys.readouterr().out == stated[1]
+
+
+def test_the_robots_program_looks_grasps_and_reports(process: str) -> None:
+    look_and_grasp: Callable[..., None] = run(page("on-your-robots").program("look_and_grasp"), process)[
+        "look_and_grasp"
+    ]
     tried: list[str] = []
     stands: list[str] = []
     with Client(process) as client:
@@ -82,32 +93,32 @@ def test_a_command_ends_well_and_prints_what_is_stated(command: Command, capfd: 
 
 
 @pytest.mark.parametrize("object_", scaled(("mallet",), ("mallet", "mug", "block")))
-def test_the_demo_tells_the_stated_story_and_counts_the_stated_grasps(
+def test_the_demo_prints_the_stated_story_and_counts_the_stated_grasps(
     object_: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["demo", "--out", str(tmp_path), "--object", object_]) == 0
     printed = capfd.readouterr().out
     assert _counts(printed) == _stated_counts(object_)
     if object_ == "mallet":
-        (story,) = [block.text for block in blocks("") if "look from" in block.text]
-        told = [line for line in printed.splitlines() if re.match(r" *\d+\.\d s  ", line)]
-        assert agrees([*story.splitlines(), "..."], "\n".join(told)), printed
+        (story,) = [block.text for block in README.blocks("") if "look from" in block.text]
+        lines = [line for line in printed.splitlines() if re.match(r" *\d+\.\d s  ", line)]
+        assert agrees([*story.splitlines(), "..."], "\n".join(lines)), printed
 
 
 def _stated_counts(object_: str) -> tuple[int, ...]:
-    """Of the grasps that succeed without looks, and with them."""
+    """Numbers of grasps that succeed without looks, and with them, as the README states them."""
     words = {
         "mallet": r"without a look (\d+) of 20 grasps succeed, with three looks (\d+) of 20",
         "mug": r"`voa demo --object mug` it is (\d+) and (\d+) of 20",
         "block": r"with the block (\d+) and (\d+)\b",
     }
-    stated = re.search(words[object_], " ".join(README.split()))
+    stated = re.search(words[object_], " ".join(README.text.split()))
     assert stated is not None, f"README: expected how many grasps of the {object_} succeed, as {words[object_]!r}"
     return tuple(map(int, stated.groups()))
 
 
 def _counts(printed: str) -> tuple[int, ...]:
-    """Of the grasps that succeeded without looks, and with them."""
+    """Numbers of grasps that succeeded without looks, and with them, as the demo prints them."""
     failed = re.search(r"without a look (\d+) of (\d+) grasps failed, .*? (\d+) of \2\.", " ".join(printed.split()))
     assert failed is not None
     return int(failed[2]) - int(failed[1]), int(failed[2]) - int(failed[3])
