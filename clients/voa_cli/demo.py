@@ -23,41 +23,41 @@ from voa_cli.paper import PICTURE, paper_picture
 from voa_client import Client, VoaClientError
 from voa_client.local import local_service
 from voa_client.scenario_files import load_scenario
-from voa_fleet.devices.clocks import VirtualClock
-from voa_fleet.devices.session_looks import looking_by
-from voa_fleet.episodes.contrast import Tally
+from voa_fleet.world.clocks import VirtualClock
+from voa_fleet.episodes.looks import client_channel
+from voa_fleet.episodes.comparison import Tally
 from voa_fleet.episodes.policies import ByVoa
-from voa_fleet.episodes.stage import Stage, make_stage
-from voa_fleet.episodes.story import (
+from voa_fleet.episodes.bench import Bench, make_bench
+from voa_fleet.episodes.episode import (
     MOST_LOOKS,
-    Arrived,
-    Chosen,
+    RobotArrived,
+    LookChosen,
     Event,
-    Grasped,
-    Happening,
-    Looked,
-    Opened,
+    GraspEnded,
+    Step,
+    LookTaken,
+    SessionOpened,
     Pair,
     play,
 )
 from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
-from voa_fleet.show.demo_page import CONTRAST_COLUMNS, Demo, contrast_rows, told_contrast, truth_told, write_demo
-from voa_fleet.show.ending import Ending, TimeIsUp, ended_after
+from voa_fleet.show.demo_page import COMPARISON_COLUMNS, Demo, comparison_rows, comparison_summary, outcome_summary, write_demo
+from voa_fleet.show.interruption import Interruption, TimeIsUp, interruptible
 from voa_fleet.show.render import Renderer
-from voa_fleet.show.telling import Teller
+from voa_fleet.show.live_report import LiveReport
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import named_object
 from voa_msgs.scenarios import Scenario
 
 PAIR = "robot"
-FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
+IMPERFECTIONS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
 """A lidar as its data sheet has it, and an object that lies 5 mm and 0.05 rad beside its pose (std)."""
 _READ_S = 1.2
 """For a reader at a terminal, after what changes the table."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Tell the story, leave the page, return 0, also when it is ended early; 1 if something is wrong."""
+    """Tell the episode, leave the page, return 0, also when it is ended early; 1 if something is wrong."""
     options = _parser().parse_args(arguments)
     console = Console()
     try:
@@ -77,13 +77,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
     """All of it, or as much as time and Ctrl-C allow."""
     try:
-        with ended_after(_seconds()) as ending, ExitStack() as stack:
+        with interruptible(_seconds()) as interruption, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
             client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
-            scenario = load_scenario(client, demo.thing.folder / "scenario.json")
-            stage = make_stage(demo.thing, FLAWS, demo.seed, VirtualClock(), PAIR)
-            tell_story(demo, client, scenario, stage, console, options.looks)
-            tell_contrast(demo, client, scenario, stage, console, options, ending)
+            scenario = load_scenario(client, demo.target.folder / "scenario.json")
+            bench = make_bench(demo.target, IMPERFECTIONS, demo.seed, VirtualClock(), PAIR)
+            show_episode(demo, client, scenario, bench, console, options.looks)
+            show_comparison(demo, client, scenario, bench, console, options, interruption)
             demo.paper = options.out / PICTURE
             paper_picture(client, demo.paper)
     except TimeIsUp:
@@ -94,9 +94,9 @@ def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
         demo.paper = None
 
 
-def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, most_looks: int) -> None:
+def show_episode(demo: Demo, client: Client, scenario: Scenario, bench: Bench, console: Console, most_looks: int) -> None:
     """One drop, from the session to the grasp."""
-    name, poses, grasps = demo.thing.name, len(scenario.poses), len(scenario.grasps)
+    name, poses, grasps = demo.target.name, len(scenario.poses), len(scenario.grasps)
     console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
     console.print(
         f"The arm can try {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The service "
@@ -105,52 +105,52 @@ def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, con
         f"{demo.seed}, whatever comes of it; simulated time.\n",
         highlight=False,
     )
-    drop = stage.drop(0)
+    drop = bench.drop(0)
     demo.truth = drop.truth
-    pair = Pair(PAIR, client, drop.robot, drop.arm, looking_by(client, drop.robot, scenario), stage.scene.clock)
+    pair = Pair(PAIR, client, drop.robot, drop.arm, client_channel(client, drop.robot, scenario), bench.scene.clock)
     with ExitStack() as stack:
-        camera = Camera.of(stack, demo, stage)
-        teller = stack.enter_context(Teller(console, (PAIR,), pace=_pace(console)))
+        camera = Camera.of(stack, demo, bench)
+        report = stack.enter_context(LiveReport(console, (PAIR,), pace=_pace(console)))
 
         def tell(event: Event) -> None:
             demo.hear(event)
             camera.hear(event)
-            teller(event)
+            report(event)
 
-        demo.story = play(pair, scenario, ByVoa(), most_looks, tell)
-    console.print(f"\n{truth_told(demo, demo.story)}\n", highlight=False)
+        demo.episode = play(pair, scenario, ByVoa(), most_looks, tell)
+    console.print(f"\n{outcome_summary(demo, demo.episode)}\n", highlight=False)
 
 
-def tell_contrast(
+def show_comparison(
     demo: Demo,
     client: Client,
     scenario: Scenario,
-    stage: Stage,
+    bench: Bench,
     console: Console,
     options: argparse.Namespace,
-    ending: Ending,
+    interruption: Interruption,
 ) -> None:
     """More drops, each played with looks and without."""
     console.rule("[bold]The same drops without a look, and with[/bold]", align="left")
     drops = range(1, options.drops + 1)
     try:
-        with progress_bar("more drops", len(drops) * len(demo.contrast.policies)) as progress:
+        with progress_bar("more drops", len(drops) * len(demo.comparison.policies)) as progress:
 
             def advance(count: int) -> None:
-                ending.check()
+                interruption.check()
                 progress(count)
 
-            demo.contrast.play(client, scenario, stage, drops, options.looks, advance)
+            demo.comparison.play(client, scenario, bench, drops, options.looks, advance)
     finally:  # the bar is gone from the screen by now: printed below it, the table would be torn
         if demo.tallies:
-            console.print(contrast_table(demo.tallies))
-            console.print(told_contrast(demo), highlight=False)
+            console.print(comparison_table(demo.tallies))
+            console.print(comparison_summary(demo), highlight=False)
 
 
-def contrast_table(tallies: Sequence[Tally]) -> Table:
+def comparison_table(tallies: Sequence[Tally]) -> Table:
     """Show the counts, and what the service had expected, on a terminal."""
-    table = Table(*CONTRAST_COLUMNS)
-    for row in contrast_rows(tallies):
+    table = Table(*COMPARISON_COLUMNS)
+    for row in comparison_rows(tallies):
         table.add_row(*row)
     return table
 
@@ -160,37 +160,37 @@ class Camera:
     """Takes pictures of the scene where something is to be seen; without OpenGL it does nothing."""
 
     demo: Demo
-    stage: Stage
+    bench: Bench
     renderer: Renderer | None = None
 
     @classmethod
-    def of(cls, stack: ExitStack, demo: Demo, stage: Stage) -> "Camera":
+    def of(cls, stack: ExitStack, demo: Demo, bench: Bench) -> "Camera":
         """One for the length of `stack`."""
         try:
-            renderer = stack.enter_context(Renderer(stage.scene.world, 720, 480, shadows=False))
+            renderer = stack.enter_context(Renderer(bench.scene.world, 720, 480, shadows=False))
         except NoGraphics as error:
             demo.no_frames = str(error)
-            return cls(demo, stage)
-        return cls(demo, stage, renderer)
+            return cls(demo, bench)
+        return cls(demo, bench, renderer)
 
     def hear(self, event: Event) -> None:
         """A picture at each look, and after the attempt."""
         match event.what:
-            case Arrived(sensor=sensor):
+            case RobotArrived(sensor=sensor):
                 caption = f"The robot looks from {sensor}."
-            case Grasped(outcome=outcome):
+            case GraspEnded(outcome=outcome):
                 caption = f"After the attempt of {outcome.grasp}: {outcome.detail}."
             case _:
                 return
         if self.renderer is not None:
-            self.demo.frames.append((self.renderer.frame(self.stage.scene.data), caption))
+            self.demo.frames.append((self.renderer.frame(self.bench.scene.data), caption))
 
 
-def _pace(console: Console) -> Callable[[Happening], None]:
+def _pace(console: Console) -> Callable[[Step], None]:
     """A pause after what changes the table, if somebody is there to read it."""
 
-    def pace(what: Happening) -> None:
-        if console.is_terminal and isinstance(what, Opened | Chosen | Looked | Grasped):
+    def pace(what: Step) -> None:
+        if console.is_terminal and isinstance(what, SessionOpened | LookChosen | LookTaken | GraspEnded):
             time.sleep(_READ_S)
 
     return pace
@@ -215,6 +215,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", type=Path, default=Path("voa-demo"), help="folder for the page (default voa-demo)")
     parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
     parser.add_argument("--looks", type=count, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
-    parser.add_argument("--drops", type=count, default=20, help="for the contrast, each played twice (default 20)")
+    parser.add_argument("--drops", type=count, default=20, help="for the comparison, each played twice (default 20)")
     parser.add_argument("--seed", type=natural, default=0, help="of drops and noise (default 0)")
     return parser

@@ -26,15 +26,15 @@ from voa_client import Client, VoaClientError
 from voa_client.local import BRIEFLY, local_service
 from voa_client.scenario_files import load_scenario
 from voa_client.zenoh_session import address_of, joined
-from voa_fleet.devices.clocks import Clock, RealClock, VirtualClock
-from voa_fleet.devices.looking import REVOLUTIONS
-from voa_fleet.devices.ros2 import ByRos2, Mapped, Publish, mapping
-from voa_fleet.devices.session_looks import ByClient, Looking
+from voa_fleet.world.clocks import Clock, RealClock, VirtualClock
+from voa_fleet.episodes.look_scans import REVOLUTIONS
+from voa_fleet.episodes.ros2_looks import Ros2Channel, MappedRobot, Publish, mapping
+from voa_fleet.episodes.looks import ClientChannel, LookChannel
 from voa_fleet.episodes.policies import POLICIES, policy_named
-from voa_fleet.episodes.stage import CLUTTER, Drop, Stage, make_stage, stated_by
-from voa_fleet.episodes.story import MOST_LOOKS, Pair, Story, Tell, play
+from voa_fleet.episodes.bench import CLUTTER, Drop, Bench, make_bench, stated_by
+from voa_fleet.episodes.episode import MOST_LOOKS, Pair, Episode, Tell, play
 from voa_fleet.errors import FleetError
-from voa_fleet.show.telling import Teller, fleet_table
+from voa_fleet.show.live_report import LiveReport, fleet_table
 from voa_fleet.show.watching import filmed, viewed
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry
@@ -46,25 +46,25 @@ _PRINTED = "print the robots.toml that --ros2 needs, and end; needs no router, n
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """A story, and what nobody in it knew.
+    """A episode, and what nobody in it knew.
 
     Attributes:
         truth: the pose that the object was in.
     """
 
-    story: Story
+    episode: Episode
     truth: str
 
     def report(self) -> dict[str, Any]:
         """What `--json` prints of it."""
-        story, outcome = self.story, self.story.outcome
+        episode, outcome = self.episode, self.episode.outcome
         return {
-            "pair": story.pair,
-            "policy": story.policy,
-            "session": story.before.id,
+            "pair": episode.pair,
+            "policy": episode.policy,
+            "session": episode.before.id,
             "truth": self.truth,
-            "poses": story.before.poses,
-            "prior": story.before.belief,
+            "poses": episode.before.poses,
+            "prior": episode.before.belief,
             "looks": [
                 {
                     "sensor": look.sensor,
@@ -73,13 +73,13 @@ class Told:
                     "best_grasp": look.after.best_grasp,
                     "expected_score": look.after.expected_score,
                 }
-                for look in story.looks
+                for look in episode.looks
             ],
-            "grasp": story.grasp,
-            "expected_score": story.expected_score,
-            "success": story.success,
+            "grasp": episode.grasp,
+            "expected_score": episode.expected_score,
+            "success": episode.success,
             "detail": None if outcome is None else outcome.detail,
-            "seconds": round(story.seconds, 3),
+            "seconds": round(episode.seconds, 3),
         }
 
 
@@ -89,15 +89,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     _check(parser, options)
     try:
-        thing, flaws = named_object(options.object), imperfections_of(options)
+        target, imperfections = named_object(options.object), imperfections_of(options)
         with ExitStack() as stack:
             # A scenario's id is a digest, the same in any service: a mapping can be printed before there is a router.
             asked = None if options.print_mapping and _by_zenoh(options.url) else options.url
             url = asked or stack.enter_context(local_service())
             if options.print_mapping:
-                print(_mapping(url, thing, flaws, options), end="")
+                print(_mapping(url, target, imperfections, options), end="")
                 return 0
-            told = _play_all(url, thing, flaws, options)
+            told = _play_all(url, target, imperfections, options)
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa fleet: {error}", file=sys.stderr)
         return 1
@@ -128,11 +128,11 @@ def pair_names(count: int) -> tuple[str, ...]:
     return tuple(f"robot_{index + 1}" for index in range(count))
 
 
-def _mapping(url: str, thing: FleetObject, flaws: Imperfections, options: argparse.Namespace) -> str:
+def _mapping(url: str, target: FleetObject, imperfections: Imperfections, options: argparse.Namespace) -> str:
     with Client(url, retries=BRIEFLY) as client:
-        scenario = load_scenario(client, thing.folder / "scenario.json")
-    std = stated_by(flaws)
-    robots = [Mapped(name, scenario.id, std) for name in pair_names(options.pairs)]
+        scenario = load_scenario(client, target.folder / "scenario.json")
+    std = stated_by(imperfections)
+    robots = [MappedRobot(name, scenario.id, std) for name in pair_names(options.pairs)]
     return mapping(robots, options.revolutions)
 
 
@@ -145,13 +145,13 @@ class _Cast:
     url: str
     scenario: Scenario
     publish: Publish | None
-    thing: FleetObject
-    flaws: Imperfections
+    target: FleetObject
+    imperfections: Imperfections
     options: argparse.Namespace
     tell: Tell
 
 
-def _play_all(url: str, thing: FleetObject, flaws: Imperfections, options: argparse.Namespace) -> list[Told]:
+def _play_all(url: str, target: FleetObject, imperfections: Imperfections, options: argparse.Namespace) -> list[Told]:
     names = pair_names(options.pairs)
     console = Console(stderr=options.json)
     with ExitStack() as stack:
@@ -160,12 +160,12 @@ def _play_all(url: str, thing: FleetObject, flaws: Imperfections, options: argpa
             publish = stack.enter_context(joined(address_of(url))).put
         with Client(url, retries=BRIEFLY) as client:
             client.ready()  # an upload would wait longer for a service that is not there
-            scenario = load_scenario(client, thing.folder / "scenario.json")
+            scenario = load_scenario(client, target.folder / "scenario.json")
         # With several pairs on a terminal the table says it all.
         quiet = options.json or (len(names) > 1 and console.is_terminal)
-        teller = stack.enter_context(Teller(console, names, lines=not quiet))
+        report = stack.enter_context(LiveReport(console, names, lines=not quiet))
         casts = [
-            _Cast(name, index, url, scenario, publish, thing, flaws, options, teller)
+            _Cast(name, index, url, scenario, publish, target, imperfections, options, report)
             for index, name in enumerate(names)
         ]
         if len(casts) == 1:  # in this thread: a viewer's window may need it
@@ -175,10 +175,10 @@ def _play_all(url: str, thing: FleetObject, flaws: Imperfections, options: argpa
                 told = list(pool.map(_play, casts))
     if not options.json:
         if len(names) > 1 and not console.is_terminal:
-            console.print(fleet_table(teller.rows))
-        lifted = sum(each.story.success for each in told)
+            console.print(fleet_table(report.rows))
+        lifted = sum(each.episode.success for each in told)
         truths = ", ".join(dict.fromkeys(each.truth for each in told))
-        console.print(f"{lifted} of {len(told)} lifted; the {thing.name} was in truth at {truths}", highlight=False)
+        console.print(f"{lifted} of {len(told)} lifted; the {target.name} was in truth at {truths}", highlight=False)
     return told
 
 
@@ -188,31 +188,31 @@ def _play(cast: _Cast) -> Told:
     clock: Clock = RealClock() if options.real_time else VirtualClock()
     with ExitStack() as stack:
         client = stack.enter_context(Client(cast.url, retries=BRIEFLY))
-        stage = make_stage(cast.thing, cast.flaws, options.seed, clock, cast.name)
-        stage = stack.enter_context(_watched(stage, clock, cast))
-        drop = stage.drop(cast.index)
+        bench = make_bench(cast.target, cast.imperfections, options.seed, clock, cast.name)
+        bench = stack.enter_context(_watched(bench, clock, cast))
+        drop = bench.drop(cast.index)
         pair = Pair(cast.name, client, drop.robot, drop.arm, _looking(cast, client, drop, clock), clock)
         policy = policy_named(options.policy, (options.seed, cast.index, 1))
         return Told(play(pair, cast.scenario, policy, options.looks, cast.tell), drop.truth)
 
 
 @contextmanager
-def _watched(stage: Stage, clock: Clock, cast: _Cast) -> Iterator[Stage]:
-    """The first pair's stage with a viewer or a camera on it, where one is wanted."""
+def _watched(bench: Bench, clock: Clock, cast: _Cast) -> Iterator[Bench]:
+    """The first pair's bench with a viewer or a camera on it, where one is wanted."""
     options = cast.options
     with ExitStack() as stack:
         if options.view:
-            stage = stage.watched(stack.enter_context(viewed(stage.scene)))
+            bench = bench.watched(stack.enter_context(viewed(bench.scene)))
         elif options.video is not None and cast.index == 0:
-            stage = stage.watched(stack.enter_context(filmed(stage.scene, clock, options.video)))
-        yield stage
+            bench = bench.watched(stack.enter_context(filmed(bench.scene, clock, options.video)))
+        yield bench
 
 
-def _looking(cast: _Cast, client: Client, drop: Drop, clock: Clock) -> Looking:
-    lidar, revolutions = lidar_geometry(cast.thing.scenario.lidar), cast.options.revolutions
+def _looking(cast: _Cast, client: Client, drop: Drop, clock: Clock) -> LookChannel:
+    lidar, revolutions = lidar_geometry(cast.target.scenario.lidar), cast.options.revolutions
     if cast.publish is not None:
-        return ByRos2(client, cast.publish, drop.robot, lidar, clock, revolutions)
-    return ByClient(client, drop.robot, lidar, revolutions)
+        return Ros2Channel(client, cast.publish, drop.robot, lidar, clock, revolutions)
+    return ClientChannel(client, drop.robot, lidar, revolutions)
 
 
 def _by_zenoh(url: str | None) -> bool:
@@ -292,6 +292,6 @@ def _parser() -> argparse.ArgumentParser:
     add_imperfections(parser)
     shown = parser.add_argument_group("what is shown")
     shown.add_argument("--view", action="store_true", help="in MuJoCo's viewer, in real time; needs a display")
-    shown.add_argument("--video", type=Path, help="write the first pair's story as .gif, or as .mp4 with ffmpeg")
+    shown.add_argument("--video", type=Path, help="write the first pair's episode as .gif, or as .mp4 with ffmpeg")
     shown.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

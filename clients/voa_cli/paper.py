@@ -1,7 +1,7 @@
 """The paper's Fig. 3 from the service: one look changes the grasp, without a simulation.
 
 A mug stands or lies upside down somewhere in a set of six poses, and nobody knows in which. The service says which
-grasp is best as things stand, from where a look would help most, and which grasp is best after that look.
+grasp is best as targets stand, from where a look would help most, and which grasp is best after that look.
 """
 
 from dataclasses import dataclass

@@ -8,7 +8,7 @@ from math import sqrt
 from multiprocessing import get_context
 from typing import Any, get_args
 
-from voa_fleet.episodes.attempts import Attempt, Result, attempt_grasp, attempt_rng, noisy_pose, object_pose
+from voa_fleet.world.attempts import Attempt, Result, attempt_grasp, attempt_rng, noisy_pose, object_pose
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.kinematics import GraspPlan, plan_grasp
 from voa_fleet.world.objects import FleetObject
@@ -56,7 +56,7 @@ class GraspScores:
     Attributes:
         poses, grasps: names, in the order of the table.
         attempts: per cell.
-        flaws: with which they were made; only the object's pose noise matters.
+        imperfections: with which they were made; only the object's pose noise matters.
         cells: poses x grasps.
     """
 
@@ -66,7 +66,7 @@ class GraspScores:
     attempts: int
     seed: int
     opening_m: float
-    flaws: Imperfections
+    imperfections: Imperfections
     cells: tuple[tuple[Cell, ...], ...]
 
     @property
@@ -94,7 +94,7 @@ class GraspScores:
             "attempts": self.attempts,
             "seed": self.seed,
             "opening_m": self.opening_m,
-            "noise": {key: asdict(self.flaws)[key] for key in ("object_xy_m", "object_yaw_rad")},
+            "noise": {key: asdict(self.imperfections)[key] for key in ("object_xy_m", "object_yaw_rad")},
             "poses": list(self.poses),
             "grasps": list(self.grasps),
             "successes": self.successes,
@@ -114,9 +114,9 @@ class GraspScores:
 
 
 def score_grasps(
-    thing: FleetObject,
+    target: FleetObject,
     attempts: int,
-    flaws: Imperfections,
+    imperfections: Imperfections,
     seed: int,
     *,
     processes: int = 1,
@@ -126,40 +126,40 @@ def score_grasps(
 ) -> GraspScores:
     """Attempt every grasp at every pose.
 
-    The table depends on the object, `attempts`, `flaws` and `seed`; not on `processes`, nor on which poses and
+    The table depends on the object, `attempts`, `imperfections` and `seed`; not on `processes`, nor on which poses and
     grasps are asked for, nor on their order.
 
     Args:
-        thing: the object.
+        target: the object.
         attempts: per cell.
-        flaws: the object's pose noise counts.
+        imperfections: the object's pose noise counts.
         seed: of the noise.
         processes: how many work at a time; 1: this one alone.
         poses, grasps: names; None: all of the scenario's.
         progress: told after every cell.
     """
-    rows, columns = tuple(poses or thing.poses), tuple(grasps or thing.grasps)
-    world = build_world(thing)
-    plans = {grasp: plan_grasp(world, thing.grasp(grasp)) for grasp in columns}
-    wanted = [_Task(thing, pose, grasp, plans[grasp], attempts, flaws, seed) for pose in rows for grasp in columns]
+    rows, columns = tuple(poses or target.poses), tuple(grasps or target.grasps)
+    world = build_world(target)
+    plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in columns}
+    wanted = [_Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns]
     found: dict[tuple[str, str], Cell] = {}
     for cell in _in_processes(wanted, processes) if processes > 1 else (_cell(task, world) for task in wanted):
         found[cell.pose, cell.grasp] = cell
         if progress is not None:
             progress(cell.attempts)
     cells = tuple(tuple(found[pose, grasp] for grasp in columns) for pose in rows)
-    opening = thing.physics.gripper.opening_m
-    return GraspScores(thing.name, rows, columns, attempts, seed, opening, flaws, cells)
+    opening = target.physics.gripper.opening_m
+    return GraspScores(target.name, rows, columns, attempts, seed, opening, imperfections, cells)
 
 
 @dataclass(frozen=True)
 class _Task:
-    thing: FleetObject
+    target: FleetObject
     pose: str
     grasp: str
     plan: GraspPlan | None
     attempts: int
-    flaws: Imperfections
+    imperfections: Imperfections
     seed: int
 
 
@@ -170,11 +170,11 @@ def _cell(task: _Task, world: World) -> Cell:
 
 def _one(task: _Task, world: World, index: int) -> Attempt:
     rng = attempt_rng(task.seed, task.pose, task.grasp, index)
-    return attempt_grasp(world, task.plan, noisy_pose(object_pose(task.thing, task.pose), task.flaws, rng))
+    return attempt_grasp(world, task.plan, noisy_pose(object_pose(task.target, task.pose), task.imperfections, rng))
 
 
 def _cell_elsewhere(task: _Task) -> Cell:
-    return _cell(task, build_world(task.thing))
+    return _cell(task, build_world(task.target))
 
 
 def _in_processes(tasks: list[_Task], processes: int) -> Iterator[Cell]:

@@ -20,7 +20,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
 from voa_core.workspace import Workspace
-from voa_fleet.episodes.attempts import noisy_pose, object_pose
+from voa_fleet.world.attempts import noisy_pose, object_pose
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import LidarGeometry, lidar_geometry, true_ranges, with_faults
 from voa_fleet.world.meshes import read_obj
@@ -152,9 +152,9 @@ def errors_of(beams: Iterable[ComparedBeam]) -> Errors:
 
 
 def simulated_errors(
-    thing: FleetObject,
+    target: FleetObject,
     scans: int,
-    flaws: Imperfections,
+    imperfections: Imperfections,
     seed: int,
     progress: Callable[[int], None] | None = None,
 ) -> ObservationErrors:
@@ -166,28 +166,28 @@ def simulated_errors(
     Raises:
         FleetError: the scenario's lidar is not known.
     """
-    lidar = lidar_geometry(thing.scenario.lidar)
-    predictor = _predictor_of(thing, lidar)
-    world = build_world(thing, arm=True, clutter=flaws.clutter)
+    lidar = lidar_geometry(target.scenario.lidar)
+    predictor = _predictor_of(target, lidar)
+    world = build_world(target, arm=True, clutter=imperfections.clutter)
     data = mujoco.MjData(world.model)
     beams: list[ComparedBeam] = []
-    for sensor in thing.scenario.sensors:
+    for sensor in target.scenario.sensors:
         stand = Stand(sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
         predicted = predictor.predict(stand).dense()
-        for row, pose in enumerate(thing.poses):
+        for row, pose in enumerate(target.poses):
             for index in range(scans):
                 pair = zlib.crc32(sensor.name.encode()), zlib.crc32(pose.encode())
                 rng = np.random.default_rng([seed, *pair, index])
-                world.put_object(data, noisy_pose(object_pose(thing, pose), flaws, rng))
+                world.put_object(data, noisy_pose(object_pose(target, pose), imperfections, rng))
                 mujoco.mj_kinematics(world.model, data)
-                ranges = true_ranges(world, data, lidar, _stray(sensor, flaws, rng))
-                measured = with_faults(ranges, lidar, flaws, rng)
-                beams += _compared(thing, stand, pose, lidar, measured, predicted[row])
+                ranges = true_ranges(world, data, lidar, _stray(sensor, imperfections, rng))
+                measured = with_faults(ranges, lidar, imperfections, rng)
+                beams += _compared(target, stand, pose, lidar, measured, predicted[row])
             if progress is not None:
                 progress(scans)
-    names = tuple(sensor.name for sensor in thing.scenario.sensors)
-    total = scans * len(names) * len(thing.poses)
-    return ObservationErrors(thing.name, "mesh", total, names, tuple(thing.poses), tuple(beams))
+    names = tuple(sensor.name for sensor in target.scenario.sensors)
+    total = scans * len(names) * len(target.poses)
+    return ObservationErrors(target.name, "mesh", total, names, tuple(target.poses), tuple(beams))
 
 
 def recorded_errors(experiment: RecordedExperiment, source: Source) -> ObservationErrors:
@@ -255,36 +255,36 @@ def _mesh_ranges(experiment: RecordedExperiment) -> dict[tuple[str, str], Floats
     return found
 
 
-def _predictor_of(thing: FleetObject, lidar: LidarGeometry) -> ObservationPredictor:
+def _predictor_of(target: FleetObject, lidar: LidarGeometry) -> ObservationPredictor:
     grid = BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
     model = LidarModel(grid, lidar.range_min, lidar.range_max, lidar.height_m, "missing", 1e-3, 0.0, 0.0)
     places: list[Sequence[float]] = []
     turns: list[Sequence[float]] = []
-    for name in thing.poses:
-        exact = object_pose(thing, name)
+    for name in target.poses:
+        exact = object_pose(target, name)
         places.append(exact.position)
         turns.append(exact.quaternion_wxyz)
-    poses = PoseSet.from_arrays(thing.poses, places, turns)
-    return predictor_of_mesh(Object.from_arrays(thing.mesh.vertices, thing.mesh.faces), poses, model)
+    poses = PoseSet.from_arrays(target.poses, places, turns)
+    return predictor_of_mesh(Object.from_arrays(target.mesh.vertices, target.mesh.faces), poses, model)
 
 
-def _stray(sensor: SensorPose, flaws: Imperfections, rng: np.random.Generator) -> SensorPose:
+def _stray(sensor: SensorPose, imperfections: Imperfections, rng: np.random.Generator) -> SensorPose:
     """Where the robot stands that believes to stand at `sensor`."""
     dx, dy, turn = (float(number) for number in rng.standard_normal(3))
     return SensorPose(
-        x=sensor.x + dx * flaws.robot_xy_m,
-        y=sensor.y + dy * flaws.robot_xy_m,
-        yaw_rad=sensor.yaw_rad + turn * flaws.robot_yaw_rad,
+        x=sensor.x + dx * imperfections.robot_xy_m,
+        y=sensor.y + dy * imperfections.robot_xy_m,
+        yaw_rad=sensor.yaw_rad + turn * imperfections.robot_yaw_rad,
         height_m=sensor.height_m,
     )
 
 
 def _compared(
-    thing: FleetObject, stand: Stand, pose: str, lidar: LidarGeometry, measured: Floats, predicted: Floats
+    target: FleetObject, stand: Stand, pose: str, lidar: LidarGeometry, measured: Floats, predicted: Floats
 ) -> list[ComparedBeam]:
     """The beams on which the object was seen or should have been; a 0 says nothing, so such a beam is left out."""
     seen = measured > 0.0
-    box = thing.scenario.workspace
+    box = target.scenario.workspace
     if box is not None:
         low, high = (float(box.min[0]), float(box.min[1])), (float(box.max[0]), float(box.max[1]))
         crossing = Workspace(low, high).crossing(stand, lidar.angles)

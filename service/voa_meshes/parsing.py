@@ -18,7 +18,7 @@ def parse(mesh_type: str, content: bytes) -> Triangles:
     Raises:
         Unreadable: the file cannot be read as it is meant.
     """
-    module = import_module(f"voa_service.meshes.{mesh_type}")
+    module = import_module(f"voa_meshes.{mesh_type}")
     read: Callable[[bytes], Triangles] = getattr(module, f"read_{mesh_type}")
     with np.errstate(all="ignore"):
         return read(content)

@@ -18,7 +18,7 @@ from voa_cli import fleet
 from voa_cli.fleet import pair_names
 from voa_cli.main import main
 from voa_client import Client
-from voa_fleet.devices.clocks import Clock
+from voa_fleet.world.clocks import Clock
 from voa_fleet.devices.simulated import Scene, Watch
 from voa_ros.robots import OdometryPlace, load
 
@@ -163,7 +163,7 @@ def test_a_router_that_is_not_there_is_soon_missed(way: list[str], capfd: pytest
 def test_a_video_is_of_the_first_pair(
     process: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    video, filmed = tmp_path / "story.gif", []
+    video, filmed = tmp_path / "episode.gif", []
 
     @contextmanager
     def camera(scene: Scene, _clock: Clock, file: Path) -> Iterator[Watch]:

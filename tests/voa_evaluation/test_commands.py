@@ -16,10 +16,10 @@ from voa_assets import path
 from voa_cli.evaluate import command as evaluate
 from voa_cli.evaluate.looks import QUICK_NOTICE
 from voa_client import Client
-from voa_evaluation.asking import ask, before_any_look
-from voa_evaluation.policies import POLICIES
-from voa_evaluation.running import scores_of
-from voa_evaluation.setting import BELIEFS, RULES, Setting
+from voa_evaluation.looks.requests import ask, before_any_look
+from voa_evaluation.looks.choices import POLICIES
+from voa_evaluation.looks.running import scores_of
+from voa_evaluation.looks.setting import BELIEFS, RULES, Setting
 from voa_fleet.world.objects import FleetObject
 
 TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--quick", "--seed", "5")
@@ -108,9 +108,9 @@ def test_the_page_needs_nothing_beside_it(reported: Path) -> None:
     assert "figures mean nothing" in QUICK_NOTICE
 
 
-def test_voa_is_what_the_services_answers_to_predicted_scans_give(process: str, things: dict[str, FleetObject]) -> None:
+def test_voa_is_what_the_services_answers_to_predicted_scans_give(process: str, targets: dict[str, FleetObject]) -> None:
     """The ranking against equation 3 of the paper over updates by the predicted scans."""
-    block = things["block"]
+    block = targets["block"]
     scores = scores_of(block, Setting(attempts=1))
     belief = [0.4, 0.1, 0.1, 0.2, 0.1, 0.1]
     with Client(process) as client:

@@ -81,13 +81,13 @@ def test_scores_of_a_part_are_no_scenario(mug: FleetObject, scores: GraspScores)
 
 @pytest.mark.parametrize(("name", "pose", "grasp"), [("mallet", "S_90", "TOP"), ("block", "U_180", "TD180")])
 def test_the_scores_of_a_shipped_scenario_are_what_the_command_measures(
-    things: dict[str, FleetObject], name: str, pose: str, grasp: str
+    targets: dict[str, FleetObject], name: str, pose: str, grasp: str
 ) -> None:
-    thing = things[name]
-    assert isinstance(thing.scenario.scores, MeasuredScores)
-    shipped = thing.scenario.scores.successes[thing.grasps.index(grasp)][thing.poses.index(pose)]
-    cell = score_grasps(thing, 15, NOISE, 0, poses=[pose], grasps=[grasp]).cells[0][0]
-    assert (cell.successes, cell.attempts) == (shipped, thing.scenario.scores.attempts)
+    target = targets[name]
+    assert isinstance(target.scenario.scores, MeasuredScores)
+    shipped = target.scenario.scores.successes[target.grasps.index(grasp)][target.poses.index(pose)]
+    cell = score_grasps(target, 15, NOISE, 0, poses=[pose], grasps=[grasp]).cells[0][0]
+    assert (cell.successes, cell.attempts) == (shipped, target.scenario.scores.attempts)
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ from voa_fleet.world.scene import World, build_world
 
 
 @pytest.fixture(scope="session")
-def things() -> dict[str, FleetObject]:
+def targets() -> dict[str, FleetObject]:
     return {name: named_object(name) for name in OBJECTS}
 
 
 @pytest.fixture(scope="session")
-def mug(things: dict[str, FleetObject]) -> FleetObject:
-    return things["mug"]
+def mug(targets: dict[str, FleetObject]) -> FleetObject:
+    return targets["mug"]
 
 
 @pytest.fixture(scope="session")

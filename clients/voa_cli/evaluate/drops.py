@@ -15,7 +15,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from voa_cli.evaluate.common import count, progress_bar
-from voa_evaluation.drops import STABLE_RAD, Drops, drop, prior_of, tilt_when_let_go
+from voa_evaluation.resting import STABLE_RAD, Drops, drop, prior_of, tilt_when_let_go
 from voa_fleet.errors import FleetError
 from voa_fleet.world.objects import FleetObject, named_object
 
@@ -24,9 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Drop, print; returns 0, or 1 if a pose is not stable or something is wrong."""
     options = _parser().parse_args(arguments)
     try:
-        thing = named_object(options.object)
-        with progress_bar(f"dropping the {thing.name}", options.drops) as advance:
-            report = drop_report(thing, drop(thing, options.drops, options.seed, advance))
+        target = named_object(options.object)
+        with progress_bar(f"dropping the {target.name}", options.drops) as advance:
+            report = drop_report(target, drop(target, options.drops, options.seed, advance))
     except (FleetError, ValueError) as error:
         print(f"voa evaluate drops: {error}", file=sys.stderr)
         return 1
@@ -38,17 +38,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if all(pose["stable"] for pose in report["poses"]) else 1
 
 
-def drop_report(thing: FleetObject, drops: Drops) -> dict[str, Any]:
+def drop_report(target: FleetObject, drops: Drops) -> dict[str, Any]:
     """What `--json` prints."""
-    tilts = [tilt_when_let_go(thing, pose) for pose in thing.poses]
+    tilts = [tilt_when_let_go(target, pose) for pose in target.poses]
     return {
-        "object": thing.name,
+        "object": target.name,
         "drops": drops.total,
         "seed": drops.seed,
         "rests": [{"name": name, "count": found} for name, found in drops.counts.items()],
         "poses": [
             {"name": pose, "prior": share, "tilt_deg": math.degrees(tilt), "stable": tilt < STABLE_RAD}
-            for pose, share, tilt in zip(thing.poses, prior_of(thing, drops), tilts, strict=True)
+            for pose, share, tilt in zip(target.poses, prior_of(target, drops), tilts, strict=True)
         ],
     }
 

@@ -21,14 +21,14 @@ from voa_cli.evaluate.looks import QUICK_NOTICE, add_setting, setting_of, write_
 from voa_cli.evaluate.observation import errors_of_record, write_errors
 from voa_client import VoaClientError
 from voa_client.local import service_at
-from voa_evaluation.fleet_sections import grasp_section, observation_section
-from voa_evaluation.found import find
+from voa_evaluation.report.measurement_sections import grasp_section, observation_section
+from voa_evaluation.looks.results import find
 from voa_evaluation.observation import ObservationErrors, simulated_errors
-from voa_evaluation.pictures import recorded_worth
-from voa_evaluation.recorded_sections import recorded_section
-from voa_evaluation.sections import LEAD, looks_sections
-from voa_evaluation.setting import Setting, usual_flaws
-from voa_evaluation.tables import write_csv, write_tables
+from voa_evaluation.report.pictures import recorded_worth
+from voa_evaluation.report.recorded_section import recorded_section
+from voa_evaluation.report.sections import LEAD, looks_sections
+from voa_evaluation.looks.setting import Setting, usual_imperfections
+from voa_evaluation.report.tables import write_csv, write_tables
 from voa_fleet.errors import FleetError
 from voa_fleet.show.page import Section, command, contents, notice, page, paragraph
 from voa_fleet.world.objects import FleetObject
@@ -61,21 +61,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _of_fleet(options: argparse.Namespace, things: Sequence[FleetObject]) -> dict[str, Any]:
+def _of_fleet(options: argparse.Namespace, targets: Sequence[FleetObject]) -> dict[str, Any]:
     setting = setting_of(options)
     scans = _QUICK_SCANS if options.quick else _SCANS
-    errors = [_errors(thing, scans, setting) for thing in things]
+    errors = [_errors(target, scans, setting) for target in targets]
     with service_at(options.url) as client:
-        found = find(client, things, setting, progress_bar)
+        found = find(client, targets, setting, progress_bar)
     folder = options.out
-    tables = {thing.name: write_scores(folder, thing, each) for thing, each in zip(things, found.scores, strict=True)}
+    tables = {target.name: write_scores(folder, target, each) for target, each in zip(targets, found.scores, strict=True)}
     write_tables(folder, found)
     sections = [
         grasp_section(found.scores, {name: files["picture"] for name, files in tables.items()}),
         _observed(folder, errors),
         *looks_sections(found, write_pictures(folder, found)),
     ]
-    told = ["--object", *(shlex.quote(thing.name) for thing in things), "--seed", str(setting.seed)]
+    told = ["--object", *(shlex.quote(target.name) for target in targets), "--seed", str(setting.seed)]
     told += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
     told += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
     _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(told), quick=options.quick)
@@ -86,10 +86,10 @@ def _of_fleet(options: argparse.Namespace, things: Sequence[FleetObject]) -> dic
     }
 
 
-def _errors(thing: FleetObject, scans: int, setting: Setting) -> ObservationErrors:
-    total = scans * len(thing.poses) * len(thing.scenario.sensors)
-    with progress_bar(f"{thing.name}: scans", total) as advance:
-        return simulated_errors(thing, scans, usual_flaws(), setting.seed, advance)
+def _errors(target: FleetObject, scans: int, setting: Setting) -> ObservationErrors:
+    total = scans * len(target.poses) * len(target.scenario.sensors)
+    with progress_bar(f"{target.name}: scans", total) as advance:
+        return simulated_errors(target, scans, usual_imperfections(), setting.seed, advance)
 
 
 def _of_record(options: argparse.Namespace, experiment: RecordedExperiment) -> dict[str, Any]:

@@ -18,9 +18,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
-from voa_evaluation.figures import grasp_score_table
+from voa_evaluation.report.figures import grasp_score_table
 from voa_evaluation.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
-from voa_fleet.episodes.attempts import Result
+from voa_fleet.world.attempts import Result
 from voa_fleet.errors import FleetError
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
@@ -32,9 +32,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console()
     documents = []
     try:
-        for thing in objects_of(options):
-            scores = _score(thing, options)
-            files = write_scores(options.out, thing, scores)
+        for target in objects_of(options):
+            scores = _score(target, options)
+            files = write_scores(options.out, target, scores)
             documents.append(scores.report())
             if not options.json:
                 _show(console, scores, files)
@@ -47,13 +47,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _score(thing: FleetObject, options: argparse.Namespace) -> GraspScores:
+def _score(target: FleetObject, options: argparse.Namespace) -> GraspScores:
     if options.opening_mm is not None:
-        thing = thing.with_opening(options.opening_mm / 1e3)
-    flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
-    total = len(thing.poses) * len(thing.grasps) * options.attempts
-    with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
-        return score_grasps(thing, options.attempts, flaws, options.seed, processes=options.processes, progress=advance)
+        target = target.with_opening(options.opening_mm / 1e3)
+    imperfections = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
+    total = len(target.poses) * len(target.grasps) * options.attempts
+    with progress_bar(f"attempting grasps of the {target.name}", total) as advance:
+        return score_grasps(target, options.attempts, imperfections, options.seed, processes=options.processes, progress=advance)
 
 
 def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None:
@@ -64,18 +64,18 @@ def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None
         console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
 
 
-def write_scores(folder: Path, thing: FleetObject, scores: GraspScores) -> dict[str, Path]:
+def write_scores(folder: Path, target: FleetObject, scores: GraspScores) -> dict[str, Path]:
     """Write picture, CSV, scenario and mesh; returns the files by what they are."""
     folder.mkdir(parents=True, exist_ok=True)
     stem = f"grasp-score-{scores.object}"
     picture, table, scenario = (folder / f"{stem}.png", folder / f"{stem}.csv", folder / f"{scores.object}.json")
     grasp_score_table(picture, scores)
     write_csv(table, scores)
-    request = scores.scenario(thing.scenario)
+    request = scores.scenario(target.scenario)
     scenario.write_text(request.model_dump_json(indent=1, exclude_none=True) + "\n", encoding="utf-8")
-    mesh = str(thing.scenario.object)
-    if (folder / mesh).resolve() != (thing.folder / mesh).resolve():
-        shutil.copyfile(thing.folder / mesh, folder / mesh)
+    mesh = str(target.scenario.object)
+    if (folder / mesh).resolve() != (target.folder / mesh).resolve():
+        shutil.copyfile(target.folder / mesh, folder / mesh)
     return {"picture": picture, "table": table, "scenario": scenario}
 
 

@@ -20,11 +20,11 @@ from voa_cli.pictures import before_and_after
 from voa_client import VoaClientError
 from voa_client.local import service_at
 from voa_evaluation import pictures
-from voa_evaluation.findings import findings
-from voa_evaluation.found import Found, find
-from voa_evaluation.policies import POLICIES
-from voa_evaluation.setting import BELIEFS, Setting
-from voa_evaluation.tables import write_tables
+from voa_evaluation.looks.findings import findings
+from voa_evaluation.looks.results import Found, find
+from voa_evaluation.looks.choices import POLICIES
+from voa_evaluation.looks.setting import BELIEFS, Setting
+from voa_evaluation.report.tables import write_tables
 from voa_fleet.errors import FleetError
 
 QUICK = Setting(drops=4, attempts=2, sensitivity_drops=1)
@@ -39,9 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Evaluate, write, print; returns 0, or 1 if something is wrong."""
     options = _parser().parse_args(arguments)
     try:
-        things = objects_of(options)
+        targets = objects_of(options)
         with service_at(options.url) as client:
-            found = find(client, things, setting_of(options), progress_bar)
+            found = find(client, targets, setting_of(options), progress_bar)
         tables, drawn = write_tables(options.out, found), write_pictures(options.out, found)
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa evaluate voa: {error}", file=sys.stderr)

@@ -20,7 +20,7 @@ from rich.table import Table
 
 from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
 from voa_client import VoaClientError
-from voa_evaluation.figures import errors_by_beam, scan_overlays
+from voa_evaluation.report.figures import errors_by_beam, scan_overlays
 from voa_evaluation.observation import (
     Errors,
     ObservationErrors,
@@ -59,8 +59,8 @@ def _found(options: argparse.Namespace) -> Iterator[ObservationErrors]:
     if options.recorded is not None:
         yield errors_of_record(read_experiment(options.recorded), options.predict)
         return
-    for thing in objects_of(options):
-        yield _simulated(thing, options)
+    for target in objects_of(options):
+        yield _simulated(target, options)
 
 
 def _show(console: Console, found: ObservationErrors, files: dict[str, Path]) -> None:
@@ -85,8 +85,8 @@ def errors_of_record(experiment: RecordedExperiment, source: Source | None = Non
     return recorded_errors(experiment, source or ("recorded" if has_predictions(experiment) else "mesh"))
 
 
-def _simulated(thing: FleetObject, options: argparse.Namespace) -> ObservationErrors:
-    flaws = replace(
+def _simulated(target: FleetObject, options: argparse.Namespace) -> ObservationErrors:
+    imperfections = replace(
         Imperfections.of_lds_01(),
         robot_xy_m=options.robot_xy_mm / 1e3,
         robot_yaw_rad=math.radians(options.robot_yaw_deg),
@@ -94,9 +94,9 @@ def _simulated(thing: FleetObject, options: argparse.Namespace) -> ObservationEr
         object_xy_m=options.noise_xy_mm / 1e3,
         object_yaw_rad=math.radians(options.noise_yaw_deg),
     )
-    total = options.scans * len(thing.poses) * len(thing.scenario.sensors)
-    with progress_bar(f"looking at the {thing.name}", total) as advance:
-        return simulated_errors(thing, options.scans, flaws, options.seed, advance)
+    total = options.scans * len(target.poses) * len(target.scenario.sensors)
+    with progress_bar(f"channel at the {target.name}", total) as advance:
+        return simulated_errors(target, options.scans, imperfections, options.seed, advance)
 
 
 def write_errors(folder: Path, found: ObservationErrors) -> dict[str, Path]:

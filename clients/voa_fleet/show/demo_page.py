@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from voa_fleet.episodes.contrast import Contrast, Tally
-from voa_fleet.episodes.story import MOST_LOOKS, Chosen, Event, Story
+from voa_fleet.episodes.comparison import Comparison, Tally
+from voa_fleet.episodes.episode import MOST_LOOKS, LookChosen, Event, Episode
 from voa_fleet.show.page import Section, lines, page, paragraph, picture, table
 from voa_fleet.show.render import Frame, write_picture
-from voa_fleet.show.story_pictures import belief_by_look, contrast_bars, seen_from_above
-from voa_fleet.show.telling import line_of
+from voa_fleet.show.episode_pictures import belief_by_look, comparison_bars, view_from_above
+from voa_fleet.show.live_report import event_line
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.rankings import Ranking
 
@@ -36,46 +36,46 @@ class Demo:
         paper: the picture of the paper's scene.
     """
 
-    thing: FleetObject
+    target: FleetObject
     seed: int
     lines: list[str] = field(default_factory=list)
     rankings: list[Ranking] = field(default_factory=list)
     frames: list[tuple[Frame, str]] = field(default_factory=list)
     no_frames: str | None = None
-    story: Story | None = None
+    episode: Episode | None = None
     truth: str = ""
     most_looks: int = MOST_LOOKS
-    contrast: Contrast = field(default_factory=Contrast)
+    comparison: Comparison = field(default_factory=Comparison)
     paper: Path | None = None
 
     def hear(self, event: Event) -> None:
         """Keep what the page needs."""
-        self.lines.append(f"{event.at_s:6.1f} s  {line_of(event.what)}")
-        if isinstance(event.what, Chosen) and event.what.ranking is not None:
+        self.lines.append(f"{event.at_s:6.1f} s  {event_line(event.what)}")
+        if isinstance(event.what, LookChosen) and event.what.ranking is not None:
             self.rankings.append(event.what.ranking)
 
     @property
     def tallies(self) -> list[Tally]:
-        """Of the contrast; empty if no drop was played."""
-        tallies = list(self.contrast.tallies.values())
+        """Of the comparison; empty if no drop was played."""
+        tallies = list(self.comparison.tallies.values())
         return tallies if all(tally.attempts for tally in tallies) else []
 
 
-def truth_told(demo: Demo, story: Story) -> str:
+def outcome_summary(demo: Demo, episode: Episode) -> str:
     """Say how the object lay, and what became of the grasp."""
-    rests = [name for name, rest in demo.thing.physics.rests.items() if demo.truth in rest.poses]
-    about = [grasp.data for grasp in demo.thing.scenario.grasps if grasp.name == story.grasp]
+    rests = [name for name, rest in demo.target.physics.rests.items() if demo.truth in rest.poses]
+    about = [grasp.data for grasp in demo.target.scenario.grasps if grasp.name == episode.grasp]
     approach = about[0].get("approach") if about and isinstance(about[0], dict) else None
     how = "" if approach is None else f" ({approach})"
-    lay = f"In truth the {demo.thing.name} was at {demo.truth} ({', '.join(rests)})."
-    if story.outcome is None:
+    lay = f"In truth the {demo.target.name} was at {demo.truth} ({', '.join(rests)})."
+    if episode.outcome is None:
         return f"{lay} No grasp was tried."
-    ended = "succeeded" if story.success else f"failed ({story.outcome.detail}): such things happen, see below"
-    return f"{lay} {story.grasp}{how} {ended}."
+    ended = "succeeded" if episode.success else f"failed ({episode.outcome.detail}): such targets happen, see below"
+    return f"{lay} {episode.grasp}{how} {ended}."
 
 
-def contrast_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
-    """Count the same drops, a row per policy, below `CONTRAST_COLUMNS`."""
+def comparison_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
+    """Count the same drops, a row per policy, below `COMPARISON_COLUMNS`."""
     return [
         (
             _LABELS[tally.policy],
@@ -88,10 +88,10 @@ def contrast_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
     ]
 
 
-CONTRAST_COLUMNS = ("", "lifted", "95 % interval", "looks per drop", "expected")
+COMPARISON_COLUMNS = ("", "lifted", "95 % interval", "looks per drop", "expected")
 
 
-def told_contrast(demo: Demo) -> str:
+def comparison_summary(demo: Demo) -> str:
     """Say what the counts are of, in a sentence or two."""
     without, with_looks = demo.tallies
     drops = "Drop 1" if without.attempts == 1 else f"Drops 1 to {without.attempts}"
@@ -117,12 +117,12 @@ def write_demo(demo: Demo, out: Path) -> Path:
 
 
 def _happened(demo: Demo, out: Path) -> Section:
-    """The story as it was told, with its pictures; only what was told of one that was ended early."""
-    if demo.story is None:
+    """The episode as it was told, with its pictures; only what was told of one that was ended early."""
+    if demo.episode is None:
         return Section("happened", "What happened until it was ended", (lines(demo.lines),))
     belief, above = out / "belief.png", out / "from-above.png"
-    belief_by_look(belief, demo.story, demo.rankings, demo.truth)
-    seen_from_above(above, demo.thing, demo.truth, demo.story)
+    belief_by_look(belief, demo.episode, demo.rankings, demo.truth)
+    view_from_above(above, demo.target, demo.truth, demo.episode)
     pictures = [
         picture(belief, "Above: the belief, the true pose in orange. Below: what a look from each place was worth."),
         picture(above, "What the lidar saw, look by look, over the object as it lay."),
@@ -132,24 +132,24 @@ def _happened(demo: Demo, out: Path) -> Section:
         write_picture(scene, frame)
         pictures.append(picture(scene, caption))
     text = paragraph(
-        f"A {demo.thing.name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. "
-        f"Drop 0 of seed {demo.seed}. {truth_told(demo, demo.story)}"
+        f"A {demo.target.name} lay in one of {len(demo.episode.before.poses)} poses, and nobody knew in which. "
+        f"Drop 0 of seed {demo.seed}. {outcome_summary(demo, demo.episode)}"
     )
     missing = [] if demo.no_frames is None else [paragraph(f"No pictures of the scene: {demo.no_frames}")]
     return Section("happened", "What happened", (text, *missing, lines(demo.lines), *pictures))
 
 
 def _contrast(demo: Demo, out: Path) -> Section:
-    bars = out / "contrast.png"
-    contrast_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
+    bars = out / "comparison.png"
+    comparison_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
     counts = table(
         "Wilson's intervals; expected: by the service, of the grasps that were tried",
-        CONTRAST_COLUMNS,
-        contrast_rows(demo.tallies),
+        COMPARISON_COLUMNS,
+        comparison_rows(demo.tallies),
     )
     shown = picture(bars, "Counts of drops in which the object was lifted.")
     return Section(
-        "contrast", "The same drops without a look, and with", (paragraph(told_contrast(demo)), counts, shown)
+        "comparison", "The same drops without a look, and with", (paragraph(comparison_summary(demo)), counts, shown)
     )
 
 

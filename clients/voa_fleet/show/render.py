@@ -113,7 +113,7 @@ class Video(Protocol):
 
 
 def open_video(file: Path, frames_per_s: int = 20) -> Video:
-    """A GIF by its ending, anything else by the program ffmpeg.
+    """A GIF by its interruption, anything else by the program ffmpeg.
 
     Raises:
         NoGraphics: there is no ffmpeg.

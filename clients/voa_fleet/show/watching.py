@@ -8,7 +8,7 @@ from typing import Any
 
 import mujoco
 
-from voa_fleet.devices.clocks import Clock
+from voa_fleet.world.clocks import Clock
 from voa_fleet.devices.simulated import Scene, Watch
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.render import Renderer, View, open_video
@@ -16,7 +16,7 @@ from voa_fleet.world.groups import DRAWN
 
 FRAMES_PER_S = 10
 SPEED = 2.0
-"""Of videos: most of a story is driving."""
+"""Of videos: most of a episode is driving."""
 _WIDTH, _HEIGHT = 640, 427
 _ROUNDING_S = 1e-6
 """Of a clock that adds up many short sleeps."""
@@ -27,7 +27,7 @@ def filmed(scene: Scene, clock: Clock, file: Path, view: View | None = None) -> 
     """A watch that writes a video of the scene, twice as fast as its clock.
 
     Raises:
-        NoGraphics: there is no OpenGL library, or no ffmpeg where the file's ending asks for it.
+        NoGraphics: there is no OpenGL library, or no ffmpeg where the file's interruption asks for it.
     """
     apart_s = SPEED / FRAMES_PER_S
     with (

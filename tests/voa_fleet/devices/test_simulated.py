@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from voa_fleet.devices.clocks import VirtualClock
+from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.devices.protocol import Arm, SensorRobot, device_of
 from voa_fleet.devices.simulated import DRIVE_M_S, Scene, SimulatedArm, SimulatedSensorRobot, make_scene
-from voa_fleet.episodes.attempts import object_pose
+from voa_fleet.world.attempts import object_pose
 from voa_fleet.errors import UnknownName
 from voa_fleet.world.imperfections import Imperfections, room
 from voa_fleet.world.lidar import lidar_geometry, true_ranges
@@ -81,8 +81,8 @@ def test_a_robot_drives_around_the_object(mug: FleetObject, clock: VirtualClock)
 
 
 def test_a_robot_does_not_know_its_error(mug: FleetObject, clock: VirtualClock) -> None:
-    flaws = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05)
-    robot = SimulatedSensorRobot(make_scene(mug, clock, 1, flaws), "robot")
+    imperfections = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05)
+    robot = SimulatedSensorRobot(make_scene(mug, clock, 1, imperfections), "robot")
     errors = []
     for _ in range(60):
         robot.drive_to(mug.scenario.sensors[0])
@@ -102,8 +102,8 @@ def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(scene: Scene) -> N
     assert scene.world.object_pose(scene.data).position[2] > 0.1
 
 
-def test_a_failed_attempt_says_how_far_the_object_moved(things: dict[str, FleetObject], clock: VirtualClock) -> None:
-    scene = make_scene(things["block"], clock, 1, Imperfections())
+def test_a_failed_attempt_says_how_far_the_object_moved(targets: dict[str, FleetObject], clock: VirtualClock) -> None:
+    scene = make_scene(targets["block"], clock, 1, Imperfections())
     scene.put("U_0")
     outcome = SimulatedArm(scene).attempt("OI90")
     assert not outcome.success
@@ -129,16 +129,16 @@ def test_the_object_lies_where_the_noise_puts_it(mug: FleetObject, clock: Virtua
 
 
 def test_the_same_seed_tells_the_same_story(mug: FleetObject) -> None:
-    flaws = Imperfections.of_lds_01()
+    imperfections = Imperfections.of_lds_01()
 
-    def story() -> str:
-        scene = make_scene(mug, VirtualClock(), 5, flaws)
+    def episode() -> str:
+        scene = make_scene(mug, VirtualClock(), 5, imperfections)
         robot, arm = SimulatedSensorRobot(scene, "robot"), SimulatedArm(scene)
         scene.put("U_45")
         robot.drive_to(mug.scenario.sensors[2])
         return json.dumps([robot.take_scan().model_dump(), arm.attempt("TD90").detail])
 
-    assert story() == story()
+    assert episode() == episode()
 
 
 def test_a_device_of_one_s_own_is_found_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from voa_evaluation.figures import new_figure
+from voa_evaluation.report.figures import new_figure
 from voa_fleet.show.page import Section, contents, lines, notice, page, paragraph, picture, table
 
 

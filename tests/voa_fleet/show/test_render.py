@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from voa_fleet.episodes.attempts import object_pose
+from voa_fleet.world.attempts import object_pose
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.render import Frame, Renderer, View, open_video, write_picture
 from voa_fleet.world.objects import FleetObject

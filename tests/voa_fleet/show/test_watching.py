@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from voa_fleet.devices.clocks import VirtualClock
+from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.devices.simulated import make_scene
 from voa_fleet.show.watching import FRAMES_PER_S, SPEED, filmed
 from voa_fleet.world.imperfections import Imperfections
