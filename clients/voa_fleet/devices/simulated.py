@@ -245,8 +245,6 @@ def _path(start: SensorPose, goal: SensorPose) -> list[SensorPose]:
         distance = distances[0] + share * (distances[1] - distances[0])
         angle = bearing + share * around
         path.append(
-            SensorPose(
-                x=distance * math.cos(angle), y=distance * math.sin(angle), yaw_rad=start.yaw_rad + share * turn
-            )
+            SensorPose(x=distance * math.cos(angle), y=distance * math.sin(angle), yaw_rad=start.yaw_rad + share * turn)
         )
     return [*path, goal]

@@ -64,9 +64,7 @@ class Bench:
         target = self.scene.world.object
         return self.place(make_drop(target, index, prior_of(target), self.scene.imperfections, rng), rng)
 
-    def place(
-        self, drop: Drop, rng: np.random.Generator, imperfections: Imperfections | None = None
-    ) -> PreparedDrop:
+    def place(self, drop: Drop, rng: np.random.Generator, imperfections: Imperfections | None = None) -> PreparedDrop:
         """Place the object as a given drop says; robot and arm go back to where they wait.
 
         Args:

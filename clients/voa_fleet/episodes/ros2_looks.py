@@ -14,10 +14,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from voa_client import Client, ConflictError, InvalidRequestError, ProblemError
-from voa_fleet.world.clocks import Clock
-from voa_fleet.episodes.look_scans import FRAME, REVOLUTIONS, driver_scan
 from voa_fleet.devices.protocol import DeviceError, SensorRobot
+from voa_fleet.episodes.look_scans import FRAME, REVOLUTIONS, driver_scan
 from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.world.clocks import Clock
 from voa_fleet.world.lidar import LidarGeometry
 from voa_msgs.geometry import PoseUncertainty, SensorConfiguration
 from voa_msgs.robots import RobotReport
@@ -111,8 +111,8 @@ class Ros2Channel:
             if not _is_about_robots(error):
                 raise
             raise DeviceError(
-                f"no session can claim the robot {self.robot.name!r}: {error.problem.detail}; expected that the service runs "
-                f"as `voa serve --robots FILE` with a mapping of it to scenario {scenario.id!r}: {_FITTING}"
+                f"no session can claim the robot {self.robot.name!r}: {error.problem.detail}; expected a service that "
+                f"runs as `voa serve --robots FILE` with a mapping of it to scenario {scenario.id!r}: {_FITTING}"
             ) from error
 
     def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
@@ -129,7 +129,7 @@ class Ros2Channel:
         before = self._report(session)
         end = self.now_s() + _LOOK_S
         while self.now_s() < end:
-            # First the revolutions that show the service that the robot has left the last place, then those of the look.
+            # First the revolutions that show that the robot has left the last place, then those of the look.
             for _ in range(AWAY_BY_POSE + self.revolutions):
                 self._revolution()
             if self._looked(session, before.looks):
@@ -150,7 +150,9 @@ class Ros2Channel:
         scan = driver_scan(self.robot.take_scan(), self.lidar, at_s)
         pose = self.robot.pose()
         odometry = Odometry(
-            stamp=Stamp.of(at_s + scan.scan_time / 2.0),  # of the middle of the revolution, for which the service computes the place
+            stamp=Stamp.of(
+                at_s + scan.scan_time / 2.0
+            ),  # of the middle of the revolution, for which the service computes the place
             frame_id="odom",
             child_frame_id=FRAME,
             pose=Pose.planar(pose.x, pose.y, pose.yaw_rad),

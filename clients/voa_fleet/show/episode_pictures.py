@@ -1,4 +1,4 @@
-"""Pictures of one episode, and of the comparison: PNG, readable by the colour-blind."""
+"""Pictures of an episode and of a comparison: PNG files in colours that the colour-blind distinguish."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -9,14 +9,14 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle
 
 from voa_client.readable import share, signed
-from voa_evaluation.report.figures import new_figure
-from voa_fleet.episodes.looks import TakenLook
-from voa_fleet.world.attempts import object_pose
 from voa_fleet.episodes.comparison import Tally
 from voa_fleet.episodes.episode import Episode
+from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.show.figures import new_figure
 from voa_fleet.world.frames import matrix_of
 from voa_fleet.world.lidar import LidarGeometry, lidar_geometry
 from voa_fleet.world.lidar_robot import RADIUS_M
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import Ranking
@@ -32,10 +32,16 @@ _ROW_IN, _PANEL_IN = 0.17, 1.1
 
 
 def belief_by_look(file: Path, episode: Episode, rankings: Sequence[Ranking], truth: str) -> None:
-    """Draw, per column, what was believed and what each look was then worth; first before any look, then after each.
+    """Draw the belief and the VOA of the looks before the first look, and after each look: a column for each.
 
-    The picture is as high as its rows need. Of more poses or places than `_MOST_ROWS` those are shown that were ever
-    believed most, or ever worth most, and the axis says so.
+    The picture is as high as its rows need. Of more than `_MOST_ROWS` poses or places those are drawn whose belief or
+    VOA was ever highest, and the axis says so.
+
+    Args:
+        file: the PNG file.
+        episode: with its looks.
+        rankings: of the service, before the first look and after each.
+        truth: name of the true pose.
     """
     sessions = [episode.before, *(look.after for look in episode.looks)]
     poses = _peaks((pose, held) for one in sessions for pose, held in zip(one.poses, one.belief, strict=True))
@@ -56,21 +62,21 @@ def belief_by_look(file: Path, episode: Episode, rankings: Sequence[Ranking], tr
             _worth(panels[1][column], rankings[column], ranked, taken, most)
         else:
             panels[1][column].set_visible(False)
-    panels[0][0].set_ylabel(f"pose (in truth: ▶){_left_out(poses, shown)}")
+    panels[0][0].set_ylabel(f"pose (▶ true pose){_left_out(poses, shown)}")
     panels[1][0].set_ylabel(f"look from{_left_out(places, ranked)}")
     figure.savefig(file, dpi=_DPI)
 
 
-def _peaks(found: Iterable[tuple[str, float]]) -> dict[str, float]:
-    """The largest value of every name, in the order in which they came."""
+def _peaks(values: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Largest value of every name, in the order in which the names came first."""
     peaks: dict[str, float] = {}
-    for name, value in found:
+    for name, value in values:
         peaks[name] = max(value, peaks.get(name, value))
     return peaks
 
 
 def _shown(peaks: Mapping[str, float], always: set[str]) -> list[str]:
-    """The names that get a row, in their order: all, or the largest and those that must not be left out."""
+    """Names that get a row, in their order: all, or the largest and those in `always`."""
     largest = sorted(peaks, key=lambda name: (name not in always, -peaks[name]))[:_MOST_ROWS]
     return [name for name in peaks if name in set(largest)]
 
@@ -94,30 +100,30 @@ def _belief(axes: Axes, session: Session, shown: Sequence[str], truth: str) -> N
 
 
 def _worth(axes: Axes, ranking: Ranking, shown: Sequence[str], taken: str | None, most: float) -> None:
-    """Draw every look's VOA, in one order in all columns: by name; the one that was taken stands out."""
+    """Draw the VOA of every look, ordered by name in all columns; the look that was taken is orange."""
     worth = {look.sensor: look.voa for look in ranking.ranking}
     rows = range(len(shown))
     axes.barh(rows, [worth[name] for name in shown], color=[_ORANGE if name == taken else _GREY for name in shown])
     axes.set_yticks(rows, list(shown), fontsize=8)
     axes.set_ylim(len(shown) - 0.5, -0.5)
     axes.set_xlim(min(0.0, *worth.values()), 1.3 * most or 1.0)
-    axes.set_xlabel("VOA: rise of the success probability", fontsize=8)
+    axes.set_xlabel("VOA: expected rise of success probability", fontsize=8)
     axes.tick_params(labelsize=8)
-    axes.set_title("orange: taken" if taken is not None else "none was taken", fontsize=8)
+    axes.set_title("orange: taken" if taken is not None else "no look was taken", fontsize=8)
     for row, name in enumerate(shown):
         axes.text(max(worth[name], 0.0) + 0.02 * most, row, signed(worth[name], 2), va="center", fontsize=7)
 
 
 def view_from_above(file: Path, target: FleetObject, truth: str, episode: Episode) -> None:
-    """The object where it is in truth (without the noise of its place), where the robot stood, and what it saw.
+    """Draw the object at its true pose (without noise), the robot's places and the lidar's returns from above.
 
-    On the right the same, near the object.
+    The right half shows the surroundings of the object, enlarged.
     """
     figure = new_figure(11.0, 5.6)
     wide, near = figure.subplots(1, 2)
     box = target.scenario.workspace
     half = 0.2 if box is None else 1.05 * max(abs(corner) for corner in (*box.min, *box.max))
-    for axes, reach, title in ((wide, 0.55, "where the robot stood"), (near, half, "what it saw")):
+    for axes, reach, title in ((wide, 0.55, "where the robot stood"), (near, half, "what the lidar saw")):
         _scene_from_above(axes, target, truth, episode)
         axes.set_xlim(-reach, reach)
         axes.set_ylim(-reach, reach)
@@ -131,7 +137,7 @@ def view_from_above(file: Path, target: FleetObject, truth: str, episode: Episod
 
 
 def _scene_from_above(axes: Axes, target: FleetObject, truth: str, episode: Episode) -> None:
-    pose = object_pose(target, truth)
+    pose = scenario_pose(target, truth)
     corners = target.mesh.vertices @ matrix_of(pose.quaternion_wxyz).T + pose.position
     triangles = [corners[face][:, :2] for face in target.mesh.faces]
     axes.add_collection(PolyCollection(triangles, facecolor="#d9d9d9", edgecolor="#bdbdbd", linewidth=0.3, zorder=1))
@@ -173,19 +179,19 @@ def _points(look: TakenLook, stand: SensorPose, lidar: LidarGeometry, target: Fl
     if look.request is None:
         return []
     box = target.scenario.workspace
-    found = []
+    points = []
     for angle, distance in zip(lidar.angles, look.request.scan.ranges, strict=True):
         if not distance:
             continue
         heading = stand.yaw_rad + float(angle)
         x, y = stand.x + distance * math.cos(heading), stand.y + distance * math.sin(heading)
         if box is None or (box.min[0] <= x <= box.max[0] and box.min[1] <= y <= box.max[1]):
-            found.append((x, y))
-    return found
+            points.append((x, y))
+    return points
 
 
 def comparison_bars(file: Path, tallies: Sequence[Tally], labels: Sequence[str]) -> None:
-    """Share of drops in which the object was lifted, counts, and Wilson's 95 % intervals."""
+    """Draw the share of drops in which the object was lifted per policy, with counts and Wilson's 95 % intervals."""
     figure = new_figure(7.0, 1.1 + 0.7 * len(tallies))
     axes = figure.subplots()
     for row, tally in enumerate(tallies):
@@ -199,5 +205,5 @@ def comparison_bars(file: Path, tallies: Sequence[Tally], labels: Sequence[str])
     axes.set_ylim(len(tallies) - 0.5, -0.5)
     axes.set_xlim(0.0, 1.25)
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
-    axes.set_xlabel("of the drops the object was lifted (lines: 95 % intervals)")
+    axes.set_xlabel("drops in which the object was lifted (lines: 95 % intervals)")
     figure.savefig(file, dpi=_DPI)

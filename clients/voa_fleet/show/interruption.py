@@ -1,7 +1,7 @@
-"""Interruption early, by a signal: in order, and for certain.
+"""Early end of a program by Ctrl-C or after a time, in order and without fail.
 
-An exception that a signal raises may come up in the middle of anything, also where other people's code (a callback, a
-destructor) swallows it. So the signal is kept too, and asked for between one piece of work and the next.
+A signal handler raises an exception, which may come up anywhere, also in a callback or destructor of a library that
+swallows it. So the reason is kept as well, and checked between two pieces of work.
 """
 
 import signal
@@ -12,39 +12,42 @@ from types import FrameType
 
 
 class TimeIsUp(Exception):
-    """It is to end because its time is over."""
+    """The time of the program is over."""
 
 
 class Interruption:
-    """Whether it is to end."""
+    """Record of a signal that ends the program."""
 
     def __init__(self) -> None:
         self._reason: BaseException | None = None
 
     def check(self) -> None:
-        """Raise `KeyboardInterrupt` or `TimeIsUp` if one of them has come up."""
+        """Raise `KeyboardInterrupt` or `TimeIsUp` if the signal for it has arrived."""
         if self._reason is not None:
             raise self._reason
 
-    def interrupted(self, _number: int, _frame: FrameType | None) -> None:
-        """For SIGINT."""
+    def on_interrupt(self, _number: int, _frame: FrameType | None) -> None:
+        """Handle SIGINT: keep and raise `KeyboardInterrupt`."""
         self._reason = KeyboardInterrupt()
         raise self._reason
 
-    def rung(self, _number: int, _frame: FrameType | None) -> None:
-        """For SIGALRM."""
+    def on_alarm(self, _number: int, _frame: FrameType | None) -> None:
+        """Handle SIGALRM: keep and raise `TimeIsUp`."""
         self._reason = TimeIsUp()
         raise self._reason
 
 
 @contextmanager
 def interruptible(seconds: float | None) -> Iterator[Interruption]:
-    """Have Ctrl-C, and the end of so many seconds, raised in the body and kept; outside of the main thread never."""
+    """Raise `KeyboardInterrupt` on Ctrl-C, and `TimeIsUp` after so many seconds, in the body of the `with` statement.
+
+    Outside of the main thread nothing is raised, because only that one receives signals.
+    """
     interruption = Interruption()
     if threading.current_thread() is not threading.main_thread():
         yield interruption
         return
-    handlers = {signal.SIGINT: interruption.interrupted, signal.SIGALRM: interruption.rung}
+    handlers = {signal.SIGINT: interruption.on_interrupt, signal.SIGALRM: interruption.on_alarm}
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     signal.setitimer(signal.ITIMER_REAL, seconds or 0.0)
     try:

@@ -48,7 +48,7 @@ class Imperfections:
     """Errors of the simulated world; standard deviations are those of independent normal errors.
 
     Attributes:
-        robot_xy_m: standard deviation of the robot's position in x and in y; the robot believes to be where it was sent.
+        robot_xy_m: standard deviation of the robot's position in x and in y; it believes to be where it was sent.
         robot_yaw_rad: standard deviation of the robot's heading.
         range_noise_m: standard deviation of a measured range.
         range_noise_ratio: standard deviation of a range beyond `near_m` as a share of the range, where that is more.

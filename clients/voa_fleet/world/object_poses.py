@@ -24,7 +24,7 @@ class ObjectPose:
 
 @dataclass(frozen=True)
 class Drop:
-    """One placement of the object on the table.
+    """A placement of the object on the table.
 
     Attributes:
         index: number of the drop in its series, from 0.

@@ -1,4 +1,4 @@
-"""One MuJoCo model of the table, the object, and optionally an arm, lidar robots and clutter.
+"""A MuJoCo model of the table, the object, and optionally an arm, lidar robots and clutter.
 
 The contact settings were chosen by measurement: 2 ms steps, implicitfast, elliptic cones, an impedance ratio of 10
 against creep. 5 ms steps are too long for the stiffness of a gripper's contacts.
