@@ -59,7 +59,7 @@ def _run(name: str, rest: list[str]) -> int:
     try:
         code: int = importlib.import_module(command.module).main(rest)
     except ModuleNotFoundError as error:
-        from voa_client._installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
+        from voa_client.installing import install_hint  # noqa: PLC0415 - brings a client, which `--help` needs not
 
         print(f"voa {name}: no {error.name}; install it with: {install_hint(command.extra)}", file=sys.stderr)
         return 1

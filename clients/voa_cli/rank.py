@@ -18,8 +18,8 @@ from rich.console import Console
 from voa_cli.tables import ranking_table
 from voa_cli.warnings import print_warnings
 from voa_client import Client, VoaClientError
+from voa_client.formatting import recommendation, share
 from voa_client.local import service_at
-from voa_client.readable import recommendation, share
 from voa_client.scenario_files import load_with_warnings
 from voa_msgs.rankings import Ranking, RankingRequest, VoaRequest
 from voa_msgs.reading import InvalidMessage, in_one_line, read_json

@@ -20,8 +20,8 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from voa_client import Client, VoaClientError
+from voa_client.formatting import bar, scale, share
 from voa_client.local import BRIEFLY
-from voa_client.readable import bar, scale, share
 from voa_recordings.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"

@@ -3,7 +3,7 @@
 from rich.console import Console
 from rich.table import Column, Table
 
-from voa_client.readable import bar, ranks, scale, share, signed, unsigned
+from voa_client.formatting import bar, ranks, scale, share, signed, unsigned
 from voa_msgs.rankings import Ranking
 from voa_msgs.scenarios import GivenScores, Scenario
 

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from voa_client._calls import Call, M
 from voa_client._errors import ANSWERED_BETWEEN, UnexpectedAnswerError, WireVersionError, refusal
-from voa_client._installing import install_hint
+from voa_client.installing import install_hint
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Problem
 from voa_msgs.reading import in_one_line

@@ -7,11 +7,12 @@ import asyncio
 import json
 import threading
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from voa_client._errors import TimedOutError, UsageError, VoaClientError
-from voa_client._installing import install_hint
 from voa_client._zenoh_address import ZenohAddress
+from voa_client.installing import install_hint
 from voa_msgs.links import session_config
 
 if TYPE_CHECKING:
@@ -133,20 +134,29 @@ class Link:
             self._changed.notify_all()
 
 
-def config(address: ZenohAddress) -> "zenoh.Config":
-    """The configuration of a session."""
+def config(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | None = None) -> "zenoh.Config":
+    """Build the configuration of a session with a router.
+
+    Args:
+        address: of the router, with credentials and certificates.
+        open_ms: how long opening waits for the router, milliseconds; 0: one try.
+        more: further entries of Zenoh's configuration, by path.
+
+    Raises:
+        UsageError: Zenoh refuses an entry.
+    """
     secure = {
         "root_ca_certificate": address.ca,
         "connect_certificate": address.cert,
         "connect_private_key": address.key,
     }
     files: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
-    settings = session_config([address.endpoint], address.user, address.password)
+    settings = session_config([address.endpoint], address.user, address.password, open_ms)
     if files:
         settings["transport/link/tls"] = files | ({"enable_mtls": True} if address.cert is not None else {})
     built: zenoh.Config = zenoh_library().Config()
     try:
-        for name, value in settings.items():
+        for name, value in (settings | dict(more or {})).items():
             built.insert_json5(name, json.dumps(value))
     except zenoh_library().ZError as error:
         raise UsageError(f"{address.endpoint}: {error}") from error

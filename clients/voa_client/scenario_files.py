@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from voa_client import Client, InvalidRequestError, VoaClientError
-from voa_client._files import read_file
+from voa_client.message_files import read_file
 from voa_msgs.base import Positive
 from voa_msgs.objects import Object, UpAxis
 from voa_msgs.scenarios import Scenario, ScenarioRequest

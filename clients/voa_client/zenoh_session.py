@@ -1,27 +1,28 @@
-"""A Zenoh session for the length of a command."""
+"""Zenoh sessions with a router, for programs that publish or subscribe themselves.
 
-import json
+Zenoh's library is imported when a session is opened, not with this module.
+"""
+
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import zenoh
-import zenoh.ext
-from zenoh.handlers import Callback
-
-from voa_client import VoaClientError
-from voa_client._errors import UsageError
+from voa_client._errors import UsageError, VoaClientError
 from voa_client._zenoh_address import ENDPOINTS, SCHEMES, ZenohAddress
-from voa_msgs.links import session_config
+from voa_client._zenoh_link import config, zenoh_library
+
+if TYPE_CHECKING:
+    import zenoh
+    from zenoh.handlers import Callback
 
 
 class NoRouter(VoaClientError):
-    """No router took us."""
+    """No Zenoh router accepted the connection."""
 
 
 def address_of(text: str) -> ZenohAddress:
-    """A router's address as a person writes it; raises UsageError."""
+    """Parse a router's address as a person writes it: a `zenoh://` URL or an endpoint; raises UsageError."""
     scheme, is_url, _ = text.partition("://")
     if scheme in SCHEMES if is_url else text.partition("/")[0] in ENDPOINTS:
         return ZenohAddress.parse(text)
@@ -30,50 +31,36 @@ def address_of(text: str) -> ZenohAddress:
 
 
 @contextmanager
-def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | None = None) -> Iterator[zenoh.Session]:
-    """A session with the router at `address`; joins again by itself when the router was away.
+def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | None = None) -> Iterator["zenoh.Session"]:
+    """Open a session with a router for the length of a `with`; it reconnects by itself when the router was away.
 
     Args:
-        address: which router, and as whom.
-        open_ms: how long to wait for it; 0: one try.
-        more: entries of Zenoh's configuration, by path.
+        address: of the router, with the user to connect as.
+        open_ms: how long to wait for the router, milliseconds; 0: try once.
+        more: further entries of Zenoh's configuration, by path.
 
     Raises:
-        NoRouter: nobody is there, or it refuses the credentials: Zenoh does not say which.
+        NoRouter: no router answers there, or it refuses the credentials: Zenoh does not say which.
+        MissingLibraryError: Zenoh's library is not installed.
     """
-    if "RUST_LOG" in os.environ:  # Zenoh writes to stdout; without this it is mute
-        zenoh.init_log_from_env_or("error")
+    library = zenoh_library()
+    if "RUST_LOG" in os.environ:  # Zenoh logs to stdout, so it stays silent unless it is wanted
+        library.init_log_from_env_or("error")
     try:
-        session = zenoh.open(_config(address, open_ms, more or {}))
-    except zenoh.ZError as error:
+        session = library.open(config(address, open_ms, more or {}))
+    except library.ZError as error:
         raise NoRouter(
-            f"no Zenoh router took us at {address.endpoint}: it is not there, or refuses the credentials; "
-            "`voa doctor` tells which"
+            f"no Zenoh router accepted the connection to {address.endpoint}: it is not running, or refuses the "
+            "credentials; `voa doctor` finds out which"
         ) from error
     try:
         yield session
     finally:
-        close: Any = session.close  # the stub leaves it untyped
-        close()
+        session.close()
 
 
-def declare_latched_subscriber(session: zenoh.Session, expression: str, receive: "Callback[zenoh.Sample]") -> Any:
+def declare_latched_subscriber(session: "zenoh.Session", expression: str, receive: "Callback[zenoh.Sample]") -> Any:
     """Subscribe to a key expression, and fetch the newest message that its publishers keep (transient local in ROS)."""
-    history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=1)
-    return zenoh.ext.declare_advanced_subscriber(session, expression, receive, history=history)
-
-
-def _config(address: ZenohAddress, open_ms: int, more: Mapping[str, Any]) -> zenoh.Config:
-    config = zenoh.Config()
-    entries = session_config([address.endpoint], address.user, address.password, open_ms)
-    secure = {
-        "root_ca_certificate": address.ca,
-        "connect_certificate": address.cert,
-        "connect_private_key": address.key,
-    }
-    link: dict[str, Any] = {name: file for name, file in secure.items() if file is not None}
-    if link:
-        entries["transport/link/tls"] = link | ({"enable_mtls": True} if address.cert is not None else {})
-    for path, value in (entries | dict(more)).items():
-        config.insert_json5(path, json.dumps(value))
-    return config
+    extensions = zenoh_library().ext
+    history = extensions.HistoryConfig(detect_late_publishers=True, max_samples=1)
+    return extensions.declare_advanced_subscriber(session, expression, receive, history=history)

@@ -27,7 +27,8 @@ from voa_fleet.world.meshes import read_obj
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.scene import build_world
 from voa_msgs.geometry import SensorPose
-from voa_recordings.experiment import InvalidExperiment, RecordedExperiment
+from voa_recordings.experiment import RecordedExperiment
+from voa_recordings.experiment_parts import InvalidExperiment
 
 Source = Literal["recorded", "mesh"]
 

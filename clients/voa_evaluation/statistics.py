@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kendalltau
 
-from voa_client.readable import signed
+from voa_client.formatting import signed
 from voa_fleet.world.frames import Floats
 
 RESAMPLES = 2000

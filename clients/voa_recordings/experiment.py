@@ -1,4 +1,4 @@
-"""Recorded experiments: a folder with scans that were really measured.
+"""Recorded experiments: folders with scans that were measured at known poses.
 
 | file              | content                                                                        |
 |-------------------|--------------------------------------------------------------------------------|
@@ -7,11 +7,11 @@
 | `scans.csv`       | one row per beam: `sensor, pose, plane_height, angle_deg, measured, predicted` |
 |                   | in metres and degrees                                                          |
 | the mesh          | named by `object.mesh`, in units of `object.scale` metres                      |
-| `expected.json`   | what must come out, where that is known                                        |
+| `expected.json`   | the results that a replay must give, if they are known                         |
 
-An empty `measured` or `predicted` is a no-return; a beam without a row is one in both. `angle_deg` lies on the
-lidar's grid (default 360 beams, 1 degree, from 0). `observation.no_return` (default 1.0 m) is what a no-return
-counts as, and what is measured beyond it is one. `scores` wins over `successes`.
+An empty `measured` or `predicted` is a no-return; a beam without a row has a no-return in both. `angle_deg` lies on
+the lidar's grid (default 360 beams, 1 degree, from 0). `observation.no_return` (default 1.0 m) is the range that a
+no-return counts as; a beam that is measured beyond it is a no-return, too. `scores` wins over `successes`.
 """
 
 import csv
@@ -20,127 +20,23 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Self, TypeGuard
 
-from annotated_types import Gt
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
-
-from voa_client._errors import VoaClientError
-from voa_client._files import read_file
-from voa_msgs.base import Point3, Quaternion
-from voa_msgs.reading import InvalidMessage, read_json
+from voa_client.message_files import read_file
+from voa_recordings.experiment_parts import (
+    ExpectedResults,
+    ExperimentFile,
+    ExperimentLidar,
+    ExperimentPose,
+    ExperimentSensor,
+    InvalidExperiment,
+)
 
 _COLUMNS = ("sensor", "pose", "angle_deg", "measured", "predicted")
-_ON_GRID = 0.01  # of a beam spacing
-
-
-class InvalidExperiment(VoaClientError):
-    """A folder is not a recorded experiment; says what is missing."""
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
-
-
-class RecordedPose(_Part):
-    """A pose; only its name must be known."""
-
-    name: str
-    position: Point3 | None = None
-    quaternion_wxyz: Quaternion | None = None
-
-
-class RecordedSensor(_Part):
-    """Where the lidar stood."""
-
-    name: str
-    x: float = 0.0
-    y: float = 0.0
-    yaw_deg: float = 0.0
-
-
-class RecordedObject(_Part):
-    """The mesh file."""
-
-    mesh: str
-    scale: Annotated[float, Gt(0.0)] = 1.0
-
-
-def _turning(increment_deg: float) -> float:
-    if increment_deg == 0.0:
-        raise ValueError("expected a number other than 0")
-    return increment_deg
-
-
-class RecordedLidar(_Part):
-    """The lidar's beams and limits."""
-
-    beams: Annotated[int, Gt(0)] = 360
-    angle_min_deg: float = 0.0
-    angle_increment_deg: Annotated[float, AfterValidator(_turning)] = 1.0
-    range_min: float = 0.12
-    range_max: float = 3.5
-
-    def beam(self, angle_deg: float) -> int:
-        """The index of the beam at an angle; raises InvalidExperiment if there is none."""
-        for turn in (0.0, 360.0, -360.0):
-            exact = (angle_deg + turn - self.angle_min_deg) / self.angle_increment_deg
-            if abs(exact - round(exact)) <= _ON_GRID and 0 <= round(exact) < self.beams:
-                return round(exact)
-        raise InvalidExperiment(
-            f"there is no beam at {angle_deg} degrees: {self.beams} beams from {self.angle_min_deg} "
-            f"by {self.angle_increment_deg} degrees"
-        )
-
-
-class _Observation(_Part):
-    no_return: Annotated[float, Gt(0.0)] = 1.0
-
-
-class _ExperimentFile(_Part):
-    name: str
-    poses: Annotated[list[RecordedPose], Field(min_length=1)]
-    sensors: Annotated[list[RecordedSensor], Field(min_length=1)]
-    grasps: Annotated[list[str], Field(min_length=1)]
-    scores: dict[str, dict[str, float]] | None = None
-    successes: dict[str, dict[str, int]] | None = None
-    attempts: int | None = None
-    object: RecordedObject | None = None
-    lidar: RecordedLidar = RecordedLidar()
-    observation: _Observation = _Observation()
-
-    @field_validator("poses", "sensors", mode="before")
-    @classmethod
-    def _name_alone(cls, items: Any) -> Any:
-        return [{"name": item} if isinstance(item, str) else item for item in items] if _is_list(items) else items
-
-    @field_validator("grasps", mode="before")
-    @classmethod
-    def _names(cls, items: Any) -> Any:
-        if not _is_list(items):
-            return items
-        return [item["name"] if isinstance(item, dict) and "name" in item else item for item in items]
-
-    @model_validator(mode="after")
-    def _named_once(self) -> Self:
-        for what, names in (
-            ("poses", [pose.name for pose in self.poses]),
-            ("sensors", [sensor.name for sensor in self.sensors]),
-            ("grasps", self.grasps),
-        ):
-            twice = [name for name, count in Counter(names).items() if count > 1]
-            if twice:
-                raise ValueError(f"{what}: {twice[0]!r} twice")
-        return self
-
-
-def _is_list(items: Any) -> TypeGuard[list[Any]]:
-    return isinstance(items, list)
 
 
 @dataclass(frozen=True)
 class Beam:
-    """One row of `scans.csv`: metres, None for a no-return."""
+    """A row of `scans.csv`: the beam's index, and its measured and predicted range; metres, None for a no-return."""
 
     index: int
     measured: float | None
@@ -148,54 +44,63 @@ class Beam:
 
 
 @dataclass(frozen=True)
-class RecordedScan:
-    """The rows of one sensor and pose."""
+class ExperimentScan:
+    """The rows of `scans.csv` for one sensor and pose, and the height of the scan plane, metres."""
 
     height_m: float | None
     beams: tuple[Beam, ...]
 
     @property
     def was_measured(self) -> bool:
-        """Whether any row has a measured value."""
+        """True if any beam has a measured range."""
         return any(beam.measured is not None for beam in self.beams)
 
 
 @dataclass(frozen=True)
 class RecordedExperiment:
-    """A recorded experiment.
+    """A recorded experiment: scans of an object that were measured at known poses.
 
     Attributes:
-        scores: grasps x poses, probabilities; or None, and then `successes` of `attempts`.
-        scans: by (sensor, pose).
+        name: of the experiment.
+        poses: of the object.
+        sensors: the sensor configurations.
+        grasps: their names.
+        scores: success probabilities, grasps x poses; None: `successes` and `attempts` are given instead.
+        successes: of the attempts, grasps x poses; or None.
+        attempts: of each grasp at each pose.
+        lidar: beams and range limits.
+        no_return_m: the range that a no-return counts as, metres.
+        scans: by the names of sensor and pose.
         mesh: the mesh file, if there is one.
-        expected: what `expected.json` says, if there is one.
+        scale: metres per unit of the mesh file.
+        expected: content of `expected.json`, if there is one.
     """
 
     name: str
-    poses: tuple[RecordedPose, ...]
-    sensors: tuple[RecordedSensor, ...]
+    poses: tuple[ExperimentPose, ...]
+    sensors: tuple[ExperimentSensor, ...]
     grasps: tuple[str, ...]
     scores: list[list[float]] | None
     successes: list[list[int]] | None
     attempts: int | None
-    lidar: RecordedLidar
+    lidar: ExperimentLidar
     no_return_m: float
-    scans: dict[tuple[str, str], RecordedScan]
+    scans: dict[tuple[str, str], ExperimentScan]
     mesh: Path | None
     scale: float
-    expected: dict[str, Any] | None
+    expected: ExpectedResults | None
 
     @property
     def pose_names(self) -> list[str]:
-        """In order."""
+        """Names of the poses, in their order."""
         return [pose.name for pose in self.poses]
 
-    def scan(self, sensor: str, pose: str) -> RecordedScan:
-        """The scan of a pair; one without rows saw and predicts nothing."""
-        return self.scans.get((sensor, pose), RecordedScan(None, ()))
+    def scan(self, sensor: str, pose: str) -> ExperimentScan:
+        """Return the scan of a sensor and pose; without rows in `scans.csv`, a scan without beams."""
+        return self.scans.get((sensor, pose), ExperimentScan(None, ()))
 
     def height_m(self, sensor: str, pose: str) -> float | None:
-        """The scan plane's height of a pair; of one without rows, the most usual one."""
+        """Return the height of the scan plane for a sensor and pose, metres; without rows, the most frequent height."""
         own = self.scan(sensor, pose).height_m
         if own is not None:
             return own
@@ -203,7 +108,7 @@ class RecordedExperiment:
         return usual[0][0] if usual else None
 
     def measured_ranges(self, sensor: str, pose: str) -> list[float | None]:
-        """The measured scan on every beam, None for a no-return."""
+        """Return the measured range of every beam, metres; None for a no-return."""
         ranges: list[float | None] = [None] * self.lidar.beams
         for beam in self.scan(sensor, pose).beams:
             near = beam.measured is not None and beam.measured <= self.no_return_m
@@ -211,7 +116,7 @@ class RecordedExperiment:
         return ranges
 
     def predicted_ranges(self, sensor: str, pose: str) -> list[float | None]:
-        """The recorded prediction on every beam, None for a no-return."""
+        """Return the predicted range of every beam, metres, as `scans.csv` lists it; None for a no-return."""
         ranges: list[float | None] = [None] * self.lidar.beams
         for beam in self.scan(sensor, pose).beams:
             ranges[beam.index] = beam.predicted
@@ -227,42 +132,33 @@ def read_experiment(folder: Path) -> RecordedExperiment:
     source = folder / "experiment.json"
     if not source.is_file():
         raise InvalidExperiment(f"{folder} has no experiment.json: expected a folder with a recorded experiment")
-    told = read_file(_ExperimentFile, source, InvalidExperiment)
-    mesh = None if told.object is None else folder / told.object.mesh
+    content = read_file(ExperimentFile, source, InvalidExperiment)
+    mesh = None if content.object is None else folder / content.object.mesh
     if mesh is not None and not mesh.is_file():
         mesh = None
     expected = folder / "expected.json"
-    names = [pose.name for pose in told.poses]
-    if told.scores is None and (told.successes is None or told.attempts is None):
+    names = [pose.name for pose in content.poses]
+    if content.scores is None and (content.successes is None or content.attempts is None):
         raise InvalidExperiment(f"{source}: expected `scores`, or `successes` with `attempts`")
     scores, successes = (
-        None if table is None else _matrix(source, table, told.grasps, names) for table in (told.scores, told.successes)
+        None if table is None else _matrix(source, table, content.grasps, names)
+        for table in (content.scores, content.successes)
     )
     return RecordedExperiment(
-        name=told.name,
-        poses=tuple(told.poses),
-        sensors=tuple(told.sensors),
-        grasps=tuple(told.grasps),
+        name=content.name,
+        poses=tuple(content.poses),
+        sensors=tuple(content.sensors),
+        grasps=tuple(content.grasps),
         scores=scores,
         successes=None if successes is None else [[int(count) for count in row] for row in successes],
-        attempts=told.attempts,
-        lidar=told.lidar,
-        no_return_m=told.observation.no_return,
-        scans=_scans(folder / "scans.csv", told.lidar, {sensor.name for sensor in told.sensors}, set(names)),
+        attempts=content.attempts,
+        lidar=content.lidar,
+        no_return_m=content.observation.no_return,
+        scans=_scans(folder / "scans.csv", content.lidar, {sensor.name for sensor in content.sensors}, set(names)),
         mesh=mesh,
-        scale=1.0 if told.object is None else told.object.scale,
-        expected=_expected(expected) if expected.is_file() else None,
+        scale=1.0 if content.object is None else content.object.scale,
+        expected=read_file(ExpectedResults, expected, InvalidExperiment) if expected.is_file() else None,
     )
-
-
-def _expected(source: Path) -> dict[str, Any]:
-    try:
-        told = read_json(source.read_bytes())
-    except InvalidMessage as error:
-        raise InvalidExperiment(f"{source}: {error}") from error
-    if not isinstance(told, dict):
-        raise InvalidExperiment(f"{source}: expected an object with `before` and `rules`")
-    return told
 
 
 def _matrix(
@@ -271,14 +167,16 @@ def _matrix(
     try:
         return [[table[grasp][pose] for pose in poses] for grasp in grasps]
     except KeyError as error:
-        raise InvalidExperiment(f"{source}: expected a score of every grasp at every pose, none for {error}") from error
+        raise InvalidExperiment(
+            f"{source}: expected a score of every grasp at every pose, and {error} has none"
+        ) from error
 
 
 def _scans(
-    source: Path, lidar: RecordedLidar, sensors: set[str], poses: set[str]
-) -> dict[tuple[str, str], RecordedScan]:
+    source: Path, lidar: ExperimentLidar, sensors: set[str], poses: set[str]
+) -> dict[tuple[str, str], ExperimentScan]:
     if not source.is_file():
-        raise InvalidExperiment(f"expected {source}, which is not there")
+        raise InvalidExperiment(f"there is no file {source}: expected one row per beam in it")
     beams: dict[tuple[str, str], list[Beam]] = {}
     heights: dict[tuple[str, str], float | None] = {}
     with source.open(encoding="utf-8", newline="") as lines:
@@ -292,16 +190,16 @@ def _scans(
                 heights.setdefault(pair, _metres(row.get("plane_height")))
             except (KeyError, TypeError, ValueError, InvalidExperiment) as error:
                 raise InvalidExperiment(f"{source}, line {number}: {error}") from error
-    return {pair: RecordedScan(heights[pair], tuple(found)) for pair, found in beams.items()}
+    return {pair: ExperimentScan(heights[pair], tuple(rows)) for pair, rows in beams.items()}
 
 
 def _rows(source: Path, lines: Iterable[str]) -> Iterator[tuple[int, dict[str, str]]]:
-    """The rows of a CSV file with the number of their line."""
+    """Read the rows of a CSV file, each with the number of its line."""
     try:
         reader = csv.DictReader(lines)
         absent = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
         if absent:
-            raise InvalidExperiment(f"{source}: expected columns {', '.join(_COLUMNS)}, got none for {absent[0]}")
+            raise InvalidExperiment(f"{source}: expected columns {', '.join(_COLUMNS)}, and {absent[0]} is missing")
         for row in reader:
             yield reader.line_num, row
     except (UnicodeDecodeError, csv.Error) as error:

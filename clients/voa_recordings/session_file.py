@@ -1,7 +1,7 @@
-"""Session files: one session with everything that happened to it, to be replayed on another service.
+"""Session files: a session's scenario and history as JSON, from which another service can rebuild the session.
 
-A file holds the scenario's request, the history, and the belief at the end. The object's mesh is named by its
-digest: where a scenario has one, it must be on the other service already, or be given beside.
+A file holds the request that made the scenario, the history, and the last belief. It names the object's mesh by its
+digest: the other service needs that object already, or the mesh file with the session file.
 """
 
 import json
@@ -9,37 +9,36 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from voa_client._client import Client
-from voa_client._errors import NotFoundError, VoaClientError
-from voa_client._files import read_file
+from voa_client import Client, NotFoundError, VoaClientError
+from voa_client.message_files import read_file
 from voa_msgs.base import Message
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, HistoryEntry, OutcomeRequest, ScanRequest, Session, SessionRequest
 
 
 class InvalidSessionFile(VoaClientError):
-    """A file is not a session file; says what is wrong."""
+    """The file is not a session file, or its mesh is missing or wrong; the message says which."""
 
 
 class SessionFile(Message):
-    """The content of a session file."""
+    """Content of a session file."""
 
     scenario: ScenarioRequest
     history: list[HistoryEntry]
     belief: list[float]
-    """At the end."""
+    """The last belief: a probability for each pose."""
 
 
 @dataclass(frozen=True)
-class Replayed:
-    """A session made anew from a file, and whether it believes exactly what the first one did."""
+class RebuiltSession:
+    """A session that was rebuilt from a file; `same` is True if its belief equals the file's, bit for bit."""
 
     session: Session
     same: bool
 
 
 def export_session(client: Client, session_id: str) -> SessionFile:
-    """Everything about a session."""
+    """Read a session, its scenario and its history from a service; raises VoaClientError."""
     session = client.get_session(session_id)
     scenario = client.get_scenario(session.scenario).request()
     history = [entry for entry in client.history(session_id) if entry.version <= (session.version or 0)]
@@ -47,49 +46,53 @@ def export_session(client: Client, session_id: str) -> SessionFile:
 
 
 def read_session_file(path: Path) -> SessionFile:
-    """Read a session file; raises InvalidSessionFile."""
+    """Read a session file; raises InvalidSessionFile if it is missing or not one."""
     return read_file(SessionFile, path, InvalidSessionFile)
 
 
 def stored_mesh(client: Client, mesh: Path) -> str:
-    """Store a mesh file, in metres with z up; its id. Raises InvalidSessionFile where there is no such file."""
+    """Upload a mesh file (metres, z up) and return its object's id; raises InvalidSessionFile if it cannot be read."""
     try:
         return client.create_object(mesh).id
     except OSError as error:
         raise InvalidSessionFile(f"{mesh}: {error.strerror}; expected the mesh file of the session's object") from error
 
 
-def replay_session(client: Client, told: SessionFile, mesh: Path | None = None) -> Replayed:
-    """Make the session anew on another service, version by version.
+def rebuild_session(client: Client, file: SessionFile, mesh: Path | None = None) -> RebuiltSession:
+    """Rebuild a session on another service by sending its history, version by version.
 
     Args:
         client: of that service.
-        told: the session.
-        mesh: the object's file; None: the service has it, or the scenario has none.
+        file: the session's scenario, history and last belief.
+        mesh: the object's mesh file; None: the service has the object, or the scenario has none.
 
     Raises:
-        InvalidSessionFile: the mesh is another one.
+        InvalidSessionFile: the mesh is not that of the session's object.
         VoaClientError: the service cannot be reached, or refuses.
     """
     if mesh is not None:
         stored = stored_mesh(client, mesh)
-        if stored != told.scenario.object:
-            raise InvalidSessionFile(f"{mesh} is object {stored}, the session's is {told.scenario.object}")
-    elif told.scenario.object is not None:
+        if stored != file.scenario.object:
+            raise InvalidSessionFile(
+                f"{mesh} is object {stored}, but the session needs {file.scenario.object}: give that object's mesh"
+            )
+    elif file.scenario.object is not None:
         try:
-            client.get_object(told.scenario.object)
+            client.get_object(file.scenario.object)
         except NotFoundError as error:
-            lacking = f"this service has no object {told.scenario.object}"
-            raise InvalidSessionFile(f"{lacking}: name its mesh, with `voa replay --mesh FILE`") from error
-    scenario = client.create_scenario(told.scenario)
-    opened = {name: value for name, value in _body(told.history[0]).items() if name != "robots"}  # they are live ones
+            missing = f"this service has no object {file.scenario.object}"
+            raise InvalidSessionFile(f"{missing}: give its mesh with `voa replay --mesh FILE`") from error
+    scenario = client.create_scenario(file.scenario)
+    opened = {
+        name: value for name, value in _body(file.history[0]).items() if name != "robots"
+    }  # a claim would move live robots
     session = client.create_session(SessionRequest.model_validate(opened | {"scenario": scenario.id}))
-    for entry in told.history[1:]:
-        session = _again(client, session.id, entry)
-    return Replayed(session, session.belief == told.belief)
+    for entry in file.history[1:]:
+        session = _send(client, session.id, entry)
+    return RebuiltSession(session, session.belief == file.belief)
 
 
-def _again(client: Client, session_id: str, entry: HistoryEntry) -> Session:
+def _send(client: Client, session_id: str, entry: HistoryEntry) -> Session:
     match entry.kind:
         case "scan":
             return client.apply_scan(session_id, ScanRequest.model_validate(_body(entry)))

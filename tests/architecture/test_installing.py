@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from voa_client._installing import install_hint
+from voa_client.installing import install_hint
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FROM_AN_INDEX = re.compile(
@@ -33,7 +33,7 @@ def test_nothing_suggests_a_package_of_an_index() -> None:
     read = texts()
     assert {"README.md", "clients/voa_cli/main.py"} <= read.keys()
     found = [f"{name}: {match[0]}" for name, text in read.items() for match in FROM_AN_INDEX.finditer(text)]
-    assert found == [], "expected voa_client._installing.install_hint"
+    assert found == [], "expected voa_client.installing.install_hint"
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,7 @@ import pytest
 
 from tests.support.quiet_robot import QuietRobot
 from tests.support.serving import Json, Service, data_scenario, serving
-from voa_client import Client, ConflictError, InvalidRequestError
-from voa_client._http import HttpTransport
+from voa_client import Client, ConflictError, HttpTransport, InvalidRequestError
 from voa_msgs.robots import RobotReport
 from voa_msgs.sessions import SessionRequest
 from voa_service.requests.idempotency import ANYONE, idempotency_key

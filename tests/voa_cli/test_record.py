@@ -16,8 +16,7 @@ from tests.voa_cli.labs import Lab, service_on
 from tests.voa_recordings.files.bags import START_NS, laser_scan
 from tests.voa_recordings.recorders import messages, recording
 from voa_cli.main import main
-from voa_client import Client
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import Client, ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_msgs.scenarios import ScenarioRequest
@@ -219,7 +218,7 @@ def test_an_existing_file_is_kept_unless_told_otherwise(
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--url", "zenoh://127.0.0.1:1"], "no Zenoh router took us at tcp/127.0.0.1:1"),
+        (["--url", "zenoh://127.0.0.1:1"], "no Zenoh router accepted the connection to tcp/127.0.0.1:1"),
         (["--url", "http://127.0.0.1:8000"], "expected a URL with zenoh://"),
         (["--topic", "a//b"], "expected a topic like /tb3_1/scan"),
         (["--url", "zenoh://h/bad root"], "expected a root like"),

@@ -13,7 +13,7 @@ import zenoh.ext
 from tests.support.routers import Router, router
 from tests.support.waiting import wait_for
 from tests.voa_recordings.recorders import messages, recording
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_recordings.files.reading import Recording

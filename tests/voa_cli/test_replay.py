@@ -1,7 +1,6 @@
 """`voa replay` through a real service, on recorded experiments of every form that their description allows."""
 
 import json
-import math
 import os
 import shutil
 from collections.abc import Iterator
@@ -13,7 +12,6 @@ import pytest
 from tests.support.recorded import Row, expected, experiment, rows, write
 from voa_assets import path as asset
 from voa_cli.main import main
-from voa_recordings.replay.figures import percentile
 
 MUG = asset("experiments/mug")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))
@@ -229,18 +227,3 @@ def test_predictions_from_a_mesh_need_one_and_geometry(
     out, err = capfd.readouterr()
     assert out == ""
     assert says in err
-
-
-@pytest.mark.parametrize(
-    ("ordered", "share", "value"),
-    [
-        ([], 0.5, None),
-        ([3.0], 0.95, 3.0),
-        ([0.0, 10.0], 0.95, 9.5),
-        ([1.0, 2.0, 4.0], 0.5, 2.0),
-        ([1.0, 5.0], 1.0, 5.0),
-    ],
-)
-def test_percentiles_are_linear(ordered: list[float], share: float, value: float | None) -> None:
-    found = percentile(ordered, share)
-    assert found == value or (found is not None and value is not None and math.isclose(found, value))

@@ -12,12 +12,11 @@ from tests.support.serving import Service, data_scenario
 from voa_assets import path as asset_path
 from voa_cli import sessions
 from voa_cli.main import main
-from voa_client import Client
-from voa_client._in_process import InProcessTransport
+from voa_client import Client, InProcessTransport
 from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
-from voa_recordings.session_file import export_session, read_session_file, replay_session
+from voa_recordings.session_file import export_session, read_session_file, rebuild_session
 from voa_service.rpc.methods import Rpc
 
 MUG = asset_path("mug")
@@ -170,7 +169,7 @@ def test_a_session_that_claimed_robots_replays_without_them(
     exported = tmp_path / "session.json"
     exported.write_text(export_session(inside, session).model_dump_json(), encoding="utf-8")
     assert main(["replay", str(exported), "--url", process]) == 0, "where no such robot is mapped"
-    assert replay_session(inside, read_session_file(exported)).same
+    assert rebuild_session(inside, read_session_file(exported)).same
     assert service.inside.robots.report("live").session == session, "a replay takes nobody's robots"
 
 
@@ -181,7 +180,7 @@ def test_an_exported_session_replays_on_another_service_to_the_same_belief(
     exported = tmp_path / "session.json"
     exported.write_text(capsys.readouterr().out, encoding="utf-8")
     assert main(["replay", str(exported), "--mesh", str(MUG / "mug.obj")]) == 0
-    assert "believes exactly what the first one did" in " ".join(capsys.readouterr().out.split())
+    assert "its belief is exactly the recorded one" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_session_whose_mesh_is_not_there_says_so(
@@ -191,7 +190,7 @@ def test_a_session_whose_mesh_is_not_there_says_so(
     exported = tmp_path / "session.json"
     exported.write_text(capsys.readouterr().out, encoding="utf-8")
     assert main(["replay", str(exported)]) == 1
-    assert "name its mesh, with `voa replay --mesh FILE`" in capsys.readouterr().err
+    assert "give its mesh with `voa replay --mesh FILE`" in capsys.readouterr().err
 
 
 def test_a_session_that_does_not_exist_and_a_file_that_is_none_are_errors(

@@ -1,12 +1,12 @@
 """What is sync is async too, by the same names and arguments; and nothing needs Zenoh before it is used."""
 
 import asyncio
-import importlib
 import inspect
 import pkgutil
+import re
 import subprocess
 import sys
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 
@@ -16,6 +16,7 @@ from voa_client._http import AsyncHttpTransport, HttpTransport
 from voa_client._in_process import AsyncInProcessTransport, InProcessTransport
 from voa_client._transport import AsyncTransport, Transport
 from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
+from voa_msgs.base import Message
 
 TWINS: list[tuple[type[Any], type[Any]]] = [
     (Client, AsyncClient),
@@ -73,9 +74,69 @@ def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
     assert done.stdout.count("pip install 'PATH_TO_CLONE[zenoh]'") == 2
 
 
-def test_all_that_is_promised_is_there() -> None:
-    for name in voa_client.__all__:
-        assert getattr(importlib.import_module("voa_client"), name).__doc__
+PUBLIC_MODULES = {"formatting", "installing", "local", "message_files", "scenario_files", "zenoh_session"}
+CLIENTS = {"ArmClient", "AsyncArmClient", "AsyncClient", "AsyncSensorClient", "Client", "SensorClient"}
+OF_CLIENTS = {"Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
+TRANSPORTS = {f"{twin}{kind}Transport" for twin in ("", "Async") for kind in ("", "Http", "InProcess", "Zenoh")}
+MESSAGES = {
+    *("BeliefRequest", "CandidateSensor", "GraspNow", "Health", "HistoryEntry", "LidarPresets", "Look", "Object"),
+    *(
+        "OutcomeRequest",
+        "Predictions",
+        "PredictionsRequest",
+        "Problem",
+        "RankedGrasp",
+        "RankedGrasps",
+        "RankedSensor",
+        "Ranking",
+    ),
+    *("RankingRequest", "RobotReport", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
+    *("ScenarioSummary", "SensorPose", "Session", "SessionRequest", "SessionSummary", "StablePoses"),
+    *("UncertainSensorPose", "UpdateRequest", "UpdatedEstimate", "UpdatedSession", "VoaRequest", "Warnings"),
+}
+ERRORS = {
+    *("ConflictError", "DeniedError", "InvalidRequestError", "NotFoundError", "OverloadedError", "ProblemError"),
+    *("StaleVersionError", "TimedOutError", "UnavailableError", "UnexpectedAnswerError", "UnreachableError"),
+    *("UsageError", "VoaClientError", "WireVersionError"),
+}
+
+
+def test_the_public_names_are_these() -> None:
+    assert set(voa_client.__all__) == CLIENTS | OF_CLIENTS | TRANSPORTS | MESSAGES | ERRORS
+    assert len(voa_client.__all__) == len(set(voa_client.__all__))
+
+
+@pytest.mark.parametrize("name", voa_client.__all__)
+def test_a_public_name_says_what_it_is(name: str) -> None:
+    assert getattr(voa_client, name).__doc__
+
+
+def test_the_public_modules_are_these_and_listed_in_the_docstring_of_the_package() -> None:
+    names = {module.name for module in pkgutil.iter_modules(voa_client.__path__)}
+    assert {name for name in names if not name.startswith("_")} == PUBLIC_MODULES
+    listed = re.findall(r"^\| `voa_client\.(\w+)` \|", voa_client.__doc__ or "", re.MULTILINE)
+    assert sorted(listed) == sorted(PUBLIC_MODULES)
+
+
+def messages_of(client: type[Any]) -> set[type[Message]]:
+    """Messages in the signatures of a client's public methods."""
+    kinds: set[type[Message]] = set()
+    for name, method in inspect.getmembers(client, inspect.isfunction):
+        if not name.startswith("_"):
+            todo = list(get_type_hints(method).values())
+            while todo:
+                hint = todo.pop()
+                todo.extend(get_args(hint))
+                if isinstance(hint, type) and issubclass(hint, Message):
+                    kinds.add(hint)
+    return kinds
+
+
+@pytest.mark.parametrize("client", [Client, SensorClient, ArmClient])
+def test_every_message_that_a_client_takes_or_returns_is_public(client: type[Any]) -> None:
+    messages = messages_of(client)
+    assert len(messages) > 2
+    assert {kind.__name__ for kind in messages} <= MESSAGES
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from tests.support.recorded import Row, experiment, rows, write
-from voa_recordings.experiment import InvalidExperiment, RecordedLidar, read_experiment
+from voa_recordings.experiment import read_experiment
+from voa_recordings.experiment_parts import ExperimentLidar, InvalidExperiment
 
 
 def without(name: str) -> dict[str, Any]:
@@ -136,23 +137,33 @@ def test_a_cell_without_a_number_is_a_no_return(tmp_path: Path, text: str) -> No
 
 def test_what_is_expected_is_read_where_it_is_known(tmp_path: Path) -> None:
     folder = write(tmp_path)
+    before = {"best_grasp": "G1", "expected_score": 0.5}
+    (folder / "expected.json").write_text(json.dumps({"before": before, "rules": {}, "note": "measured twice"}))
+    expected = read_experiment(folder).expected
+    assert expected is not None
+    assert expected.model_dump() == {"before": before, "rules": {}}
+
+
+def test_expected_results_without_figures_are_refused(tmp_path: Path) -> None:
+    folder = write(tmp_path)
     (folder / "expected.json").write_text(json.dumps({"before": {}}))
-    assert read_experiment(folder).expected == {"before": {}}
+    with pytest.raises(InvalidExperiment, match=r"expected\.json: before\.best_grasp"):
+        read_experiment(folder)
 
 
 @pytest.mark.parametrize(
     ("lidar", "angle", "beam"),
     [
-        (RecordedLidar(), 0.0, 0),
-        (RecordedLidar(), 359.0, 359),
-        (RecordedLidar(), 360.0, 0),
-        (RecordedLidar(), -1.0, 359),
-        (RecordedLidar(beams=720, angle_min_deg=-180.0, angle_increment_deg=0.5), 0.0, 360),
-        (RecordedLidar(beams=720, angle_min_deg=-180.0, angle_increment_deg=0.5), 180.5, 1),
-        (RecordedLidar(angle_increment_deg=-1.0), -5.0, 5),
-        (RecordedLidar(angle_increment_deg=-1.0), 355.0, 5),
-        (RecordedLidar(beams=3, angle_increment_deg=1 / 3), 0.333, 1),
+        (ExperimentLidar(), 0.0, 0),
+        (ExperimentLidar(), 359.0, 359),
+        (ExperimentLidar(), 360.0, 0),
+        (ExperimentLidar(), -1.0, 359),
+        (ExperimentLidar(beams=720, angle_min_deg=-180.0, angle_increment_deg=0.5), 0.0, 360),
+        (ExperimentLidar(beams=720, angle_min_deg=-180.0, angle_increment_deg=0.5), 180.5, 1),
+        (ExperimentLidar(angle_increment_deg=-1.0), -5.0, 5),
+        (ExperimentLidar(angle_increment_deg=-1.0), 355.0, 5),
+        (ExperimentLidar(beams=3, angle_increment_deg=1 / 3), 0.333, 1),
     ],
 )
-def test_angles_find_their_beams_whole_turns_aside(lidar: RecordedLidar, angle: float, beam: int) -> None:
+def test_angles_find_their_beams_whole_turns_aside(lidar: ExperimentLidar, angle: float, beam: int) -> None:
     assert lidar.beam(angle) == beam

@@ -24,8 +24,7 @@ from voa_cli.doctor.over_http import Answers, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots, needs_second_report
 from voa_cli.doctor.topics import Listening, check_topics
-from voa_client import VoaClientError
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import VoaClientError, ZenohAddress
 from voa_client.zenoh_session import address_of
 from voa_msgs.keys import Keys
 from voa_recordings.limits import most_beams

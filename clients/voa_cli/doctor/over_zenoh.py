@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from voa_cli.doctor.findings import Budget, Finding, TookTooLong
 from voa_cli.doctor.reaching import reach
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import ZenohAddress
 from voa_client.zenoh_session import NoRouter, joined
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Attachment, Keys

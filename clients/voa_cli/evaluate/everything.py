@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import Progress
-
 from voa_cli.evaluate.common import add_objects, objects_of, progress_bar
 from voa_cli.evaluate.grasp_score import write_scores
 from voa_cli.evaluate.looks import QUICK_NOTICE, add_setting, setting_of, write_pictures
 from voa_cli.evaluate.observation import errors_of_record, write_errors
+from voa_cli.progress import shown_progress
 from voa_client import VoaClientError
 from voa_client.local import service_at
 from voa_evaluation.report.measurement_sections import grasp_section, observation_section
@@ -33,7 +31,7 @@ from voa_fleet.errors import FleetError
 from voa_fleet.show.page import Section, command, contents, notice, page, paragraph
 from voa_fleet.world.objects import FleetObject
 from voa_recordings.experiment import RecordedExperiment, read_experiment
-from voa_recordings.replay.experiments import RULES, replay
+from voa_recordings.replay.experiments import RULES, replay_experiment
 
 PAGE = "report.html"
 _SCANS, _QUICK_SCANS = 10, 1
@@ -94,12 +92,8 @@ def _errors(target: FleetObject, scans: int, setting: Setting) -> ObservationErr
 
 def _of_record(options: argparse.Namespace, experiment: RecordedExperiment) -> dict[str, Any]:
     errors = errors_of_record(experiment)
-    console = Console(stderr=True)
-    with (
-        service_at(options.url) as client,
-        Progress(console=console, transient=True, disable=not console.is_terminal) as progress,
-    ):
-        report = replay(client, experiment, errors.source, (*RULES, "beam"), progress)
+    with service_at(options.url) as client, shown_progress("replaying") as progress:
+        report = replay_experiment(client, experiment, errors.source, (*RULES, "beam"), progress).model_dump()
     rows = [
         [rule, sensor, found["voa"], found["aecd"], len(found["beliefs"]), len(report["poses"])]
         for rule, sensors in report["rules"].items()

@@ -1,15 +1,15 @@
-"""`voa replay PATH`: what was recorded, through a service once more.
+"""`voa replay PATH`: send what was recorded through a service again.
 
-voa replay DIR                                   a recorded experiment (experiment.json, scans.csv)
-voa replay session.json                          a session file (voa sessions export), made anew
-voa replay look.mcap                             the sessions of a recording (voa record), each made anew
-voa replay BAG --scenario FILE --robots lab.toml      a bag of ROS 2 or ROS 1, or an MCAP file: its looks, as live
-voa replay BAG --scenario FILE --sensor ENE      the same, with the lidar at one of the scenario's places
+voa replay DIR                                    a recorded experiment (experiment.json, scans.csv)
+voa replay session.json                           a session file (voa sessions export): the session is rebuilt
+voa replay look.mcap                              a recording (voa record): each of its sessions is rebuilt
+voa replay BAG --scenario FILE --robots lab.toml  a ROS 2 or ROS 1 bag or MCAP file: its scans make looks, as live
+voa replay BAG --scenario FILE --sensor ENE       the same, with the lidar at one sensor configuration all the time
 
-An experiment gives, for every update rule and sensor configuration, the Value of Assistance beforehand, what the
-look was worth with the scans that were really measured (AECD), and how far measurement and prediction are apart.
-Sessions that are made anew must believe exactly what was recorded. Recordings are read in the order of their log
-times; those that are damaged, as far as they go; compressed ones, too (zstd, gzip, bzip2, xz).
+A recorded experiment gives, for every update rule and sensor configuration, the Value of Assistance before the look,
+the value of the look with the scans that were measured (AECD), and the differences between measured and predicted
+ranges. A rebuilt session must have exactly the recorded belief. Messages of recordings are read in the order of their
+log times; of damaged recordings, those that can be read. Compressed files are unpacked (zstd, gzip, bzip2, xz).
 """
 
 import argparse
@@ -20,30 +20,36 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress
 
-from voa_cli.replay import looks_report
-from voa_client import VoaClientError
+from voa_cli.progress import shown_progress
+from voa_cli.replay import experiments, looks
+from voa_cli.replay.sessions import show_session, show_sessions
+from voa_client import Client, Scenario, VoaClientError
 from voa_client.local import service_at
+from voa_client.scenario_files import load_scenario
 from voa_recordings.experiment import read_experiment
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import Recording, is_recording
 from voa_recordings.files.ros_types import RosTypes
 from voa_recordings.files.sessions import recorded_sessions
-from voa_recordings.replay import experiments, looks, recordings, session_files
-from voa_recordings.replay.figures import distance_from_expected
+from voa_recordings.replay.experiment_report import distance_from_expected
+from voa_recordings.replay.experiments import RULES, replay_experiment
+from voa_recordings.replay.looks import replay_looks
+from voa_recordings.replay.mappings import mapping_of_one_lidar, read_mappings
+from voa_recordings.replay.sessions import SessionsReport, replay_sessions
+from voa_recordings.session_file import read_session_file, rebuild_session
 
-_AGREES = 1e-6
+_TOLERANCE = 1e-6
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Replay, print, and return 0; 1 if something is wrong or what was expected does not come out."""
+    """Replay, print the results, and return 0; 1 after an error, or if the results are not the expected ones."""
     parser = _parser()
     options = parser.parse_args(arguments)
     if (options.robots is None) == (options.sensor is None) and (options.scenario or options.sensor):
-        parser.error("--scenario goes with either --robots FILE or --sensor NAME")
+        parser.error("--scenario needs exactly one of --robots FILE and --sensor NAME")
     if options.scenario is None and (options.robots or options.sensor):
-        parser.error("--robots and --sensor need the --scenario that is looked at")
+        parser.error("--robots and --sensor need --scenario, the scenario that the robots looked at")
     try:
         return _replay(options, Console())
     except VoaClientError as error:
@@ -63,28 +69,29 @@ def _replay(options: argparse.Namespace, console: Console) -> int:
 
 def _replay_experiment(options: argparse.Namespace, console: Console) -> int:
     experiment = read_experiment(options.path)
-    with service_at(options.url) as client, _progress() as progress:
-        report = experiments.replay(client, experiment, options.predict, options.rules, progress)
+    with service_at(options.url) as client, shown_progress("replaying") as progress:
+        report = replay_experiment(client, experiment, options.predict, options.rules, progress)
     if options.json:
-        _print_json(report)
+        _print_json(report.model_dump())
         return 0
     experiments.show(console, report)
     if experiment.expected is None or options.predict != "recorded":
         return 0
-    apart = distance_from_expected(report, experiment.expected, experiment.pose_names)
-    agrees = apart <= _AGREES
-    console.print(f"expected.json: {'agrees' if agrees else 'DISAGREES'}, largest difference {apart:.1e}")
+    distance = distance_from_expected(report, experiment.expected)
+    agrees = distance <= _TOLERANCE
+    console.print(f"expected.json: {'agrees' if agrees else 'DISAGREES'}, largest difference {distance:.1e}")
     return 0 if agrees else 1
 
 
 def _replay_session(options: argparse.Namespace, console: Console) -> int:
+    file = read_session_file(options.path)
     with service_at(options.url) as client:
-        done = session_files.replay_file(client, options.path, options.mesh)
+        rebuilt = rebuild_session(client, file, options.mesh)
     if options.json:
-        print(done.session.model_dump_json(indent=1))
+        print(rebuilt.session.model_dump_json(indent=1))
     else:
-        session_files.show(console, done)
-    return 0 if done.same else 1
+        show_session(console, rebuilt)
+    return 0 if rebuilt.same else 1
 
 
 def _replay_recording(options: argparse.Namespace, console: Console) -> int:
@@ -92,38 +99,44 @@ def _replay_recording(options: argparse.Namespace, console: Console) -> int:
     sessions = recorded_sessions(recording.messages())
     if not sessions:
         raise UnreadableRecording(
-            f"{options.path} holds no session{recording.found}; to replay the scans of a robot, name --scenario, and "
+            f"{options.path} holds no session{recording.summary}; to replay the scans of a robot, give --scenario, and "
             "--robots or --sensor"
         )
     with service_at(options.url) as client:
-        found = recordings.replay_sessions(client, sessions, options.mesh)
+        replays = replay_sessions(client, sessions, options.mesh)
+    report = SessionsReport(recording.recovered, recording.damage, replays)
     if options.json:
-        _print_json(recordings.report(found, recording))
+        _print_json(report.document())
     else:
-        recordings.show(console, found, recording)
-    return recordings.code_of(found)
+        show_sessions(console, report)
+    return 0 if report.agrees else 1
 
 
 def _replay_looks(options: argparse.Namespace, console: Console) -> int:
     recording = Recording(options.path, RosTypes())
     with service_at(options.url) as client:
-        found = looks.replay(client, recording, options)
+        scenario = _scenario(client, options.scenario)
+        if options.robots is not None:
+            mappings = read_mappings(options.robots)
+        else:
+            mappings = [mapping_of_one_lidar(recording, options.sensor, options.topic, options.look)]
+        report = replay_looks(client, recording, scenario, mappings)
     if options.json:
-        _print_json(looks_report.report(found, recording))
+        _print_json(looks.document(report))
     else:
-        looks_report.show(console, found, recording)
+        looks.show(console, report)
     return 0
 
 
-def _print_json(report: dict[str, Any]) -> None:
-    json.dump(report, sys.stdout, indent=1)
+def _scenario(client: Client, text: str) -> Scenario:
+    """Load a scenario file, or get the stored scenario of an id."""
+    path = Path(text)
+    return load_scenario(client, path) if path.is_file() else client.get_scenario(text)
+
+
+def _print_json(document: dict[str, Any]) -> None:
+    json.dump(document, sys.stdout, indent=1)
     print()
-
-
-def _progress() -> Progress:
-    """On a terminal; quiet in a pipe."""
-    console = Console(stderr=True)
-    return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -132,30 +145,39 @@ def _parser() -> argparse.ArgumentParser:
         description=(__doc__ or "").partition("\n\n")[2],
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("path", type=Path, help="a recorded experiment, session file, recording or bag")
-    parser.add_argument("--mesh", type=Path, help="of a session: the object's mesh, where the service lacks it")
+    parser.add_argument("path", type=Path, help="a recorded experiment, a session file, a recording or a bag")
+    parser.add_argument(
+        "--mesh", type=Path, help="for sessions: the mesh file of their object, if the service does not have it"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.add_argument("--url", help="a running service; without it, one is started for the purpose")
+    parser.add_argument("--url", help="address of a running service (default: start one for the length of the command)")
     experiment = parser.add_argument_group("recorded experiments")
     experiment.add_argument(
-        "--predict", choices=["recorded", "mesh"], default="recorded", help="where predictions are from"
+        "--predict",
+        choices=["recorded", "mesh"],
+        default="recorded",
+        help="predictions of scans.csv (default), or computed from the mesh",
     )
     experiment.add_argument(
         "--rules",
         nargs="+",
-        choices=[*experiments.RULES, "beam"],
-        default=list(experiments.RULES),
-        help=f"update rules (default {' '.join(experiments.RULES)})",
+        choices=[*RULES, "beam"],
+        default=list(RULES),
+        help=f"update rules (default {' '.join(RULES)})",
     )
     bag = parser.add_argument_group("scans of robots, in a bag or recording")
-    bag.add_argument("--scenario", help="what is looked at: a scenario file, or the id of a stored one")
-    bag.add_argument("--robots", type=Path, help="which topics are whose, and where the lidars were (voa serve's file)")
-    bag.add_argument("--sensor", help="instead: all scans were taken from this sensor configuration")
-    bag.add_argument("--topic", help="with --sensor: where the scans are (default: the only topic that has any)")
+    bag.add_argument(
+        "--scenario", help="the scenario that the robots looked at: a file, or the id of a stored scenario"
+    )
+    bag.add_argument(
+        "--robots", type=Path, help="mapping of topics to robots and places, the file of `voa serve --robots`"
+    )
+    bag.add_argument("--sensor", help="instead of --robots: the sensor configuration from which all scans were taken")
+    bag.add_argument("--topic", help="with --sensor: topic of the scans (default: the only topic that has scans)")
     bag.add_argument(
         "--look",
         choices=["stationary", "every"],
         default="stationary",
-        help="with --sensor: ten revolutions of a lidar at rest are one look (default), or every scan is one",
+        help="with --sensor: a look is ten revolutions of a lidar at rest (default), or every scan",
     )
     return parser

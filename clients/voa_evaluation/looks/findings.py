@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from voa_client.readable import signed
+from voa_client.formatting import signed
 from voa_evaluation.looks.results import Found
 from voa_evaluation.looks.outcomes import Outcome, Rate
 from voa_evaluation.looks.rows import Rows

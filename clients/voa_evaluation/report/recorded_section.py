@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from voa_client.readable import signed, unsigned
+from voa_client.formatting import signed, unsigned
 from voa_evaluation.statistics import rank_correlation
 from voa_fleet.show.page import Section, items, paragraph, picture, table
 from voa_fleet.world.frames import Floats

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from voa_client.readable import signed
+from voa_client.formatting import signed
 from voa_evaluation.looks.findings import findings
 from voa_evaluation.report.findings_section import findings_section
 from voa_evaluation.looks.results import Found

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle
 
-from voa_client.readable import share, signed
+from voa_client.formatting import share, signed
 from voa_fleet.episodes.comparison import Tally
 from voa_fleet.episodes.episode import Episode
 from voa_fleet.episodes.looks import TakenLook

@@ -2,7 +2,7 @@
 
 from rich.markup import escape
 
-from voa_client.readable import no_look, share, signed, signed_apart
+from voa_client.formatting import no_look, share, signed, signed_apart
 from voa_fleet.episodes.events import (
     GraspEnded,
     GraspStarted,

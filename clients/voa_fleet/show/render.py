@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from voa_client._installing import install_hint
+from voa_client.installing import install_hint
 from voa_fleet.errors import NoGraphics
 from voa_fleet.world.groups import DRAWN
 from voa_fleet.world.scene import World

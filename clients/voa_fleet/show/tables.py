@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from rich.markup import escape
 from rich.table import Table
 
-from voa_client.readable import bar, ranks, scale, share, signed
+from voa_client.formatting import bar, ranks, scale, share, signed
 from voa_fleet.episodes.events import Event, GraspEnded, LookChosen, LookTaken, SessionOpened
 from voa_fleet.show.event_lines import belief_summary
 from voa_msgs.rankings import Ranking

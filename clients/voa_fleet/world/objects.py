@@ -15,7 +15,7 @@ from annotated_types import Ge, Gt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from voa_assets import path as asset_path
-from voa_client._files import read_file
+from voa_client.message_files import read_file
 from voa_fleet.errors import InvalidObject, UnknownName
 from voa_fleet.world.meshes import Mesh, read_obj
 from voa_msgs.scenarios import Pose, ScenarioRequest

@@ -60,8 +60,8 @@ class Recording:
         return "; ".join(found) or None
 
     @property
-    def found(self) -> str:
-        """Topics and damage that have been found so far, for people."""
+    def summary(self) -> str:
+        """Topics and damage of what was read so far, in brackets, to be added to an error message."""
         topics = ", ".join(f"{topic} ({name or 'of unknown type'})" for topic, name in sorted(self.topics.items()))
         return f" (found: {topics or 'nothing'}{'' if self.damage is None else '; it ' + self.damage})"
 

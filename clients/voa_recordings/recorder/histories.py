@@ -5,8 +5,7 @@ from collections.abc import Callable
 
 from pydantic import BaseModel
 
-from voa_client import Client, VoaClientError
-from voa_client._errors import NotFoundError
+from voa_client import Client, NotFoundError, VoaClientError
 from voa_recordings.recorder.inbox import Answer, Inbox
 
 _AT_MOST_EVERY_S = 0.5  # a history comes whole: a session that moves quickly is asked for once in a while

@@ -1,20 +1,13 @@
-"""Recorded experiments through the service: the report of `voa replay DIR`.
+"""Replay of recorded experiments: every measured scan is sent to a service, and the values of looks are reported.
 
-For every update rule and sensor configuration: the Value of Assistance beforehand, what the look was worth with
-the scans that were really measured (AECD), and how far measurement and prediction are apart.
+For every update rule and sensor configuration: the Value of Assistance before the look, the value of the look with the
+scans that were measured (AECD), and the differences between measured and predicted ranges.
 """
 
 import math
-from collections.abc import Sequence
-from typing import Any
-
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
-from rich.table import Table
+from collections.abc import Callable, Sequence
 
 from voa_client import Client
-from voa_client.readable import share, signed
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
@@ -28,20 +21,34 @@ from voa_msgs.updates import (
     MarginUpdate,
     UpdateRule,
 )
-from voa_recordings.experiment import InvalidExperiment, RecordedExperiment
-from voa_recordings.replay.figures import Predictions, Source, prediction_errors
+from voa_recordings.experiment import RecordedExperiment
+from voa_recordings.experiment_parts import InvalidExperiment
+from voa_recordings.replay.experiment_report import BeforeLooks, ExperimentReport, LookValue
+from voa_recordings.replay.prediction_errors import Predictions, Source, prediction_errors
 
 RULES = ("margin", "exponential", "gaussian", "inverse_rmsd")
+"""Update rules of the paper, which are replayed unless others are named."""
 _LONGEST_NAME = 100
 
 
-def replay(
-    client: Client, experiment: RecordedExperiment, source: Source, rules: Sequence[str], progress: Progress
-) -> dict[str, Any]:
-    """The report of `voa replay --json`.
+def replay_experiment(
+    client: Client,
+    experiment: RecordedExperiment,
+    source: Source,
+    rules: Sequence[str] = RULES,
+    progress: Callable[[int, int], None] | None = None,
+) -> ExperimentReport:
+    """Send every measured scan of an experiment to a service, and report the values of looks.
+
+    Args:
+        client: of the service.
+        experiment: with measured scans.
+        source: of the predictions: the experiment's `scans.csv`, or the experiment's mesh.
+        rules: names of update rules, at least one.
+        progress: called with the number of finished and of all pairs of rule and sensor.
 
     Raises:
-        InvalidExperiment: predictions from the mesh are wanted, and something that they need is missing.
+        InvalidExperiment: predictions from the mesh are requested, and the mesh or the geometry is missing.
         VoaClientError: the service cannot be reached, or refuses.
     """
     recorded = {
@@ -49,50 +56,57 @@ def replay(
         for sensor in experiment.sensors
     }
     predictions = recorded if source == "recorded" else predict_from_mesh(client, experiment)
-    found: dict[str, dict[str, Any]] = {}
-    before: dict[str, Any] = {}
-    task = progress.add_task("replaying", total=len(rules) * len(experiment.sensors))
-    for rule in rules:
+    belief = [1.0 / len(experiment.poses)] * len(experiment.poses)
+    total = len(rules) * len(experiment.sensors)
+    values: dict[str, dict[str, LookValue]] = {}
+    for done, rule in enumerate(rules):
         scenario = client.create_scenario(_scenario(experiment, update_of(rule, experiment.no_return_m), predictions))
-        belief = [1.0 / len(experiment.poses)] * len(experiment.poses)
         ranking = client.rank_once(RankingRequest(scenario=scenario.id, belief=belief))
-        before = {"best_grasp": ranking.best_grasp_before, "expected_score": ranking.expected_score_before}
+        before = BeforeLooks(best_grasp=ranking.best_grasp_before, expected_score=ranking.expected_score_before)
         voa = {look.sensor: look.voa for look in ranking.ranking}
-        found[rule] = {}
-        for sensor in experiment.sensors:
-            worth = _executed(client, experiment, scenario.id, sensor.name, belief, ranking.expected_score_before)
-            found[rule][sensor.name] = {"voa": voa[sensor.name]} | worth
-            progress.advance(task)
-    return {
-        "experiment": experiment.name,
-        "poses": experiment.pose_names,
-        "sensors": [sensor.name for sensor in experiment.sensors],
-        "before": before,
-        "rules": found,
-        "prediction": prediction_errors(experiment, predictions, source),
-    }
+        values[rule] = {}
+        for index, sensor in enumerate(experiment.sensors, start=1):
+            beliefs, aecd = _measured_value(client, experiment, scenario.id, sensor.name, before.expected_score)
+            values[rule][sensor.name] = LookValue(voa=voa[sensor.name], aecd=aecd, beliefs=beliefs)
+            if progress is not None:
+                progress(done * len(experiment.sensors) + index, total)
+    return ExperimentReport(
+        experiment=experiment.name,
+        poses=experiment.pose_names,
+        sensors=[sensor.name for sensor in experiment.sensors],
+        before=before,
+        rules=values,
+        prediction=prediction_errors(experiment, predictions, source),
+    )
 
 
-def _executed(
-    client: Client, experiment: RecordedExperiment, scenario: str, sensor: str, belief: list[float], before: float
-) -> dict[str, Any]:
-    """What looking from `sensor` was worth: AECD, and the belief after each scan that was measured there."""
-    beliefs, scores = {}, []
+def _measured_value(
+    client: Client, experiment: RecordedExperiment, scenario: str, sensor: str, score_before: float
+) -> tuple[dict[str, list[float]], float | None]:
+    """Update a uniform belief by each scan that was measured from a sensor; return the beliefs, and the AECD."""
+    uniform = [1.0 / len(experiment.poses)] * len(experiment.poses)
+    beliefs: dict[str, list[float]] = {}
+    scores = []
     for pose in experiment.pose_names:
         if not experiment.scan(sensor, pose).was_measured:
             continue
         ranges = experiment.measured_ranges(sensor, pose)
-        nothing = [index for index, value in enumerate(ranges) if value is None]
-        scan = Scan(ranges=ranges, no_return=nothing, range_min=0.0)
-        after = client.update_once(UpdateRequest(scenario=scenario, belief=belief, sensor=sensor, scan=scan))
+        no_returns = [index for index, value in enumerate(ranges) if value is None]
+        scan = Scan(ranges=ranges, no_return=no_returns, range_min=0.0)
+        after = client.update_once(UpdateRequest(scenario=scenario, belief=uniform, sensor=sensor, scan=scan))
         beliefs[pose] = after.belief
         scores.append(after.expected_score)
-    everywhere = len(scores) == len(belief)
-    return {"aecd": math.fsum(scores) / len(scores) - before if everywhere else None, "beliefs": beliefs}
+    everywhere = len(scores) == len(uniform)
+    return beliefs, math.fsum(scores) / len(scores) - score_before if everywhere else None
 
 
 def predict_from_mesh(client: Client, experiment: RecordedExperiment) -> Predictions:
-    """Predicted scans from the experiment's mesh, each pair at the plane height of its own scan."""
+    """Predict the scan of every sensor and pose from the experiment's mesh, each at the plane height of its own scan.
+
+    Raises:
+        InvalidExperiment: the mesh, plane heights, poses' geometry or sensors' positions are missing.
+        VoaClientError: the service cannot be reached, or refuses.
+    """
     if experiment.mesh is None:
         raise InvalidExperiment(f"{experiment.name} has no mesh to predict from")
     heights = {
@@ -129,13 +143,13 @@ def predict_from_mesh(client: Client, experiment: RecordedExperiment) -> Predict
 def _scenario(
     experiment: RecordedExperiment, update: UpdateRule, predictions: Predictions | None, mesh: str | None = None
 ) -> ScenarioRequest:
-    recorded = experiment.lidar
+    own = experiment.lidar
     lidar = Lidar(
-        beams=recorded.beams,
-        angle_min=math.radians(recorded.angle_min_deg),
-        angle_increment=math.radians(recorded.angle_increment_deg),
-        range_min=recorded.range_min,
-        range_max=max(recorded.range_max, experiment.no_return_m),
+        beams=own.beams,
+        angle_min=math.radians(own.angle_min_deg),
+        angle_increment=math.radians(own.angle_increment_deg),
+        range_min=own.range_min,
+        range_max=max(own.range_max, experiment.no_return_m),
         zero="missing",
     )
     if experiment.scores is not None:
@@ -175,7 +189,14 @@ def _sensors(experiment: RecordedExperiment) -> list[SensorConfiguration]:
 
 
 def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
-    """A rule with its defaults; `margin` shares the belief among the nearest poses, as the paper's lab did."""
+    """Return an update rule with its default parameters.
+
+    `margin` shares the belief among the nearest poses where none matches, as the paper's lab did.
+
+    Args:
+        rule: its name.
+        no_return_m: range that a no-return counts as, metres; None: the lidar's `range_max`.
+    """
     match rule:
         case "margin":
             return MarginUpdate(rule="margin", no_return_m=no_return_m, on_no_match="nearest")
@@ -187,41 +208,3 @@ def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
             return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=no_return_m)
         case _:
             return BeamUpdate(rule="beam", no_return_m=no_return_m)
-
-
-def show(console: Console, report: dict[str, Any]) -> None:
-    """The report as a table."""
-    before, prediction = report["before"], report["prediction"]
-    score = share(before["expected_score"], 3)
-    console.print(f"{report['experiment']}: {len(report['poses'])} poses, uniform belief", style="bold", markup=False)
-    console.print(
-        f"best grasp before any look: {before['best_grasp'] or 'none'}, expected score {score}\n", markup=False
-    )
-    table = Table(title="What a look is worth, in success probability", title_justify="left")
-    for heading in ("rule", "sensor", "VOA (predicted)", "AECD (measured)", "difference"):
-        table.add_column(heading, justify="left" if heading in ("rule", "sensor") else "right")
-    for rule, sensors in report["rules"].items():
-        for index, (sensor, found) in enumerate(sensors.items()):
-            aecd = found["aecd"]
-            table.add_row(
-                rule if index == 0 else "",
-                escape(sensor),
-                signed(found["voa"], 4),
-                "-" if aecd is None else signed(aecd, 4),
-                "-" if aecd is None else signed(aecd - found["voa"], 4),
-                end_section=index == len(sensors) - 1,
-            )
-    console.print(table)
-    if prediction["beams"] == 0:
-        console.print("no beam has both a measured and a predicted range")
-        return
-    console.print(
-        f"measured against predicted ({prediction['source']}) over {prediction['beams']} beams: median "
-        f"{prediction['median_abs_mm']:.1f} mm, 95 % below {prediction['p95_abs_mm']:.1f} mm, "
-        f"largest {prediction['max_abs_mm']:.1f} mm"
-    )
-    against = prediction["against_recorded"]
-    if against is not None:
-        console.print(
-            f"mesh against recorded predictions over {against['beams']} beams: largest {against['max_abs_m']:.1e} m"
-        )

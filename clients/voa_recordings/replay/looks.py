@@ -1,41 +1,30 @@
-"""The scans of robots in a bag, through a service: looks and places are found as they are live.
+"""Replay of the robots' scans in a recording: looks and places are recognised in them as in live scans.
 
-Every robot of a mapping receives its own topics in the order of the recording. Robots that the mapping sends to one
-session feed one here, new and on the scenario that is named.
+Each robot of a mapping receives its own topics in the order of the recording. Robots whose mapping names the same
+session share one here as well, a new session on the scenario that is replayed.
 """
 
-import argparse
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
-
-from pydantic import ValidationError
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from voa_client import Client, ProblemError, VoaClientError
-from voa_client.scenario_files import load_scenario
-from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, SessionRequest, UpdatedSession
 from voa_msgs.warnings import ProbableMistake
 from voa_recordings.files.message import RecordedMessage, UnreadableRecording
 from voa_recordings.files.reading import Recording
 from voa_recordings.limits import most_beams
+from voa_recordings.replay.mappings import check_places
 from voa_ros.grids import BeamGrid
 from voa_ros.mapped import MappedLooks, Received, UnreadableMessage, UnusableMessage
-from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.robots import RobotMapping
 from voa_ros.taken import Taken, look_name
 from voa_ros.topics import LASER_SCAN, MessageType, met
-
-_OF_ITS_OWN = "replay"
-
-
-class InvalidMapping(VoaClientError):
-    """What was said of robots, topics or places cannot be used here."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """A look of the recording, and what the service made of it; `refused` where it took no notice."""
+    """A look of a recording, with the service's answer, or with the reason why the service refused it."""
 
     robot: str
     request: ScanRequest
@@ -43,42 +32,106 @@ class Look:
     refused: str | None
 
 
-class Replayed:
-    """A robot of the mapping, and what has come of its scans.
+@dataclass(frozen=True)
+class RobotReport:
+    """Scans and looks of one robot in a recording.
 
     Attributes:
-        mapping: as the mapping says.
-        session: that its looks go to.
-        scans: received on its topic.
-        unreadable: why the newest message on one of its topics could not be used; None: all could.
+        robot: its name in the mapping.
+        session: id of the session that received its looks.
+        scans: how many the recording has of it.
+        looks: how many were sent.
+        waiting_for: the condition for another look that was not met at the end; None: there is none.
+        warnings: probable mistakes in how the robot was used.
+        unreadable: why the newest message that could not be used was not; None: all could.
     """
 
-    def __init__(self, mapping: RobotMapping, session: str, scenario: Scenario, most: int) -> None:
-        self.mapping = mapping
+    robot: str
+    session: str
+    scans: int
+    looks: int
+    waiting_for: str | None
+    warnings: Sequence[ProbableMistake]
+    unreadable: str | None
+
+
+@dataclass(frozen=True)
+class LooksReport:
+    """Looks of a recording that were sent to a service.
+
+    Attributes:
+        scenario: that the sessions are on.
+        robots: in the order of the mapping.
+        looks: in the order of the recording.
+        messages: how many were read from the recording.
+        damage: of the recording, as predicates ("ends in the middle"); None: none.
+    """
+
+    scenario: Scenario
+    robots: Sequence[RobotReport]
+    looks: Sequence[Look]
+    messages: int
+    damage: str | None
+
+
+def replay_looks(
+    client: Client, recording: Recording, scenario: Scenario, mappings: Sequence[RobotMapping]
+) -> LooksReport:
+    """Send the looks of a recording to new sessions on a scenario.
+
+    Args:
+        client: of the service.
+        recording: with LaserScan topics.
+        scenario: stored on the service.
+        mappings: of the robots.
+
+    Raises:
+        InvalidMapping: a mapping does not fit the scenario.
+        UnreadableRecording: the recording cannot be read, or has no scans of these robots; no session is left behind.
+        VoaClientError: the service cannot be reached.
+    """
+    check_places(mappings, scenario)
+    grid, most = _grid(scenario), most_beams()
+    sessions: dict[str, str] = {}
+    robots: list[_Robot] = []
+    for mapping in mappings:
+        target = mapping.session or mapping.scenario or ""
+        if target not in sessions:
+            sessions[target] = client.create_session(SessionRequest(scenario=scenario.id)).id
+        robots.append(_Robot(mapping, sessions[target], MappedLooks(mapping, grid, most)))
+    looks: list[Look] = []
+    try:
+        _send_looks(client, recording, robots, looks)
+    except UnreadableRecording:
+        if not looks:
+            for session in sessions.values():
+                client.delete_session(session)
+        raise
+    reports = [robot.report(sum(look.robot == robot.name for look in looks)) for robot in robots]
+    return LooksReport(scenario, reports, looks, recording.recovered, recording.damage)
+
+
+class _Robot:
+    """A robot of the mapping: the scans received so far, and its next look."""
+
+    def __init__(self, mapping: RobotMapping, session: str, looks: MappedLooks) -> None:
+        self.name = mapping.name
+        self.topic = f"/{mapping.scan_topic}"
         self.session = session
         self.scans = 0
         self.unreadable: str | None = None
-        self._looks = MappedLooks(mapping, _grid(scenario), most)
+        self._mapping = mapping
+        self._looks = looks
         self._accepted = 0
 
-    @property
-    def waiting_for(self) -> str | None:
-        """Condition for the next look that is not met yet."""
-        return self._looks.waiting_for
-
-    @property
-    def warnings(self) -> list[ProbableMistake]:
-        """Probable mistakes in how the robot is used."""
-        return self._looks.warnings
-
     def receive(self, message: RecordedMessage) -> Taken | None:
-        """Take a message that may be this robot's; returns a look if there is one now."""
+        """Take a message of the recording if it is on one of the robot's topics; return the look that it completes."""
         type_ = self._type_of(message)
         if type_ is None:
             return None
         if message.type_name not in ("", type_.name) or message.encoding != "cdr":
-            found = f"{message.type_name or 'message of unknown type'} in {message.encoding or 'an unknown encoding'}"
-            self.unreadable = f"{message.topic}: expected a {type_.name} in cdr, found a {found}"
+            actual = f"{message.type_name or 'message of unknown type'} in {message.encoding or 'an unknown encoding'}"
+            self.unreadable = f"{message.topic}: expected a {type_.name} in cdr, found a {actual}"
             return None
         try:
             taken = self._looks.receive(Received(type_, message.data, message.log_ns * 1e-9))
@@ -89,158 +142,61 @@ class Replayed:
         self.scans += type_ == LASER_SCAN
         return taken if isinstance(taken, Taken) else None
 
+    def send(self, client: Client, taken: Taken) -> Look:
+        """Send a look; if it is not accepted, the next revolutions of the same stop make another."""
+        key = look_name(self.name, self.session, self._accepted + 1, taken)
+        try:
+            answer = client.apply_scan(self.session, taken.request, key=key)
+        except ProblemError as error:
+            refused = f"{error.kind}: {error.problem.detail}"
+            self._looks.rejected(refused)
+            return Look(self.name, taken.request, None, refused)
+        if answer.update.accepted:
+            self._accepted += 1
+        else:
+            self._looks.rejected(answer.update.reason or "not accepted")
+        return Look(self.name, taken.request, answer, None)
+
+    def report(self, looks: int) -> RobotReport:
+        """Sum up what was received, and `looks`, the number of looks that were sent."""
+        return RobotReport(
+            robot=self.name,
+            session=self.session,
+            scans=self.scans,
+            looks=looks,
+            waiting_for=self._looks.waiting_for,
+            warnings=self._looks.warnings,
+            unreadable=self.unreadable,
+        )
+
     def _type_of(self, message: RecordedMessage) -> MessageType | None:
-        """The type of the mapped topic that a message is on; None: it is on none, or of another domain."""
-        for subscription in self.mapping.subscriptions:
-            key = message.key or message.topic.removeprefix("/")  # of rmw_zenoh, with the domain, where it was kept
-            if met(subscription.topic, key, self.mapping.domain) is not None:
+        """Return the type of the mapped topic that a message is on; None: on none of them, or in another domain."""
+        for subscription in self._mapping.subscriptions:
+            key = message.key or message.topic.removeprefix("/")  # a key of rmw_zenoh has the domain in it
+            if met(subscription.topic, key, self._mapping.domain) is not None:
                 return subscription.type
         return None
 
-    def answered(self, look: Look) -> None:
-        """Note what became of a look: one that was not accepted does not use up the stop."""
-        if look.answer is None:
-            self._looks.rejected(look.refused or "refused")
-        elif not look.answer.update.accepted:
-            self._looks.rejected(look.answer.update.reason or "not accepted")
-        else:
-            self._accepted += 1
 
-    def name(self, taken: Taken) -> str:
-        """Name of its next look."""
-        return look_name(self.mapping.name, self.session, self._accepted + 1, taken)
-
-
-@dataclass(frozen=True)
-class Found:
-    """All that came of a recording."""
-
-    scenario: Scenario
-    robots: list[Replayed]
-    looks: list[Look] = field(default_factory=list)
-
-
-def replay(client: Client, recording: Recording, options: argparse.Namespace) -> Found:
-    """Send the looks of a recording to new sessions on a scenario.
-
-    Args:
-        client: of the service.
-        recording: with LaserScan topics.
-        options: `scenario`, and `robots`, or `sensor`, `topic` and `look`.
-
-    Raises:
-        InvalidMapping: the mapping or the sensor does not fit.
-        UnreadableRecording: it cannot be read, or has no scans on these topics; no session stays behind.
-        VoaClientError: the service cannot be reached, or refuses the scenario.
-    """
-    path = Path(options.scenario)
-    scenario = load_scenario(client, path) if path.is_file() else client.get_scenario(options.scenario)
-    mappings = _mappings(options, scenario, recording)
-    sessions: dict[str, str] = {}
-    for mapping in mappings:
-        target = mapping.session or mapping.scenario or ""
-        if target not in sessions:
-            sessions[target] = client.create_session(SessionRequest(scenario=scenario.id)).id
-    most = most_beams()
-    robots = [
-        Replayed(mapping, sessions[mapping.session or mapping.scenario or ""], scenario, most) for mapping in mappings
-    ]
-    found = Found(scenario, robots)
-    try:
-        _replay_into(found, client, recording)
-    except UnreadableRecording:
-        if not found.looks:
-            for session in sessions.values():
-                client.delete_session(session)
-        raise
-    return found
-
-
-def _replay_into(found: Found, client: Client, recording: Recording) -> None:
-    """Send all looks; raises UnreadableRecording where nothing can be read or no robot has a scan."""
+def _send_looks(client: Client, recording: Recording, robots: Sequence[_Robot], looks: list[Look]) -> None:
+    """Append each look that was sent to `looks`; raises UnreadableRecording where no robot has a scan."""
     for message in recording.messages():
-        for robot in found.robots:
+        for robot in robots:
             taken = robot.receive(message)
             if taken is not None:
-                look = _look(client, robot, taken)
-                robot.answered(look)
-                found.looks.append(look)
-    if not any(robot.scans for robot in found.robots):
-        raise UnreadableRecording(_no_scans(found.robots, recording))
+                looks.append(robot.send(client, taken))
+    if not any(robot.scans for robot in robots):
+        topics = ", ".join(robot.topic for robot in robots)
+        why = next((f"; {robot.unreadable}" for robot in robots if robot.unreadable is not None), "")
+        raise UnreadableRecording(f"no {LASER_SCAN.name} on {topics}{recording.summary}{why}")
 
 
 def _grid(scenario: Scenario) -> BeamGrid:
-    """Beams of the scenario's lidar, which a service answers with its preset filled in."""
+    """Return the beams of the scenario's lidar, which the service has filled in from its preset."""
     lidar = scenario.lidar
     if lidar.beams is None or lidar.angle_min is None or lidar.angle_increment is None:
-        raise VoaClientError("expected a scenario whose lidar has its beams filled in: is the service of this version?")
-    return BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
-
-
-def _no_scans(robots: list[Replayed], recording: Recording) -> str:
-    topics = ", ".join(f"/{robot.mapping.scan_topic}" for robot in robots)
-    why = next((f"; {robot.unreadable}" for robot in robots if robot.unreadable is not None), "")
-    return f"no {LASER_SCAN.name} on {topics}{recording.found}{why}"
-
-
-def _look(client: Client, robot: Replayed, taken: Taken) -> Look:
-    name = robot.mapping.name
-    try:
-        answer = client.apply_scan(robot.session, taken.request, key=robot.name(taken))
-    except ProblemError as error:
-        return Look(name, taken.request, None, f"{error.kind}: {error.problem.detail}")
-    return Look(name, taken.request, answer, None)
-
-
-def _mappings(options: argparse.Namespace, scenario: Scenario, recording: Recording) -> tuple[RobotMapping, ...]:
-    """The robots, fit for a recording: there is nobody to request a look, nor an attachment."""
-    try:
-        mappings = (
-            load(options.robots.read_text(encoding="utf-8")) if options.robots else (_simple(options, recording),)
+        raise VoaClientError(
+            "expected a scenario whose lidar has beams, angle_min and angle_increment, as this version of the service "
+            "answers it: update the service"
         )
-    except InvalidRobots as error:
-        raise InvalidMapping(f"{options.robots}: {error}") from error
-    except ValidationError as error:
-        raise InvalidMapping(f"--topic or --sensor: {in_one_line(RobotMapping, error)}") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidMapping(f"{options.robots}: {error}") from error
-    if not mappings:
-        raise InvalidMapping(f"{options.robots} maps no robot")
-    known = [sensor.name for sensor in scenario.sensors]
-    for mapping in mappings:
-        if isinstance(mapping.place, AttachmentPlace):
-            raise InvalidMapping(
-                f"robot {mapping.name!r}: place.from: bags have no attachments; expected sensor, odometry or amcl"
-            )
-        if isinstance(mapping.place, SensorPlace) and mapping.place.sensor not in known:
-            raise InvalidMapping(
-                f"robot {mapping.name!r}: the scenario has no sensor configuration {mapping.place.sensor!r}; it has "
-                f"{', '.join(known)}"
-            )
-    return tuple(_without_requests(mapping) for mapping in mappings)
-
-
-def _without_requests(mapping: RobotMapping) -> RobotMapping:
-    if mapping.look.mode != "on_request":
-        return mapping
-    return mapping.model_copy(update={"look": mapping.look.model_copy(update={"mode": "stationary"})})
-
-
-def _simple(options: argparse.Namespace, recording: Recording) -> RobotMapping:
-    told: dict[str, Any] = {
-        "name": "lidar",
-        "namespace": "",
-        "session": _OF_ITS_OWN,
-        "scan": f"/{(options.topic or _only_topic(recording)).strip('/')}",
-        "look": {"mode": options.look},
-        "place": {"from": "sensor", "sensor": options.sensor},
-    }
-    return RobotMapping.model_validate(told)
-
-
-def _only_topic(recording: Recording) -> str:
-    """The topic that has scans; raises InvalidMapping where there are several, or none."""
-    topics = sorted({message.topic for message in recording.messages() if message.type_name == LASER_SCAN.name})
-    if len(topics) != 1:
-        raise InvalidMapping(f"--topic: expected one topic with scans, name which{recording.found}")
-    return topics[0]
+    return BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)

@@ -9,7 +9,7 @@ from typing import Any
 
 from tests.support.routers import Router
 from tests.voa_recordings.files.bags import laser_scan
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_ros.cdr import encode_laser_scan
 from voa_ros.messages import LaserScan, Stamp

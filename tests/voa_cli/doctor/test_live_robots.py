@@ -14,8 +14,7 @@ from tests.support.waiting import wait_for
 from tests.voa_cli.doctor.examinations import Findings, examined, wrong
 from tests.voa_cli.doctor.publishing import publishing, scan, sent
 from tests.voa_cli.labs import Lab, service_on
-from voa_client import Client
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import Client, ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_msgs.robots import RobotReport

@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.routers import router
 from tests.support.waiting import wait_for
-from voa_client._zenoh_address import ZenohAddress
+from voa_client import ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_recordings.recorder.bridges import BridgeTypes, announced
 

@@ -1,4 +1,4 @@
-"""What came of the looks of a recording, as a document and as a table."""
+"""The looks of a replayed recording, as a JSON document and as a table."""
 
 from datetime import UTC, datetime
 from math import degrees
@@ -8,30 +8,28 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from voa_client.readable import share
-from voa_recordings.files.reading import Recording
-from voa_recordings.replay.looks import Found, Look, Replayed
-from voa_recordings.replay.recordings import show_damage
+from voa_cli.replay.sessions import show_damage
+from voa_client.formatting import share
+from voa_recordings.replay.looks import Look, LooksReport, RobotReport
 
 
-def report(found: Found, recording: Recording) -> dict[str, Any]:
-    """The document of `--json`."""
+def document(report: LooksReport) -> dict[str, Any]:
+    """Return the document of `voa replay --json`."""
     return {
-        "messages": recording.recovered,
-        "damage": recording.damage,
-        "scenario": found.scenario.id,
-        "robots": [_robot(robot, found.looks) for robot in found.robots],
-        "looks": [_look(look) for look in found.looks],
+        "messages": report.messages,
+        "damage": report.damage,
+        "scenario": report.scenario.id,
+        "robots": [_robot(robot) for robot in report.robots],
+        "looks": [_look(look) for look in report.looks],
     }
 
 
-def _robot(robot: Replayed, looks: list[Look]) -> dict[str, Any]:
-    name = robot.mapping.name
+def _robot(robot: RobotReport) -> dict[str, Any]:
     return {
-        "robot": name,
+        "robot": robot.robot,
         "session": robot.session,
         "scans": robot.scans,
-        "looks": sum(look.robot == name for look in looks),
+        "looks": robot.looks,
         "waiting_for": robot.waiting_for,
         "warnings": [warning.model_dump(mode="json", exclude_none=True) for warning in robot.warnings],
         "unreadable": robot.unreadable,
@@ -39,13 +37,13 @@ def _robot(robot: Replayed, looks: list[Look]) -> dict[str, Any]:
 
 
 def _look(look: Look) -> dict[str, Any]:
-    told = look.request.model_dump(mode="json", exclude_none=True)
+    request = look.request.model_dump(mode="json", exclude_none=True)
     answer = look.answer
     return {
         "robot": look.robot,
         "stamp": look.request.scan.stamp,
-        "sensor": told.get("sensor"),
-        "sensor_pose": told.get("sensor_pose"),
+        "sensor": request.get("sensor"),
+        "sensor_pose": request.get("sensor_pose"),
         "refused": look.refused,
         "update": None if answer is None else answer.update.model_dump(mode="json"),
         "version": None if answer is None else answer.version,
@@ -55,28 +53,28 @@ def _look(look: Look) -> dict[str, Any]:
     }
 
 
-def show(console: Console, found: Found, recording: Recording) -> None:
-    """A row per look, and what is wrong."""
-    several = len(found.robots) > 1
+def show(console: Console, report: LooksReport) -> None:
+    """Print a row per look, then a sentence per robot with its warnings, and the damage of the recording."""
+    several = len(report.robots) > 1
     headings = ["time", *(["robot"] if several else []), "where", "result", "best grasp", "score"]
     table = Table(*headings, title="Looks", title_justify="left")
-    for look in found.looks:
-        table.add_row(_time(look), *([escape(look.robot)] if several else []), escape(where(look)), *_outcome(look))
-    console.print(table if found.looks else "no look")
-    for robot in found.robots:
-        waits = "" if robot.waiting_for is None else f"; at the end it waits for {robot.waiting_for}"
-        count = sum(look.robot == robot.mapping.name for look in found.looks)
-        told = f"{robot.mapping.name}: {robot.scans} scans, {count} looks{waits}; session {robot.session}"
-        console.print(told, highlight=False, markup=False)
-        for warning in robot.warnings:
+    for look in report.looks:
+        robot = [escape(look.robot)] if several else []
+        table.add_row(_time(look), *robot, escape(lidar_place(look)), *_outcome(look))
+    console.print(table if report.looks else "no look")
+    for each in report.robots:
+        waits = "" if each.waiting_for is None else f"; at the end it waits for {each.waiting_for}"
+        summary = f"{each.robot}: {each.scans} scans, {each.looks} looks{waits}; session {each.session}"
+        console.print(summary, highlight=False, markup=False)
+        for warning in each.warnings:
             console.print(f"! {warning.kind}: {warning.detail}", highlight=False, markup=False)
-        if robot.unreadable is not None:
-            console.print(f"! {robot.unreadable}", highlight=False, markup=False)
-    show_damage(console, recording)
+        if each.unreadable is not None:
+            console.print(f"! {each.unreadable}", highlight=False, markup=False)
+    show_damage(console, report.damage, report.messages)
 
 
-def where(look: Look) -> str:
-    """Where the lidar was, short."""
+def lidar_place(look: Look) -> str:
+    """Return the place of the lidar in a few words: a sensor's name, or x and y in metres and yaw in degrees."""
     pose = look.request.sensor_pose
     if pose is None:
         return str(look.request.sensor)
@@ -84,7 +82,7 @@ def where(look: Look) -> str:
 
 
 def _time(look: Look) -> str:
-    """Of its last revolution, by the robot's clock."""
+    """Return the time of the look's last revolution by the robot's clock; "" if it has none."""
     stamp = look.request.scan.stamp
     last = stamp.get("to") if isinstance(stamp, dict) else None
     seconds, parts = (last.get("sec"), last.get("nanosec")) if isinstance(last, dict) else (None, None)

@@ -1,4 +1,4 @@
-"""Sessions in recordings: made anew as far as they were recorded, and what is missing is said."""
+"""Sessions in recordings: rebuilt as far as they were recorded, and what is missing is said."""
 
 import json
 from collections.abc import Iterable
@@ -99,7 +99,7 @@ def test_a_session_that_lacks_something_is_named(
     assert (code, again["same"], again["session"]) == (1, None, None)
     assert again["lacks"].startswith(lacks)
     assert main(["replay", str(path), "--url", process]) == 1
-    assert f"session s1 cannot be made anew: {lacks}" in " ".join(capsys.readouterr().out.split())
+    assert f"session s1 cannot be rebuilt: {lacks}" in " ".join(capsys.readouterr().out.split())
 
 
 def test_another_belief_is_an_error(
@@ -112,7 +112,7 @@ def test_another_belief_is_an_error(
     code, [again] = replayed(capsys, process, path)
     assert (code, again["same"]) == (1, False)
     assert main(["replay", str(path), "--url", process]) == 1
-    assert "something ELSE" in capsys.readouterr().out
+    assert "its belief DIFFERS from the recorded one" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_message_that_is_none_is_an_error(
@@ -133,9 +133,9 @@ def test_a_mesh_is_given_where_the_service_has_none(
         mug += [("s2", "history", entry) for entry in client.history(session.id)]
     path = written(tmp_path / "x.mcap", [*mug, *told])
     assert main(["replay", str(path)]) == 1
-    assert "name its mesh, with `voa replay --mesh FILE`" in capsys.readouterr().err
+    assert "give its mesh with `voa replay --mesh FILE`" in capsys.readouterr().err
     assert main(["replay", str(path), "--mesh", str(MUG / "mug.obj")]) == 0
-    assert capsys.readouterr().out.count("exactly what was") == 2
+    assert " ".join(capsys.readouterr().out.split()).count("its belief is exactly the recorded one") == 2
     alone = written(tmp_path / "y.mcap", told)
     assert main(["replay", str(alone), "--url", process, "--mesh", str(MUG / "mug.obj")]) == 1
-    assert "the sessions' is none" in capsys.readouterr().err
+    assert "but the sessions need none" in capsys.readouterr().err

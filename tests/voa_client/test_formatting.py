@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voa_client.readable import bar, ranks, recommendation, scale, share, signed, signed_apart, unsigned
+from voa_client.formatting import bar, ranks, recommendation, scale, share, signed, signed_apart, unsigned
 from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking
 
 TIE = 1e-6

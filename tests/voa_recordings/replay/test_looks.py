@@ -170,7 +170,7 @@ def test_a_look_that_the_service_refuses_is_told(
         (["--sensor", "Q1", "--topic", "/other"], "no sensor_msgs/msg/LaserScan on /other (found: /scan"),
         (["--sensor", "Q9"], "the scenario has no sensor configuration 'Q9'; it has Q1, Q2"),
         (["--sensor", "Q1", "--topic", "a b"], "expected a topic like"),
-        (["--robots", "robots.toml"], "place.from: bags have no attachments"),
+        (["--robots", "robots.toml"], "place.from: recordings have no attachments"),
         (["--robots", "broken.toml"], "expected TOML"),
         (["--robots", "empty.toml"], "maps no robot"),
         (["--robots", "gone.toml"], "gone.toml"),

@@ -1,0 +1,34 @@
+"""Sentences about rebuilt sessions, for a person at a terminal."""
+
+from rich.console import Console
+
+from voa_recordings.replay.sessions import SessionsReport
+from voa_recordings.session_file import RebuiltSession
+
+
+def show_session(console: Console, rebuilt: RebuiltSession) -> None:
+    """Print a sentence about a session that was rebuilt from a session file."""
+    session = rebuilt.session
+    console.print(f"session {session.id}, version {session.version}: {_verdict(rebuilt)}", highlight=False)
+
+
+def show_sessions(console: Console, report: SessionsReport) -> None:
+    """Print a sentence per session of a recording, and the damage of the recording."""
+    for replay in report.sessions:
+        session, rebuilt = replay.recorded.session, replay.rebuilt
+        if rebuilt is None:
+            console.print(f"session {session} cannot be rebuilt: {replay.recorded.lacks}", highlight=False)
+            continue
+        as_ = f"rebuilt as {rebuilt.session.id}, {_verdict(rebuilt)}"
+        console.print(f"session {session}, version {rebuilt.session.version}: {as_}", highlight=False)
+    show_damage(console, report.damage, report.messages)
+
+
+def show_damage(console: Console, damage: str | None, messages: int) -> None:
+    """Print the damage of a recording and the number of messages that were read all the same; nothing for None."""
+    if damage is not None:
+        console.print(f"! the recording {damage}: {messages} messages recovered", highlight=False, markup=False)
+
+
+def _verdict(rebuilt: RebuiltSession) -> str:
+    return "its belief is exactly the recorded one" if rebuilt.same else "its belief DIFFERS from the recorded one"
