@@ -1,4 +1,4 @@
-"""How the object comes to rest: poses confirmed, and a prior from drops."""
+"""Rest of a dropped object: stability of the scenario's poses, and a prior from counts of drops."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -8,28 +8,29 @@ from math import radians
 import mujoco
 import numpy as np
 
-from voa_fleet.world.attempts import object_pose
 from voa_fleet.world.frames import Floats, angle_between, matrix_of
+from voa_fleet.world.object_poses import ObjectPose, scenario_pose
 from voa_fleet.world.objects import FleetObject
-from voa_fleet.world.scene import STEP_S, ObjectPose, World, build_world
+from voa_fleet.world.scene import STEP_S, World, build_world
 
 STABLE_RAD = radians(5.0)
-"""A pose that tilts by more when let go is none to rest in."""
+"""Tilt from which a pose is not stable when the object is released."""
 SAME_RAD = radians(10.0)
-"""Two ways to rest are one if the object's up differs by less."""
+"""Angle between upward directions of the object below which two ways to rest are equal."""
 OTHER, MOVING = "other", "still moving"
 
 _SETTLE_S, _DROP_S = 1.0, 3.0
 _CLEARANCE_M = 0.02
 _STILL = 0.01
-"""Metres and radians per second: slower is at rest."""
+"""Speed below which the object is at rest, metres and radians per second."""
 
 
 @dataclass(frozen=True)
-class Drops:
-    """Where an object came to rest.
+class RestCounts:
+    """Counts of the ways in which a dropped object came to rest.
 
     Attributes:
+        object: name of the object.
         counts: by the way to rest; `other` for one that the object's physics do not name, `still moving` for none.
         seed: of the orientations.
     """
@@ -40,30 +41,32 @@ class Drops:
 
     @property
     def total(self) -> int:
-        """Of all drops."""
+        """Number of all drops."""
         return sum(self.counts.values())
 
 
 def tilt_when_let_go(target: FleetObject, pose: str) -> float:
-    """How far the object tilts within a second when it is put down at a pose, radians; stable poses stay below 5 deg.
+    """Measure the tilt within a second after release at a pose, radians; stable poses stay below 5 degrees.
 
     Raises:
         UnknownName: there is no such pose.
-        UnstableSimulation: the physics exploded.
+        UnstableSimulation: the simulation became unstable.
     """
     world = build_world(target, arm=False)
     data = mujoco.MjData(world.model)
-    world.put_object(data, object_pose(target, pose))
+    world.put_object(data, scenario_pose(target, pose))
     before = world.up(data)
     world.step(data, round(_SETTLE_S / STEP_S))
     return angle_between(before, world.up(data))
 
 
-def drop(target: FleetObject, count: int, seed: int, progress: Callable[[int], None] | None = None) -> Drops:
-    """Drop the object `count` times, turned at random, from 2 cm over the table.
+def drop_repeatedly(
+    target: FleetObject, count: int, seed: int, progress: Callable[[int], None] | None = None
+) -> RestCounts:
+    """Drop the object `count` times, turned at random, from 2 cm over the table, and count how it comes to rest.
 
     Raises:
-        UnstableSimulation: the physics exploded.
+        UnstableSimulation: the simulation became unstable.
     """
     world = build_world(target, arm=False)
     counts: Counter[str] = Counter()
@@ -72,11 +75,11 @@ def drop(target: FleetObject, count: int, seed: int, progress: Callable[[int], N
         if progress is not None:
             progress(1)
     names = [*target.physics.rests, OTHER, MOVING]
-    return Drops(target.name, {name: counts[name] for name in names}, seed)
+    return RestCounts(target.name, {name: counts[name] for name in names}, seed)
 
 
-def prior_of(target: FleetObject, drops: Drops) -> list[float]:
-    """A prior over the scenario's poses: each way to rest as often as it was seen, its poses equally likely.
+def prior_of(target: FleetObject, rests: RestCounts) -> list[float]:
+    """Derive a prior, (poses,), from counts: the share of each way to rest, divided equally among its poses.
 
     Ways to rest without a pose in the scenario are left out: the prior is conditional on the object being in one of
     the scenario's poses.
@@ -84,10 +87,10 @@ def prior_of(target: FleetObject, drops: Drops) -> list[float]:
     Raises:
         ValueError: the object never came to rest in any of them.
     """
-    seen = {name: drops.counts[name] for name, rest in target.physics.rests.items() if rest.poses}
+    seen = {name: rests.counts[name] for name, rest in target.physics.rests.items() if rest.poses}
     total = sum(seen.values())
     if total == 0:
-        raise ValueError(f"in {drops.total} drops the {target.name} never came to rest in a pose of its scenario")
+        raise ValueError(f"in {rests.total} drops the {target.name} never came to rest in a pose of its scenario")
     share = {
         pose: seen[name] / total / len(rest.poses) for name, rest in target.physics.rests.items() for pose in rest.poses
     }
@@ -95,7 +98,7 @@ def prior_of(target: FleetObject, drops: Drops) -> list[float]:
 
 
 def rest_of(target: FleetObject, up: Floats) -> str:
-    """The name of the way to rest in which the world's up is `up` (3,) in the object's frame, or `other`."""
+    """Name the way to rest in which the world's z axis is `up` (3,) in the object's frame; `other` if it has no name."""
     for name, rest in target.physics.rests.items():
         for own in rest.ups:
             direction = np.array(own)

@@ -1,4 +1,4 @@
-"""Calibration: looks binned by what they should be worth, against what they were worth on average."""
+"""Calibration: looks in bins of their Value of Assistance, against the value that they achieved on average."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,7 +10,7 @@ from voa_evaluation.looks.setting import Belief
 from voa_evaluation.statistics import Interval, bootstrap_ratio
 
 EDGES = (-1.0, 0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 1.0)
-"""Of the bins, in success probability: from and including the lower, below the upper."""
+"""Edges of the bins, in success probability; a bin includes its lower edge."""
 
 
 @dataclass(frozen=True)
@@ -18,9 +18,12 @@ class Bin:
     """Looks whose VOA lies between two edges.
 
     Attributes:
-        voa: their mean VOA.
-        achieved: their mean achieved value, resampled by drop; `count` counts looks.
-        drops: that have such a look.
+        kind: of the belief.
+        rule: name of the update rule.
+        low, high: edges of the bin.
+        voa: mean VOA of the looks.
+        achieved: mean achieved value of the looks, resampled by drop; `count` counts looks.
+        drops: number of drops that have such a look.
     """
 
     kind: Belief
@@ -33,12 +36,12 @@ class Bin:
 
 
 def calibration(rows: Rows, seed: int) -> list[Bin]:
-    """By kind and rule over all objects; bins without a look are left out."""
+    """Compute the bins for each kind of belief and update rule over all objects; empty bins are left out."""
     return [
-        found
+        each
         for kind in rows.kinds
         for rule in rows.rules
-        for found in _bins(rows.of(kind=kind, rule=rule), kind, rule, seed)
+        for each in _bins(rows.of(kind=kind, rule=rule), kind, rule, seed)
     ]
 
 

@@ -1,45 +1,61 @@
-"""Policies: from where to look, if at all. All meet the same drops, scans and attempts; only the look differs."""
+"""Choices of the policies in a trial: all have the same drop, scans and attempts, and differ in the look alone."""
 
 import math
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Callable, Sequence
 
-import numpy as np
-
-from voa_evaluation.looks.requests import Asked, Beforehand, expected_entropies
-from voa_evaluation.looks.trials import Drop
-from voa_msgs.geometry import SensorConfiguration
+from voa_evaluation.looks.requests import EstimateBefore, RegisteredObject
+from voa_evaluation.looks.trials import Trial, random_source
+from voa_fleet.episodes.policies import Situation, policy_named
+from voa_msgs.geometry import SensorPose
 
 START_M = 1.0
-"""How far from the middle of the table the sensor robot starts."""
-POLICIES: Mapping[str, str] = MappingProxyType(
-    {
-        "voa": "the look with the highest Value of Assistance; none if no look is worth more than min_gain",
-        "entropy": "the look after which the least entropy is expected over predicted scans",
-        "beams": "the look from which most beams are expected to meet the object",
-        "nearest": "the look nearest to where the robot happens to be, 1 m away on a random side",
-        "random": "any look, each as likely",
-        "none": "no look: grasp at once",
-    }
-)
+"""Distance from the middle of the table at which the sensor robot starts."""
 
 
-def choices(asked: Asked, rule: str, drop: Drop, beforehand: Beforehand) -> dict[str, str | None]:
-    """Which sensor configuration each policy looks from, by policy; None: no look. Ties: the first listed."""
-    sensors = asked.scenarios[rule].sensors
-    belief = np.asarray(drop.belief)
-    # Rounded: what differs by a rounding error is a tie.
-    entropies = np.round(expected_entropies(asked.likelihoods[rule], drop.belief), 9)
+def choices(
+    policies: Sequence[str], registered: RegisteredObject, rule: str, trial: Trial, before: EstimateBefore
+) -> dict[str, str | None]:
+    """Let each policy choose its first look.
+
+    Args:
+        policies: their names.
+        registered: the object's scenarios and forecasts.
+        rule: name of the update rule.
+        trial: with the belief and the robot's start.
+        before: the service's estimate before any look.
+
+    Returns:
+        Name of the chosen sensor configuration by policy; None: no look.
+
+    Raises:
+        UnknownName: there is no such policy.
+    """
+    start = SensorPose(
+        x=START_M * math.cos(trial.bearing_rad),
+        y=START_M * math.sin(trial.bearing_rad),
+        yaw_rad=trial.bearing_rad + math.pi,
+    )
     return {
-        "voa": beforehand.look,
-        "entropy": sensors[int(np.argmin(entropies))].name,
-        "beams": sensors[int(np.argmax(np.round(asked.visible @ belief, 9)))].name,
-        "nearest": sensors[_nearest(sensors, drop.bearing_rad)].name,
-        "random": sensors[drop.random_look].name,
-        "none": None,
+        name: policy_named(name)
+        .choose(
+            Situation(
+                sensors=tuple(registered.scenarios[rule].sensors),
+                visited=(),
+                robot=start,
+                belief=trial.belief,
+                rank=lambda: before.ranking,
+                forecast=lambda: registered.forecasts[rule],
+                draw=_draw(name, trial),
+            )
+        )
+        .sensor
+        for name in policies
     }
 
 
-def _nearest(sensors: Sequence[SensorConfiguration], bearing_rad: float) -> int:
-    x, y = START_M * math.cos(bearing_rad), START_M * math.sin(bearing_rad)
-    return int(np.argmin([math.hypot(sensor.x - x, sensor.y - y) for sensor in sensors]))
+def _draw(policy: str, trial: Trial) -> Callable[[int], int]:
+    """Random choices of a policy; those of `random` are part of the trial, so that rows can be compared with them."""
+    if policy == "random":
+        return lambda _count: trial.random_look
+    rng = random_source(trial.drop.index, "policy", policy, trial.object, trial.kind)
+    return lambda count: int(rng.integers(count))

@@ -1,4 +1,4 @@
-"""Findings of an evaluation: each comparison with its counts, and for a negative result the rows and the reason."""
+"""Findings of an evaluation: comparisons of VOA with other policies, with the reasons of negative results."""
 
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from voa_client.formatting import signed
-from voa_evaluation.looks.results import Found
+from voa_evaluation.looks.results import Results
 from voa_evaluation.looks.outcomes import Outcome, Rate
 from voa_evaluation.looks.rows import Rows
 from voa_evaluation.looks.setting import Belief
@@ -15,14 +15,17 @@ from voa_evaluation.statistics import Interval
 
 @dataclass(frozen=True)
 class Finding:
-    """One comparison of VOA with another policy.
+    """A comparison of VOA with another policy.
 
     Attributes:
-        verdict: `better`, `worse` or `no difference shown`: by whether the 95 % interval excludes zero.
+        kind: of the belief.
+        rule: name of the update rule.
+        policy: name of the other policy.
+        verdict: `better`, `worse` or `no difference shown`, where the 95 % interval includes zero.
         ours, theirs: successes of VOA and of the other policy, over the same drops.
         difference: of the rates, paired.
-        seen: of a result that is not `better`, what the rows say; "" else.
-        reason: of such a result; "" else.
+        seen: observations in the rows, where the verdict is not `better`; "" otherwise.
+        reason: of such a verdict; "" otherwise.
     """
 
     kind: Belief
@@ -36,11 +39,11 @@ class Finding:
     reason: str = ""
 
 
-def findings(found: Found) -> list[Finding]:
-    """Every comparison, over all objects, in order."""
-    by_key = {(outcome.kind, outcome.rule, outcome.policy): outcome for outcome in found.outcomes if not outcome.object}
+def findings(results: Results) -> list[Finding]:
+    """Compare VOA with every other policy, over all objects, in order."""
+    by_key = {(outcome.kind, outcome.rule, outcome.policy): outcome for outcome in results.outcomes if not outcome.object}
     return [
-        _finding(found.rows.of(kind=kind, rule=rule), outcome, by_key[kind, rule, "voa"])
+        _finding(results.rows.of(kind=kind, rule=rule), outcome, by_key[kind, rule, "voa"])
         for (kind, rule, policy), outcome in by_key.items()
         if policy != "voa"
     ]
@@ -50,11 +53,11 @@ def _finding(rows: Rows, outcome: Outcome, ours: Outcome) -> Finding:
     difference = outcome.behind
     sign = "better" if difference.value > 0.0 else "worse"
     verdict = sign if difference.excludes_zero else "no difference shown"
-    found = Finding(outcome.kind, outcome.rule, outcome.policy, verdict, ours.rate, outcome.rate, difference)
+    finding = Finding(outcome.kind, outcome.rule, outcome.policy, verdict, ours.rate, outcome.rate, difference)
     if verdict == "better":
-        return found
+        return finding
     seen, reason = _seen_and_reason(rows, outcome.policy)
-    return replace(found, seen=seen, reason=reason)
+    return replace(finding, seen=seen, reason=reason)
 
 
 def _seen_and_reason(rows: Rows, policy: str) -> tuple[str, str]:
@@ -71,7 +74,7 @@ def _seen_and_reason(rows: Rows, policy: str) -> tuple[str, str]:
     refused = Counter(look.reason for look in looked if look.reason)
     if refused:
         kinds = ", ".join(f"{count} {_REASON_WORDS.get(reason, reason)}" for reason, count in sorted(refused.items()))
-        parts.append(f"of {len(looked)} scans taken where VOA said, {kinds}")
+        parts.append(f"of {len(looked)} scans taken as VOA recommended, {kinds}")
     promised = float(np.mean([look.voa for look in looked])) if looked else 0.0
     gained = [float(look.success) - row.before.success for row in rows.rows for look in [row.of_policy("voa")]]
     parts.append(f"VOA promised {signed(promised, 2)} on average, {signed(sum(gained) / total, 2)} was achieved")
@@ -82,11 +85,11 @@ def _seen_and_reason(rows: Rows, policy: str) -> tuple[str, str]:
 
 
 def _because(refused: float, rise: float, same: float, drops: int) -> str:
-    """What these shares say of the reason: the first that applies."""
+    """The first reason that applies, from shares of the drops."""
     if refused > 0.5:
         return (
             "Most scans fit no pose under this rule, because a beam that just meets or misses the outline "
-            "refutes the true pose too; VOA is worked out over exact scans and does not know of that."
+            "refutes the true pose too; VOA is computed over exact scans and does not include that."
         )
     if rise < 0.05:
         return (
@@ -95,7 +98,7 @@ def _because(refused: float, rise: float, same: float, drops: int) -> str:
         )
     if same > 0.8:
         return (
-            "Both mostly lead to the same grasp; it is enough to tell apart poses that need different grasps, "
+            "Both mostly lead to the same grasp: a look has to distinguish only poses that need different grasps, "
             "and looks from several places do."
         )
     return f"The places differ by less than {drops} drops can show."

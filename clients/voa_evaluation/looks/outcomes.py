@@ -1,4 +1,4 @@
-"""What came of the grasps: success rates per policy, and paired differences from the policy that follows VOA."""
+"""Success rates per policy, and paired differences from the policy that follows VOA."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,38 +6,41 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from voa_evaluation.grasp_scores import wilson
-from voa_evaluation.looks.choices import POLICIES
 from voa_evaluation.looks.rows import Rows
 from voa_evaluation.looks.sensitivity import DISTURBANCES, Point
 from voa_evaluation.looks.setting import Belief
 from voa_evaluation.statistics import Interval, bootstrap_mean
+from voa_fleet.statistics import wilson
 
 
 @dataclass(frozen=True)
 class Rate:
-    """Successes of drops, with Wilson's interval."""
+    """Number of drops in which the object was lifted."""
 
     successes: int
     drops: int
 
     @property
     def share(self) -> float:
-        """k / n."""
+        """Successes divided by drops."""
         return self.successes / self.drops
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 %."""
+        """Wilson's 95 % interval of the probability of success."""
         return wilson(self.successes, self.drops)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One policy under one rule and kind of belief.
+    """Success of a policy under an update rule and a kind of belief.
 
     Attributes:
-        object: None: over all objects.
+        object: name of the object; None: all objects.
+        kind: of the belief.
+        rule: name of the update rule.
+        policy: name of the policy.
+        rate: its successes.
         behind: success rate of VOA less that of this policy, resampled by drop within each object.
     """
 
@@ -51,11 +54,17 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Level:
-    """One point of a curve: the look that VOA recommends, at a level of a disturbance.
+    """A point of a curve of sensitivity: success with the recommended look at a level of a disturbance.
 
     Attributes:
-        blind: the same drops without a look.
-        gain: the difference, paired.
+        disturbance: its name.
+        level: its size.
+        stated: whether the robot stated the uncertainty of its pose.
+        rule: name of the update rule.
+        rate: successes with the look.
+        blind: successes without a look, in the same drops.
+        gain: difference of the rates, paired.
+        not_accepted: number of scans that were refused, or that no pose explained.
     """
 
     disturbance: str
@@ -69,23 +78,23 @@ class Level:
 
 
 def outcomes(rows: Rows, seed: int) -> list[Outcome]:
-    """Over all objects, then per object; by kind, rule and policy."""
-    found = []
+    """Compute the success rates over all objects, then per object; by kind of belief, rule and policy."""
+    rates = []
     for name in (None, *rows.objects):
         for kind in rows.kinds:
             for rule in rows.rules:
-                group = rows.of(target=name, kind=kind, rule=rule)
+                group = rows.of(name=name, kind=kind, rule=rule)
                 ours = group.successes("voa")
-                for policy in POLICIES:
+                for policy in rows.policies:
                     theirs = group.successes(policy)
                     apart = [mine - other for mine, other in zip(ours, theirs, strict=True)]
                     rate = Rate(round(sum(float(each.sum()) for each in theirs)), len(group.rows))
-                    found.append(Outcome(name, kind, rule, policy, rate, bootstrap_mean(apart, seed)))
-    return found
+                    rates.append(Outcome(name, kind, rule, policy, rate, bootstrap_mean(apart, seed)))
+    return rates
 
 
 def levels(points: Sequence[Point], seed: int) -> list[Level]:
-    """One per disturbance, rule, whether stated, and level, in order; at level 0 nothing is there to state."""
+    """Compute a point per disturbance, rule, statement of the uncertainty, and level, in order."""
     groups: dict[tuple[str, str, bool, float], list[Point]] = {}
     for point in points:
         groups.setdefault((point.disturbance, point.rule, point.stated, point.level), []).append(point)
@@ -112,6 +121,6 @@ def _level(group: Sequence[Point], seed: int) -> Level:
 
 
 def endings(rows: Rows, policy: str) -> dict[str, int]:
-    """How the grasps of a policy ended, most frequent first."""
-    found = Counter(row.of_policy(policy).result for row in rows.rows)
-    return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+    """Count the results of the grasps of a policy, the most frequent first."""
+    counts = Counter(row.of_policy(policy).result for row in rows.rows)
+    return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))

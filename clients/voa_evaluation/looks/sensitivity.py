@@ -1,7 +1,7 @@
-"""How much of a look's value is left when the world falls short: curves of success against one disturbance each.
+"""Sensitivity of looks to imperfections of the world: success against one disturbance at a time.
 
-The look is the one that VOA recommends, which knows nothing of the disturbance. Drops, scans and attempts share their
-random numbers between levels.
+The look is the one that VOA recommends, whatever the disturbance. Trials, scans and attempts share their random
+numbers between levels.
 """
 
 import math
@@ -10,10 +10,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 from voa_client import Client
-from voa_evaluation.looks.requests import after_a_look, before_any_look
-from voa_evaluation.looks.trials import Drop, boxes, make_drop
+from voa_evaluation.looks.requests import EstimateBefore, estimate_after_look, estimate_before_look
 from voa_evaluation.looks.running import Bar, Subject, attempted
 from voa_evaluation.looks.setting import Setting
+from voa_evaluation.looks.trials import Trial, boxes, make_trial
 from voa_fleet.world.imperfections import Imperfections
 from voa_msgs.geometry import PoseUncertainty
 from voa_msgs.sessions import Scan
@@ -21,11 +21,14 @@ from voa_msgs.sessions import Scan
 
 @dataclass(frozen=True)
 class Disturbance:
-    """One target that goes wrong, by degrees.
+    """An imperfection whose size is varied.
 
     Attributes:
-        levels: in `unit`.
-        stated: whether the robot can tell the service of it, as a standard deviation of its pose.
+        name: in tables.
+        title: in pictures and sentences.
+        unit: of the levels.
+        levels: sizes, from 0.
+        stated: whether the robot can state it to the service, as a standard deviation of its pose.
     """
 
     name: str
@@ -45,15 +48,20 @@ DISTURBANCES = (
 
 @dataclass(frozen=True)
 class Point:
-    """One drop at one level of a disturbance, under one rule.
+    """A trial at a level of a disturbance, under an update rule.
 
     Attributes:
-        stated: whether the service was told how uncertain the pose is.
-        sensor: where the look was from; None: no look was worth more than min_gain.
-        reason: why the scan was not accepted, or `nearest`; "" if it was.
-        grasp: the best one afterwards.
+        disturbance: its name.
+        level: its size.
+        stated: whether the robot stated the uncertainty of its pose to the service.
+        rule: name of the update rule.
+        object: name of the object.
+        drop: index of the drop.
+        sensor: name of the sensor configuration of the look; None: no look was worth more than min_gain.
+        reason: why the scan was not accepted, or `nearest`; "" if it was accepted.
+        grasp: name of the best grasp after the look.
         success: whether it lifted the object.
-        blind: whether the best grasp without a look did.
+        blind: whether the best grasp without a look lifted the object.
     """
 
     disturbance: str
@@ -69,33 +77,33 @@ class Point:
     blind: bool
 
 
-def disturbed(disturbance: str, level: float, drop: Drop, setting: Setting) -> Imperfections:
-    """What goes wrong at a level of a disturbance."""
-    imperfections = setting.imperfections
+def disturbed(disturbance: str, level: float, trial: Trial, setting: Setting) -> Imperfections:
+    """Return the imperfections of a trial at a level of a disturbance."""
+    usual = setting.imperfections
     match disturbance:
         case "robot_xy":
-            return replace(imperfections, robot_xy_m=level / 100.0)
+            return replace(usual, robot_xy_m=level / 100.0)
         case "robot_yaw":
-            return replace(imperfections, robot_yaw_rad=math.radians(level))
+            return replace(usual, robot_yaw_rad=math.radians(level))
         case "range_noise":
-            return replace(imperfections, range_noise_m=level / 1000.0)
+            return replace(usual, range_noise_m=level / 1000.0)
         case _:
-            return replace(imperfections, clutter=(*imperfections.clutter, *boxes(drop, round(level), setting.seed)))
+            return replace(usual, clutter=(*usual.clutter, *boxes(trial, round(level), setting.seed)))
 
 
 def stated_at(disturbance: str, level: float) -> PoseUncertainty:
-    """What a robot that knows of its disturbance states."""
+    """Return the standard deviations that a robot states which knows its disturbance."""
     if disturbance == "robot_xy":
         return PoseUncertainty(xy_m=level / 100.0)
     return PoseUncertainty(yaw_rad=math.radians(level))
 
 
 def vary(client: Client, subjects: Sequence[Subject], setting: Setting, bar: Bar) -> tuple[Point, ...]:
-    """All curves.
+    """Measure the curves of all disturbances, for every object and update rule.
 
     Raises:
-        VoaClientError: the service cannot be reached, or refuses.
-        UnstableSimulation: the physics exploded.
+        VoaClientError: the service refuses a request, or does not answer.
+        UnstableSimulation: the simulation became unstable.
     """
     points: list[Point] = []
     for subject in subjects:
@@ -103,67 +111,72 @@ def vary(client: Client, subjects: Sequence[Subject], setting: Setting, bar: Bar
             bar(f"{subject.target.name}: disturbances", setting.sensitivity_drops) as advance,
             ThreadPoolExecutor(setting.threads) as pool,
         ):
-            looks = {
-                rule: before_any_look(client, scenario, _even(len(scenario.poses)))
-                for rule, scenario in subject.asked.scenarios.items()
+            estimates = {
+                rule: estimate_before_look(client, scenario, _uniform(len(scenario.poses)))
+                for rule, scenario in subject.registered.scenarios.items()
             }
             for index in range(setting.sensitivity_drops):
-                drop = make_drop(subject.target, "uniform", index, setting.imperfections, setting.seed)
-                for rule, told in looks.items():
-                    points += _curves(client, subject, drop, rule, told.look, told.grasp, setting, pool)
+                trial = make_trial(subject.target, "uniform", index, setting.imperfections, setting.seed)
+                for rule, before in estimates.items():
+                    points += _curves(client, subject, trial, rule, before, setting, pool)
                 advance(1)
     return tuple(points)
 
 
-def _even(count: int) -> list[float]:
+def _uniform(count: int) -> list[float]:
     return [1.0 / count] * count
 
 
-def _curves(
-    client: Client,
-    subject: Subject,
-    drop: Drop,
-    rule: str,
-    look: str | None,
-    blind: str | None,
-    setting: Setting,
-    pool: ThreadPoolExecutor,
-) -> list[Point]:
-    cases = [
+def _cases() -> list[tuple[str, float, bool]]:
+    """All disturbances, their levels, and whether the robot states them."""
+    return [
         (disturbance.name, level, stated)
         for disturbance in DISTURBANCES
         for level in disturbance.levels
         for stated in ((False, True) if disturbance.stated and level > 0.0 else (False,))
     ]
-    without = attempted(subject, drop, blind) == "lifted"
+
+
+def _curves(
+    client: Client,
+    subject: Subject,
+    trial: Trial,
+    rule: str,
+    before: EstimateBefore,
+    setting: Setting,
+    pool: ThreadPoolExecutor,
+) -> list[Point]:
+    look, blind = before.look, before.grasp
+    index, name_of_object = trial.drop.index, trial.object
+    without = attempted(subject, trial, blind) == "lifted"
     if look is None:
         return [
-            Point(name, level, stated, rule, drop.object, drop.index, None, "", blind, without, without)
-            for name, level, stated in cases
+            Point(name, level, stated, rule, name_of_object, index, None, "", blind, without, without)
+            for name, level, stated in _cases()
         ]
-    scenario = subject.asked.scenarios[rule]
+    scenario = subject.registered.scenarios[rule]
     sensor = next(sensor for sensor in scenario.sensors if sensor.name == look)
     scans: dict[tuple[str, float], Scan] = {
-        (name, level): subject.table.scan(drop, sensor, disturbed(name, level, drop, setting))
-        for name, level, stated in cases
+        (name, level): subject.bench.scan(trial, sensor, disturbed(name, level, trial, setting))
+        for name, level, stated in _cases()
         if not stated
     }
     waiting = [
         pool.submit(
-            after_a_look,
+            estimate_after_look,
             client,
             scenario,
-            drop.belief,
+            trial.belief,
             sensor,
             scans[name, level],
             stated_at(name, level) if stated else None,
         )
-        for name, level, stated in cases
+        for name, level, stated in _cases()
     ]
     points = []
-    for (name, level, stated), answer in zip(cases, (each.result() for each in waiting), strict=True):
-        grasp = answer.best_grasp
-        success = attempted(subject, drop, grasp) == "lifted"
-        reason = answer.update.reason or ""
-        points.append(Point(name, level, stated, rule, drop.object, drop.index, look, reason, grasp, success, without))
+    for (name, level, stated), estimate in zip(_cases(), (each.result() for each in waiting), strict=True):
+        grasp = estimate.best_grasp
+        success = attempted(subject, trial, grasp) == "lifted"
+        reason = estimate.update.reason or ""
+        points.append(Point(name, level, stated, rule, name_of_object, index, look, reason, grasp, success, without))
     return points

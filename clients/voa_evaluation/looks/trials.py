@@ -1,25 +1,22 @@
-"""Drops of one object: where it lies, the scans that are really taken of it, the grasps that are really attempted.
+"""Trials of an evaluation: drops of an object, the scans that are taken of it, and the grasps that are attempted.
 
-A drop, its scans and its attempts depend on the seed and on names alone. So every policy, rule and level of a
-disturbance meets the same drop, and what they share cancels in a difference.
+A trial, its scans and its attempts depend on the seed and on names alone. So every policy, update rule and level of a
+disturbance has the same drops, and what they share cancels in a difference.
 """
 
 import math
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-import mujoco
 import numpy as np
 
 from voa_evaluation.looks.setting import Belief
-from voa_fleet.world.attempts import Result, attempt_grasp, noisy_pose, object_pose, open_fingers
+from voa_fleet.episodes.bench import Bench, make_bench
+from voa_fleet.world.attempts import Result, attempt_grasp
 from voa_fleet.world.imperfections import Clutter, Imperfections
-from voa_fleet.world.kinematics import GraspPlan, plan_grasp
-from voa_fleet.world.lidar import LidarGeometry, lidar_geometry, scan_message, true_ranges, with_faults
+from voa_fleet.world.object_poses import Drop, make_drop
 from voa_fleet.world.objects import FleetObject
-from voa_fleet.world.scene import ObjectPose, World, build_world
-from voa_fleet.world.ur5e import HOME
-from voa_msgs.geometry import SensorConfiguration, SensorPose
+from voa_msgs.geometry import SensorConfiguration
 from voa_msgs.sessions import Scan
 
 HINT = 0.5
@@ -29,123 +26,121 @@ _NEAR_M, _FAR_M = 0.13, 0.25
 
 
 @dataclass(frozen=True)
-class Drop:
-    """The object put down once.
+class Trial:
+    """A drop with the belief before any look, and the random choices of the policies.
 
     Attributes:
-        kind: of belief.
-        index: from 0, within object and kind.
-        belief: before any look, over the scenario's poses; the pose is drawn from it.
-        pose: name of the true pose.
-        place: where the object lies, its noise included.
-        bearing_rad: from where the sensor robot comes.
-        random_look: an index drawn evenly from the sensor configurations.
+        object: name of the object.
+        kind: of the belief.
+        drop: its index counts within object and kind of belief.
+        belief: before any look, (poses,); the true pose is drawn from it.
+        bearing_rad: direction from which the sensor robot comes.
+        random_look: index of a sensor configuration, each as likely.
     """
 
     object: str
     kind: Belief
-    index: int
+    drop: Drop
     belief: tuple[float, ...]
-    pose: str
-    place: ObjectPose
     bearing_rad: float
     random_look: int
 
 
-def source(seed: int, *what: str | int) -> np.random.Generator:
-    """The source of chance for a target that is named."""
+def random_source(seed: int, *names: str | int) -> np.random.Generator:
+    """Make a random generator that depends on a seed and on names and numbers, in order."""
     return np.random.default_rng(
-        [seed, *(part if isinstance(part, int) else zlib.crc32(part.encode()) for part in what)]
+        [seed, *(part if isinstance(part, int) else zlib.crc32(part.encode()) for part in names)]
     )
 
 
-def make_drop(target: FleetObject, kind: Belief, index: int, imperfections: Imperfections, seed: int) -> Drop:
-    """Draw a drop."""
-    rng = source(seed, "drop", target.name, kind, index)
+def make_trial(target: FleetObject, kind: Belief, index: int, imperfections: Imperfections, seed: int) -> Trial:
+    """Draw a trial.
+
+    Args:
+        target: the object.
+        kind: of the belief.
+        index: of the drop within object and kind of belief.
+        imperfections: noise of the object's place.
+        seed: of all trials.
+    """
+    rng = random_source(seed, "drop", target.name, kind, index)
     count = len(target.poses)
     belief = np.full(count, 1.0 / count) if kind == "uniform" else rng.dirichlet(np.full(count, HINT))
-    pose = target.poses[int(rng.choice(count, p=belief))]
-    return Drop(
+    drop = make_drop(target, index, belief.tolist(), imperfections, rng)
+    return Trial(
         object=target.name,
         kind=kind,
-        index=index,
+        drop=drop,
         belief=tuple(float(share) for share in belief),
-        pose=pose,
-        place=noisy_pose(object_pose(target, pose), imperfections, rng),
         bearing_rad=float(rng.uniform(0.0, 2.0 * math.pi)),
         random_look=int(rng.integers(len(target.scenario.sensors))),
     )
 
 
-def boxes(drop: Drop, count: int, seed: int) -> tuple[Clutter, ...]:
-    """Boxes of 4 x 4 cm that stand 13 to 25 cm from the middle of the table; the first of more are those of fewer."""
-    rng = source(seed, "clutter", drop.object, drop.kind, drop.index)
-    found = []
+def boxes(trial: Trial, count: int, seed: int) -> tuple[Clutter, ...]:
+    """Draw boxes of 4 x 4 cm that stand 13 to 25 cm from the middle of the table.
+
+    The boxes of a larger count begin with those of a smaller one.
+    """
+    rng = random_source(seed, "clutter", trial.object, trial.kind, trial.drop.index)
+    clutter = []
     for index in range(count):
         distance, bearing, yaw = rng.uniform([_NEAR_M, 0.0, 0.0], [_FAR_M, 2.0 * math.pi, math.pi])
         centre = distance * math.cos(bearing), distance * math.sin(bearing)
-        found.append(Clutter(f"box{index}", centre, (_BOX_M, _BOX_M, 0.2), yaw))
-    return tuple(found)
+        clutter.append(Clutter(f"box{index}", centre, (_BOX_M, _BOX_M, 0.2), yaw))
+    return tuple(clutter)
 
 
 @dataclass(eq=False)
-class Table:
-    """The table with one object, the arm at home: takes scans, attempts grasps and remembers what came of them.
+class TrialBench:
+    """The bench of one object: takes scans, attempts grasps and keeps the results.
 
     Attributes:
         target: the object.
-        seed: of the scans' faults.
+        seed: of the errors of scans.
     """
 
     target: FleetObject
     seed: int
-    _lidar: LidarGeometry = field(init=False)
-    _worlds: dict[tuple[Clutter, ...], World] = field(default_factory=dict)
-    _plans: dict[str, GraspPlan | None] = field(default_factory=dict)
+    _benches: dict[tuple[Clutter, ...], Bench] = field(default_factory=dict)
     _results: dict[tuple[str, int, str], Result] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self._lidar = lidar_geometry(self.target.scenario.lidar)
+    def scan(self, trial: Trial, sensor: SensorConfiguration, imperfections: Imperfections) -> Scan:
+        """Take a scan of one revolution with the robot's and the lidar's errors.
 
-    def scan(self, drop: Drop, sensor: SensorConfiguration, imperfections: Imperfections) -> Scan:
-        """One revolution from where the robot really stands when it believes to stand at `sensor`.
+        The random numbers do not depend on the imperfections: two levels of a disturbance differ in it alone.
 
-        The same random numbers whatever the imperfections are: two levels of a disturbance differ in it alone.
+        Args:
+            trial: in which the object lies.
+            sensor: sensor configuration at which the robot believes to be.
+            imperfections: sizes of the errors, and the clutter.
         """
-        world = self._world(imperfections.clutter)
-        data = mujoco.MjData(world.model)
-        data.qpos[world.joints] = HOME
-        open_fingers(world, data)
-        world.put_object(data, drop.place)
-        mujoco.mj_kinematics(world.model, data)
-        rng = source(self.seed, "scan", drop.object, drop.kind, drop.index, sensor.name)
-        dx, dy, turn = (float(number) for number in rng.standard_normal(3))
-        stand = SensorPose(
-            x=sensor.x + dx * imperfections.robot_xy_m,
-            y=sensor.y + dy * imperfections.robot_xy_m,
-            yaw_rad=sensor.yaw_rad + turn * imperfections.robot_yaw_rad,
-            height_m=sensor.height_m,
-        )
-        return scan_message(with_faults(true_ranges(world, data, self._lidar, stand), self._lidar, imperfections, rng))
+        rng = random_source(self.seed, "scan", trial.object, trial.kind, trial.drop.index, sensor.name)
+        robot = self._bench(imperfections.clutter).place(trial.drop, rng, imperfections).robot
+        robot.stand_at(sensor)
+        return robot.take_scan()
 
-    def attempt(self, drop: Drop, grasp: str) -> Result:
-        """What comes of a grasp where the object lies; every pair of drop and grasp is simulated once."""
-        key = drop.kind, drop.index, grasp
+    def attempt(self, trial: Trial, grasp: str) -> Result:
+        """Attempt a grasp where the object lies; each pair of trial and grasp is simulated once.
+
+        Raises:
+            UnstableSimulation: the simulation became unstable.
+        """
+        key = trial.kind, trial.drop.index, grasp
         if key not in self._results:
-            world = self._world(())
-            if grasp not in self._plans:
-                self._plans[grasp] = plan_grasp(world, self.target.grasp(grasp))
-            self._results[key] = attempt_grasp(world, self._plans[grasp], drop.place).result
+            bench = self._bench(())
+            self._results[key] = attempt_grasp(bench.scene.world, bench.arm.plan(grasp), trial.drop.place).result
         return self._results[key]
 
     @property
     def attempts(self) -> int:
-        """How many have been made."""
+        """Number of attempts that were simulated."""
         return len(self._results)
 
-    def _world(self, clutter: tuple[Clutter, ...]) -> World:
-        if any(box.name.startswith("box") for box in clutter):
-            return build_world(self.target, clutter=clutter)  # of one drop: not worth keeping
-        if clutter not in self._worlds:
-            self._worlds[clutter] = build_world(self.target, clutter=clutter)
-        return self._worlds[clutter]
+    def _bench(self, clutter: tuple[Clutter, ...]) -> Bench:
+        if clutter in self._benches:
+            return self._benches[clutter]
+        bench = make_bench(self.target, replace(Imperfections(), clutter=clutter), self.seed)
+        if not any(box.name.startswith("box") for box in clutter):  # boxes are those of one trial: not worth keeping
+            self._benches[clutter] = bench
+        return bench

@@ -1,4 +1,4 @@
-"""What looks were worth, per object, kind of belief, rule and sensor configuration: VOA, AECD, achieved value."""
+"""Values of looks per object, kind of belief, rule and sensor configuration: VOA, AECD and achieved value."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,14 +17,18 @@ from voa_evaluation.statistics import (
 
 @dataclass(frozen=True)
 class Worth:
-    """One sensor configuration.
+    """Values of the looks from a sensor configuration.
 
     Attributes:
-        voa: mean over the drops, over predicted scans; with a uniform belief the same for every drop.
-        aecd: mean over the drops of the rise of the expected score, over the scans really taken.
-        achieved: success rate with the look less without, with its paired interval.
+        object: name of the object.
+        kind: of the belief.
+        rule: name of the update rule.
+        sensor: name of the sensor configuration.
+        voa: Value of Assistance over predicted scans, mean over the drops; equal for all drops with a uniform belief.
+        aecd: rise of the expected score over the scans that were taken, mean over the drops.
+        achieved: success rate with the look less that without it, with its paired interval.
         with_look, without: successes of `achieved.count` drops.
-        not_accepted: scans that were refused, or that no pose explained.
+        not_accepted: number of scans that were refused, or that no pose explained.
     """
 
     object: str
@@ -41,15 +45,18 @@ class Worth:
 
 @dataclass(frozen=True)
 class Gain:
-    """One object, kind of belief and rule: what choosing by VOA brought.
+    """Gain of choosing looks by VOA, for an object, a kind of belief and an update rule.
 
     Attributes:
+        object: name of the object.
+        kind: of the belief.
+        rule: name of the update rule.
         delta: achieved value of the looks that VOA chose.
-        best: the single sensor configuration with the highest achieved value, known only in hindsight.
+        best: sensor configuration with the highest achieved value, which is known in hindsight only.
         delta_star: its achieved value.
         over_random: delta less the mean achieved value of all sensor configurations.
         tau: Kendall's tau-b over the sensor configurations, of mean VOA against achieved value; None: undefined.
-        tau_aecd: the same of mean VOA against AECD.
+        tau_aecd: Kendall's tau-b of mean VOA against AECD.
     """
 
     object: str
@@ -64,26 +71,26 @@ class Gain:
 
 
 def worths(rows: Rows, seed: int) -> list[Worth]:
-    """One per object, kind, rule and sensor configuration, in order."""
+    """Compute the values for every object, kind of belief, update rule and sensor configuration, in order."""
     return [worth for group in _groups(rows) for worth in _worths_of(group, seed)]
 
 
 def gains(rows: Rows, seed: int) -> list[Gain]:
-    """One per object, kind and rule, in order."""
+    """Compute the gain for every object, kind of belief and update rule, in order."""
     return [_gain_of(group, seed) for group in _groups(rows)]
 
 
-def pooled_tau(found: Sequence[Worth]) -> float | None:
-    """Kendall's tau-b over all that is given, of VOA against achieved value; None: undefined."""
-    voa = np.array([round(worth.voa, 12) for worth in found])
-    return rank_correlation(voa, np.array([round(worth.achieved.value, 12) for worth in found]))
+def pooled_tau(values: Sequence[Worth]) -> float | None:
+    """Compute Kendall's tau-b of VOA against achieved value over all given values; None: undefined."""
+    voa = np.array([round(worth.voa, 12) for worth in values])
+    return rank_correlation(voa, np.array([round(worth.achieved.value, 12) for worth in values]))
 
 
 def _groups(rows: Rows) -> Iterator[Rows]:
     for name in rows.objects:
         for kind in rows.kinds:
             for rule in rows.rules:
-                yield rows.of(target=name, kind=kind, rule=rule)
+                yield rows.of(name=name, kind=kind, rule=rule)
 
 
 def _worths_of(group: Rows, seed: int) -> Iterator[Worth]:
