@@ -124,7 +124,9 @@ def score_grasps(
     rows, columns = tuple(poses or target.poses), tuple(grasps or target.grasps)
     world = build_world(target)
     plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in columns}
-    tasks = [_Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns]
+    tasks = [
+        _Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns
+    ]
     by_name: dict[tuple[str, str], Cell] = {}
     for cell in _in_processes(tasks, processes) if processes > 1 else (_cell(task, world) for task in tasks):
         by_name[cell.pose, cell.grasp] = cell

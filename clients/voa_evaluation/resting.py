@@ -78,7 +78,7 @@ def drop_repeatedly(
     return RestCounts(target.name, {name: counts[name] for name in names}, seed)
 
 
-def prior_of(target: FleetObject, rests: RestCounts) -> list[float]:
+def prior_from(target: FleetObject, rests: RestCounts) -> list[float]:
     """Derive a prior, (poses,), from counts: the share of each way to rest, divided equally among its poses.
 
     Ways to rest without a pose in the scenario are left out: the prior is conditional on the object being in one of

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from voa_client.formatting import signed
-from voa_evaluation.looks.results import Results
 from voa_evaluation.looks.outcomes import Outcome, Rate
+from voa_evaluation.looks.results import Results
 from voa_evaluation.looks.rows import Rows
 from voa_evaluation.looks.setting import Belief
 from voa_evaluation.statistics import Interval
@@ -41,7 +41,9 @@ class Finding:
 
 def findings(results: Results) -> list[Finding]:
     """Compare VOA with every other policy, over all objects, in order."""
-    by_key = {(outcome.kind, outcome.rule, outcome.policy): outcome for outcome in results.outcomes if not outcome.object}
+    by_key = {
+        (outcome.kind, outcome.rule, outcome.policy): outcome for outcome in results.outcomes if not outcome.object
+    }
     return [
         _finding(results.rows.of(kind=kind, rule=rule), outcome, by_key[kind, rule, "voa"])
         for (kind, rule, policy), outcome in by_key.items()

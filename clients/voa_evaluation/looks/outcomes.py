@@ -120,7 +120,7 @@ def _level(group: Sequence[Point], seed: int) -> Level:
     )
 
 
-def endings(rows: Rows, policy: str) -> dict[str, int]:
+def result_counts(rows: Rows, policy: str) -> dict[str, int]:
     """Count the results of the grasps of a policy, the most frequent first."""
     counts = Counter(row.of_policy(policy).result for row in rows.rows)
     return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))

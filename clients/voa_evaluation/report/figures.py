@@ -1,33 +1,24 @@
-"""The pictures of the evaluations: PNG, readable without the paper, and by the colour-blind."""
+"""Pictures of grasp scores and of prediction errors: PNG, in colours that the colour-blind distinguish."""
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from voa_evaluation.grasp_scores import GraspScores
 from voa_evaluation.observation import ComparedBeam, ObservationErrors, errors_of
+from voa_fleet.show.figures import new_figure
 
 _DARK = 0.6  # of the scale: above it the numbers are white
 _DPI = 130
-_BLUE, _ORANGE = "#0072b2", "#d55e00"  # Okabe and Ito's: told apart by everybody
+_BLUE, _ORANGE = "#0072b2", "#d55e00"  # of Okabe and Ito
 _MOST_SENSORS = 8
 _MOST_ROWS, _MOST_COLUMNS = 4, 6
 
 
-def new_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = "constrained") -> Figure:
-    """A figure that needs no display; with many panels the constrained layout takes seconds."""
-    figure = Figure(figsize=(width_in, height_in), layout=layout)
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def grasp_score_table(file: Path, scores: GraspScores) -> None:
-    """The paper's Fig. 2 as PNG: poses x grasps, successes of attempts in every cell."""
+    """Draw the grasp scores as in Fig. 2 of the paper: poses x grasps, with successes of attempts in every cell."""
     figure = new_figure(2.6 + 1.05 * len(scores.grasps), 1.9 + 0.5 * len(scores.poses))
     axes = figure.subplots()
     shares = [[cell.successes / cell.attempts for cell in row] for row in scores.cells]
@@ -53,7 +44,7 @@ def grasp_score_table(file: Path, scores: GraspScores) -> None:
 
 
 def label_cells(axes: Axes, columns: Sequence[str], rows: Sequence[str]) -> None:
-    """Names at the sides of a table, and thin lines between its cells."""
+    """Write names at the sides of a table, and draw thin lines between its cells."""
     axes.set_xticks(range(len(columns)), list(columns))
     axes.set_yticks(range(len(rows)), list(rows))
     axes.set_xticks([place - 0.5 for place in range(1, len(columns))], minor=True)
@@ -62,18 +53,18 @@ def label_cells(axes: Axes, columns: Sequence[str], rows: Sequence[str]) -> None
     axes.tick_params(which="both", length=0)
 
 
-def errors_by_beam(file: Path, found: ObservationErrors) -> None:
-    """Measured minus predicted of every beam, one panel per sensor configuration, with the median per beam."""
-    shown = found.sensors[:_MOST_SENSORS]
+def errors_by_beam(file: Path, errors: ObservationErrors) -> None:
+    """Draw measured minus predicted range of every beam, with the median per beam; a panel per sensor configuration."""
+    shown = errors.sensors[:_MOST_SENSORS]
     columns = min(2, len(shown))
     rows = -(-len(shown) // columns)
     figure = new_figure(5.6 * columns, 0.9 + 2.3 * rows)
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    medians = found.by_beam()
-    apart = [abs(beam.error_mm) for beam in found.beams if beam.error_mm is not None]
+    medians = errors.by_beam()
+    apart = [abs(beam.error_mm) for beam in errors.beams if beam.error_mm is not None]
     reach = 1.15 * sorted(apart)[int(0.98 * (len(apart) - 1))] if apart else 1.0
     for axes, sensor in zip(panels.flat, shown, strict=False):
-        both = [beam for beam in found.beams if beam.sensor == sensor and beam.error_mm is not None]
+        both = [beam for beam in errors.beams if beam.sensor == sensor and beam.error_mm is not None]
         axes.axhline(0.0, color="#767676", linewidth=0.8)
         axes.plot(
             [_centred(beam.angle_deg) for beam in both],
@@ -86,9 +77,9 @@ def errors_by_beam(file: Path, found: ObservationErrors) -> None:
             label="one beam of one scan",
         )
         middles = sorted(
-            (_centred(angle), errors.median)
-            for (name, angle), errors in medians.items()
-            if name == sensor and errors.median is not None
+            (_centred(angle), own.median)
+            for (name, angle), own in medians.items()
+            if name == sensor and own.median is not None
         )
         axes.plot(
             [angle for angle, _ in middles],
@@ -106,23 +97,23 @@ def errors_by_beam(file: Path, found: ObservationErrors) -> None:
     for axes in list(panels.flat)[len(shown) :]:
         axes.set_visible(False)
     panels[0][0].legend(loc="upper right", fontsize=8)
-    more = "" if len(shown) == len(found.sensors) else f" (the first {len(shown)} of {len(found.sensors)} places)"
-    figure.suptitle(f"{found.name}: measured minus predicted range{more}", fontsize=11)
+    more = "" if len(shown) == len(errors.sensors) else f" (the first {len(shown)} of {len(errors.sensors)} places)"
+    figure.suptitle(f"{errors.name}: measured minus predicted range{more}", fontsize=11)
     figure.supxlabel("beam angle in the lidar's frame, degrees", fontsize=10)
     figure.supylabel("difference, mm", fontsize=10)
     figure.savefig(file, dpi=_DPI)
 
 
-def scan_overlays(file: Path, found: ObservationErrors) -> None:
-    """Measured over predicted points, seen from above in the lidar's frame: sensor configurations x poses."""
-    sensors, poses = found.sensors[:_MOST_ROWS], found.poses[:_MOST_COLUMNS]
+def scan_overlays(file: Path, errors: ObservationErrors) -> None:
+    """Draw measured over predicted points from above in the lidar's frame: sensor configurations x poses."""
+    sensors, poses = errors.sensors[:_MOST_ROWS], errors.poses[:_MOST_COLUMNS]
     width, height = 1.2 + 2.1 * len(poses), 1.4 + 2.1 * len(sensors)
     figure = new_figure(width, height, None)
     panels = figure.subplots(len(sensors), len(poses), squeeze=False, sharex="row", sharey="row")
     margins = {"left": 0.75 / width, "right": 1.0 - 0.15 / width, "bottom": 0.5 / height, "top": 1.0 - 0.8 / height}
     figure.subplots_adjust(**margins, wspace=0.3, hspace=0.3)
     for row, sensor in enumerate(sensors):
-        of_sensor = [beam for beam in found.beams if beam.sensor == sensor]
+        of_sensor = [beam for beam in errors.beams if beam.sensor == sensor]
         middle, half = _window(of_sensor)
         for column, pose in enumerate(poses):
             axes = panels[row][column]
@@ -141,18 +132,18 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
             axes.set_box_aspect(1.0)  # the window is square, so lengths are the same both ways
             axes.tick_params(labelsize=7)
             error = errors_of(pair).median_abs
-            told = "not measured" if error is None else f"median |error| {error:.1f} mm"
-            axes.set_title(f"{pose}\n{told}" if row == 0 else told, fontsize=8)
+            label = "not measured" if error is None else f"median |error| {error:.1f} mm"
+            axes.set_title(f"{pose}\n{label}" if row == 0 else label, fontsize=8)
             if column == 0:
                 axes.set_ylabel(f"from {sensor}\nleft, mm", fontsize=8)
             if row == len(sensors) - 1:
                 axes.set_xlabel("ahead, mm", fontsize=8)
     handles, labels = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper right", ncols=2, fontsize=9)
-    part = f" (the first {len(sensors)} of {len(found.sensors)} places, {len(poses)} of {len(found.poses)} poses)"
-    shown = "" if (sensors, poses) == (found.sensors, found.poses) else part
+    part = f" (the first {len(sensors)} of {len(errors.sensors)} places, {len(poses)} of {len(errors.poses)} poses)"
+    shown = "" if (sensors, poses) == (errors.sensors, errors.poses) else part
     figure.suptitle(
-        f"{found.name}: scans in the lidar's frame{shown}",
+        f"{errors.name}: scans in the lidar's frame{shown}",
         fontsize=11,
         x=0.02,
         y=1.0 - 0.12 / height,
@@ -163,7 +154,7 @@ def scan_overlays(file: Path, found: ObservationErrors) -> None:
 
 
 def _centred(angle_deg: float) -> float:
-    """The angle from -180 to 180 degrees: a lidar that faces the object sees it around 0."""
+    """Angle from -180 to 180 degrees: a lidar that faces the object sees it around 0."""
     return (angle_deg + 180.0) % 360.0 - 180.0
 
 

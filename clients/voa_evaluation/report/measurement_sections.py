@@ -1,17 +1,17 @@
-"""The sections of the page about what looks stand on: grasp scores and predicted scans."""
+"""Sections of the page about measurements: grasp scores, and errors of predicted scans."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from voa_evaluation.grasp_scores import GraspScores
 from voa_evaluation.observation import Errors, ObservationErrors
-from voa_fleet.show.page import Section, folded, heading, paragraph, picture, table
+from voa_fleet.show.page import Block, Folded, Heading, Paragraph, Picture, Section, Table
 
 
 def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -> Section:
-    """Grasp scores, a table and a picture per object."""
-    blocks = [
-        paragraph(
+    """Write the section about grasp scores: a table and a picture per object."""
+    blocks: list[Block] = [
+        Paragraph(
             "A grasp score is the share of attempts in which a grasp, fixed on the table, lifts the object from a "
             "pose. Every cell below names its successes of its attempts. The object lies a little off its pose each "
             "time, so a good grasp may fail. High scores in different columns for different poses are what make a look "
@@ -21,39 +21,39 @@ def grasp_section(scores: Sequence[GraspScores], pictures: Mapping[str, Path]) -
     for each in scores:
         total = sum(cell.successes for row in each.cells for cell in row)
         made = sum(cell.attempts for row in each.cells for cell in row)
-        blocks.append(heading(f"{each.object}: {total} of {made} attempts succeeded"))
+        blocks.append(Heading(f"{each.object}: {total} of {made} attempts succeeded"))
         blocks.append(
-            picture(pictures[each.object], f"Grasp scores of the {each.object}: poses in rows, grasps in columns.")
+            Picture(pictures[each.object], f"Grasp scores of the {each.object}: poses in rows, grasps in columns.")
         )
         rows = [[row[0].pose, *(f"{cell.successes}/{cell.attempts}" for cell in row)] for row in each.cells]
         blocks.append(
-            folded("as a table", table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows))
+            Folded("as a table", [Table(f"{each.object}: successes of attempts", ["pose", *each.grasps], rows)])
         )
     return Section("grasp-score", "Grasp scores", tuple(blocks))
 
 
 def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[str, Sequence[Path]]) -> Section:
-    """Prediction errors, per object or experiment."""
-    blocks = [
-        paragraph(
-            "VOA stands on predicted scans. Here is how far measured ranges are from predicted ones, beam by beam: "
-            "measured minus predicted, in millimetres, over the beams that return in both. Beams that return in one "
-            "alone are counted beside: at the outline of an object a millimetre decides whether a beam meets it."
+    """Write the section about prediction errors, per object or recorded experiment."""
+    blocks: list[Block] = [
+        Paragraph(
+            "VOA is computed from predicted scans. This section compares measured ranges with predicted ones, beam by "
+            "beam: measured minus predicted, in millimetres, over the beams that return in both. Beams that return in "
+            "one only are counted separately: at the outline of an object a millimetre decides whether a beam meets it."
         )
     ]
-    for found in errors:
-        overall = found.overall
-        title = f"{found.name}: {overall.beams} beams of {found.scans} scans return in both"
-        blocks.append(heading(title))
+    for compared in errors:
+        overall = compared.overall
+        title = f"{compared.name}: {overall.beams} beams of {compared.scans} scans return in both"
+        blocks.append(Heading(title))
         if overall.median_abs is not None and overall.p95_abs is not None:
-            source = "the record" if found.source == "recorded" else "the mesh"
+            source = "the recorded experiment" if compared.source == "recorded" else "the mesh"
             blocks.append(
-                paragraph(
+                Paragraph(
                     f"Predictions are from {source}. Half of the {overall.beams} beams differ by less than "
                     f"{overall.median_abs:.1f} mm, 95 % by less than {overall.p95_abs:.1f} mm."
                 )
             )
-        named = [*found.by_sensor().items(), ("all", overall)]
+        named = [*compared.by_sensor().items(), ("all", overall)]
         header = (
             "from",
             "beams",
@@ -66,16 +66,16 @@ def observation_section(errors: Sequence[ObservationErrors], pictures: Mapping[s
             "measured only",
             "predicted only",
         )
-        blocks.append(table("Measured minus predicted, mm", header, [[name, *_errors(each)] for name, each in named]))
+        blocks.append(Table("Measured minus predicted, mm", header, [[name, *_errors(each)] for name, each in named]))
         captions = ("The differences, a panel per place.", "Measured over predicted points, in the lidar's frame.")
         blocks += [
-            picture(file, f"{found.name}: {caption}")
-            for file, caption in zip(pictures[found.name], captions, strict=True)
+            Picture(file, f"{compared.name}: {caption}")
+            for file, caption in zip(pictures[compared.name], captions, strict=True)
         ]
     return Section("observation", "Observation prediction", tuple(blocks))
 
 
 def _errors(errors: Errors) -> list[str]:
     figures = (errors.mean, errors.median, errors.std, errors.lowest, errors.highest, errors.median_abs)
-    told = ["-" if figure is None else f"{figure:z.1f}" for figure in figures]
-    return [str(errors.beams), *told, str(errors.only_measured), str(errors.only_predicted)]
+    cells = ["-" if figure is None else f"{figure:z.1f}" for figure in figures]
+    return [str(errors.beams), *cells, str(errors.only_measured), str(errors.only_predicted)]

@@ -1,19 +1,19 @@
-"""Pictures of what looks were worth: PNG, labelled with units, told apart by marker and by colour (Okabe and Ito's)."""
+"""Pictures of the values of looks: PNG, with units; series differ by marker and by colour (Okabe and Ito)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from voa_evaluation.looks.calibration import Bin
-from voa_evaluation.report.figures import new_figure
 from voa_evaluation.looks.outcomes import Level, Outcome
-from voa_evaluation.looks.choices import POLICIES
 from voa_evaluation.looks.sensitivity import DISTURBANCES
 from voa_evaluation.looks.setting import BELIEFS, RULES
-from voa_evaluation.statistics import Interval
 from voa_evaluation.looks.worth import Gain, Worth
+from voa_evaluation.statistics import Interval
+from voa_fleet.show.figures import new_figure
+from voa_recordings.replay.experiment_report import ExperimentReport
 
 BLUE, ORANGE, GREEN, PINK, GREY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#767676"
 _OBJECT_STYLES = ((BLUE, "o"), (ORANGE, "s"), (GREEN, "^"), (PINK, "D"))
@@ -22,12 +22,12 @@ _UNIT = "success probability"
 
 
 def save(figure: Figure, file: Path) -> None:
-    """As PNG, without the names of the programs that made it: the same figures give the same bytes."""
+    """Write a figure as PNG without the names of the programs that made it, so that equal figures give equal bytes."""
     figure.savefig(file, dpi=_DPI, metadata={"Software": None})
 
 
 def worth_by_place(file: Path, worths: Sequence[Worth]) -> None:
-    """One object with a uniform belief: VOA, AECD and achieved value per sensor configuration, a panel per rule."""
+    """Draw VOA, AECD and achieved value per sensor configuration of an object, a panel per update rule."""
     rules = list(dict.fromkeys(worth.rule for worth in worths))
     figure = new_figure(12.0, 6.4)
     panels = figure.subplots(2, 3, sharey=True)
@@ -36,7 +36,7 @@ def worth_by_place(file: Path, worths: Sequence[Worth]) -> None:
         places = range(len(own))
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         _bars(axes, [place + 0.18 for place in places], [worth.achieved for worth in own], GREEN, "^", "achieved value")
-        _bars(axes, list(places), [worth.aecd for worth in own], ORANGE, "s", "AECD (scans really taken)")
+        _bars(axes, list(places), [worth.aecd for worth in own], ORANGE, "s", "AECD (scans that were taken)")
         axes.plot(
             [place - 0.18 for place in places],
             [worth.voa for worth in own],
@@ -50,7 +50,7 @@ def worth_by_place(file: Path, worths: Sequence[Worth]) -> None:
     _legend_panel(panels, len(rules))
     first = worths[0]
     figure.suptitle(
-        f"{first.object}, uniform belief: what a look from each place is worth ({first.achieved.count} drops)",
+        f"{first.object}, uniform belief: value of a look from each place ({first.achieved.count} drops)",
         fontsize=11,
     )
     figure.supxlabel("sensor configuration", fontsize=10)
@@ -59,7 +59,7 @@ def worth_by_place(file: Path, worths: Sequence[Worth]) -> None:
 
 
 def voa_against_achieved(file: Path, worths: Sequence[Worth], gains: Sequence[Gain]) -> None:
-    """Per rule: mean VOA of every sensor configuration against what it achieved, over objects and beliefs."""
+    """Draw the mean VOA of every sensor configuration against its achieved value, a panel per update rule."""
     objects = list(dict.fromkeys(worth.object for worth in worths))
     figure = new_figure(12.0, 7.6)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
@@ -92,7 +92,7 @@ def voa_against_achieved(file: Path, worths: Sequence[Worth], gains: Sequence[Ga
 
 
 def calibration_plot(file: Path, bins: Sequence[Bin]) -> None:
-    """Per rule: looks in bins of VOA, against their mean achieved value."""
+    """Draw the mean achieved value of looks against their VOA, in bins, a panel per update rule."""
     figure = new_figure(12.0, 7.4)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
     for axes, rule in zip(panels.flat, RULES, strict=False):
@@ -122,7 +122,7 @@ def calibration_plot(file: Path, bins: Sequence[Bin]) -> None:
 
 
 def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
-    """Per rule: the success rate of each policy over all objects, with Wilson's intervals."""
+    """Draw the success rate of each policy over all objects with Wilson's intervals, a panel per update rule."""
     overall = [outcome for outcome in outcomes if outcome.object is None]
     figure = new_figure(12.0, 6.2)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
@@ -131,8 +131,8 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
             own = [outcome for outcome in overall if (outcome.rule, outcome.kind) == (rule, kind)]
             shares = [outcome.rate.share for outcome in own]
             apart = [
-                [outcome.rate.share - outcome.rate.interval[0] for outcome in own],
-                [outcome.rate.interval[1] - outcome.rate.share for outcome in own],
+                [max(0.0, outcome.rate.share - outcome.rate.interval[0]) for outcome in own],
+                [max(0.0, outcome.rate.interval[1] - outcome.rate.share) for outcome in own],
             ]
             axes.errorbar(
                 shares,
@@ -145,7 +145,8 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
                 markersize=5,
                 label=f"{kind} belief",
             )
-        axes.set_yticks(range(len(POLICIES)), list(POLICIES))
+        policies = list(dict.fromkeys(outcome.policy for outcome in overall))
+        axes.set_yticks(range(len(policies)), policies)
         axes.grid(axis="x", color="#dddddd", linewidth=0.8)
         axes.set_title(rule, fontsize=10)
     panels[0][0].invert_yaxis()
@@ -157,7 +158,7 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
 
 
 def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
-    """Success with the recommended look against each disturbance, a row per rule, with and without stating it."""
+    """Draw success with the recommended look against each disturbance, stated and not, a row per update rule."""
     figure = new_figure(12.0, 12.5, None)
     panels = figure.subplots(len(RULES), len(DISTURBANCES), sharey=True)
     figure.subplots_adjust(left=0.07, right=0.985, bottom=0.045, top=0.945, wspace=0.08, hspace=0.2)
@@ -182,24 +183,31 @@ def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
     figure.legend(handles, labels, loc="upper right", ncols=3, fontsize=9)
     drops = levels[0].rate.drops if levels else 0
     figure.suptitle(
-        f"What disturbs a look ({drops} drops per point, 95 % intervals)", fontsize=11, x=0.01, y=0.985, ha="left"
+        f"Sensitivity of looks to disturbances ({drops} drops per point, 95 % intervals)",
+        fontsize=11,
+        x=0.01,
+        y=0.985,
+        ha="left",
     )
     save(figure, file)
 
 
-def recorded_worth(file: Path, name: str, rules: dict[str, dict[str, dict[str, float | None]]]) -> None:
-    """A recorded experiment: VOA against AECD per sensor configuration, a marker per rule."""
+def recorded_values(file: Path, report: ExperimentReport) -> None:
+    """Draw VOA against AECD of a recorded experiment, a point per sensor configuration and update rule."""
+    pairs = {
+        rule: [(look.voa, look.aecd) for look in sensors.values() if look.aecd is not None]
+        for rule, sensors in report.rules.items()
+    }
     figure = new_figure(6.4, 5.4)
     axes = figure.subplots()
-    styles = zip(rules, (BLUE, ORANGE, GREEN, PINK, GREY), "os^Dv", strict=False)
-    ends = [value for sensors in rules.values() for found in sensors.values() for value in _both(found)]
+    styles = zip(pairs, (BLUE, ORANGE, GREEN, PINK, GREY), "os^Dv", strict=False)
+    ends = [value for own in pairs.values() for pair in own for value in pair]
     low, high = min(ends, default=0.0) - 0.01, max(ends, default=0.1) + 0.01
     axes.plot([low, high], [low, high], color=GREY, linestyle="--", linewidth=1.0, label="as predicted")
     for rule, colour, marker in styles:
-        pairs = [pair for found in rules[rule].values() if (pair := _both(found))]
         axes.plot(
-            [pair[0] for pair in pairs],
-            [pair[1] for pair in pairs],
+            [voa for voa, _ in pairs[rule]],
+            [aecd for _, aecd in pairs[rule]],
             linestyle="none",
             marker=marker,
             color=colour,
@@ -208,16 +216,9 @@ def recorded_worth(file: Path, name: str, rules: dict[str, dict[str, dict[str, f
         )
     axes.set_xlabel(f"VOA over predicted scans, gain in {_UNIT}")
     axes.set_ylabel(f"AECD over measured scans, gain in {_UNIT}")
-    axes.set_title(f"{name}: a point per rule and sensor configuration", fontsize=10)
+    axes.set_title(f"{report.experiment}: a point per rule and sensor configuration", fontsize=10)
     axes.legend(fontsize=9)
     save(figure, file)
-
-
-def _both(found: Mapping[str, float | None]) -> list[float]:
-    """VOA and AECD, where both are known."""
-    pair = [found["voa"], found["aecd"]]
-    known = [value for value in pair if value is not None]
-    return known if len(known) == len(pair) else []
 
 
 def _bars(
@@ -251,8 +252,8 @@ def _bars(
 def _curve(axes: Axes, own: Sequence[Level], colour: str, marker: str, label: str, shift: float) -> None:
     shares = [level.rate.share for level in own]
     apart = [
-        [level.rate.share - level.rate.interval[0] for level in own],
-        [level.rate.interval[1] - level.rate.share for level in own],
+        [max(0.0, level.rate.share - level.rate.interval[0]) for level in own],
+        [max(0.0, level.rate.interval[1] - level.rate.share) for level in own],
     ]
     axes.errorbar(
         [level.level + shift for level in own],
@@ -274,12 +275,14 @@ def _diagonal(axes: Axes, values: Iterable[float]) -> None:
 
 
 def _legend_panel(panels: Sequence[Sequence[Axes]], used: int) -> None:
-    """The panel that is left over holds the legend."""
+    """Draw the legend in a panel that is left over."""
     flat = [axes for row in panels for axes in row]
     handles, labels = flat[0].get_legend_handles_labels()
     for axes in flat[used:]:
         axes.set_axis_off()
-        flat[flat.index(axes) - len(panels[0])].tick_params(labelbottom=True)  # nothing below has them
+        flat[flat.index(axes) - len(panels[0])].tick_params(
+            labelbottom=True
+        )  # the axes below, which had the labels, are off
     flat[used if used < len(flat) else 0].legend(
         handles, labels, loc="center" if used < len(flat) else "best", fontsize=9
     )

@@ -1,16 +1,17 @@
-"""The section of the page about what disturbs a look."""
+"""Section of the page about the sensitivity of looks to disturbances."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from voa_evaluation.looks.results import Found
+from voa_evaluation.looks.results import Results
 from voa_evaluation.looks.sensitivity import DISTURBANCES
 from voa_evaluation.statistics import interval_text
-from voa_fleet.show.page import Section, folded, items, paragraph, picture, table
+from voa_fleet.show.page import Folded, Items, Paragraph, Picture, Section, Table
 
 
-def sensitivity_section(found: Found, pictures: Mapping[str, Path]) -> Section:
-    """Curves and counts of every disturbance, and where they make channel harmful."""
+def sensitivity_section(results: Results, pictures: Mapping[str, Path]) -> Section:
+    """Write the section: curves and counts of every disturbance, and the levels at which looks do harm."""
+    drops = results.setting.sensitivity_drops
     units = {each.name: each.unit for each in DISTURBANCES}
     rows = [
         [
@@ -18,51 +19,50 @@ def sensitivity_section(found: Found, pictures: Mapping[str, Path]) -> Section:
             *(level.rule, f"{level.rate.successes}/{level.rate.drops}", f"{level.blind.successes}/{level.blind.drops}"),
             *(interval_text(level.gain), f"{level.not_accepted}/{level.rate.drops}"),
         ]
-        for level in found.levels
+        for level in results.levels
     ]
     header = ("disturbance", "level", "stated", "rule", "lifted with look", "without", "gain", "fitted no pose")
     return Section(
         "sensitivity",
         "What disturbs a look",
         (
-            paragraph(
-                f"The look that VOA recommends under a uniform belief, at the first {found.setting.sensitivity_drops} "
-                f"drops of each object ({found.setting.sensitivity_drops * len(found.rows.objects)} in all), while one "
-                "target gets worse. Where the robot's pose is uncertain, the robot may state how much, and the service "
-                "then averages over where it may stand. Below the dashed line channel does harm."
+            Paragraph(
+                f"The look that VOA recommends under a uniform belief, at the first {drops} drops of each object "
+                f"({drops * len(results.rows.objects)} in all), while one imperfection grows. Where the robot's pose is uncertain, the robot may state how much, and the service "
+                "then averages over the poses at which it may be. Below the dashed line a look does harm."
             ),
-            picture(pictures["sensitivity"], "Success rate against four disturbances, a row per update rule."),
-            items(_sensitivity_words(found)),
-            folded("as a table", table("Sensitivity", header, rows)),
+            Picture(pictures["sensitivity"], "Success rate against four disturbances, a row per update rule."),
+            Items(_sensitivity_words(results)),
+            Folded("as a table", [Table("Sensitivity", header, rows)]),
         ),
     )
 
 
-def _sensitivity_words(found: Found) -> list[str]:
-    told = []
+def _sensitivity_words(results: Results) -> list[str]:
+    sentences = []
     for disturbance in DISTURBANCES:
-        for rule in found.rows.rules:
-            own = [each for each in found.levels if (each.disturbance, each.rule) == (disturbance.name, rule)]
+        for rule in results.rows.rules:
+            own = [each for each in results.levels if (each.disturbance, each.rule) == (disturbance.name, rule)]
             harms = [each for each in own if each.gain.high < 0.0]
             for stated in (False, True):
                 bad = [f"{each.level:g}" for each in harms if each.stated is stated]
                 if bad:
-                    how = ", although stated," if stated else ""
-                    told.append(
-                        f"Negative: under {rule}, channel{how} does harm at {disturbance.title} of "
+                    how = " whose uncertainty is stated" if stated else ""
+                    sentences.append(
+                        f"Negative: under {rule}, a look{how} does harm at {disturbance.title} of "
                         f"{', '.join(bad)} {disturbance.unit}."
                     )
-    told += _stating_words(found)
-    return told or ["No disturbance made a look harmful with an interval that excludes zero."]
+    sentences += _stating_words(results)
+    return sentences or ["No disturbance made a look harmful with an interval that excludes zero."]
 
 
-def _stating_words(found: Found) -> list[str]:
-    told = []
-    for rule in found.rows.rules:
+def _stating_words(results: Results) -> list[str]:
+    sentences = []
+    for rule in results.rows.rules:
         pairs = [
             (plain, stated)
-            for plain in found.levels
-            for stated in found.levels
+            for plain in results.levels
+            for stated in results.levels
             if not plain.stated
             and stated.stated
             and (plain.disturbance, plain.level, plain.rule) == (stated.disturbance, stated.level, rule)
@@ -72,8 +72,8 @@ def _stating_words(found: Found) -> list[str]:
             ours = sum(stated.rate.successes for _, stated in pairs)
             other = sum(plain.rate.successes for plain, _ in pairs)
             total = sum(plain.rate.drops for plain, _ in pairs)
-            told.append(
+            sentences.append(
                 f"{rule}: over all levels of pose error, {ours} of {total} grasps succeeded with the uncertainty "
                 f"stated, {other} of {total} without."
             )
-    return told
+    return sentences

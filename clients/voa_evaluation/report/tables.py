@@ -1,40 +1,39 @@
-"""CSV files: the rows that everything is counted from, and the figures."""
+"""CSV files of an evaluation of looks: its rows, and the figures that are computed from them."""
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from voa_evaluation.looks.results import Found
-from voa_evaluation.looks.choices import POLICIES
+from voa_evaluation.looks.results import Results
 from voa_evaluation.statistics import Interval
 
 Cell = str | int | float | bool | None
 NO_LOOK = "none"
-"""In the column `sensor`, where there was no look."""
+"""Content of the column `sensor` without a look."""
 
 
-def write_tables(folder: Path, found: Found) -> dict[str, Path]:
-    """Write all CSV files; returns them by what they hold."""
+def write_tables(folder: Path, results: Results) -> dict[str, Path]:
+    """Write all CSV files to a folder; return their paths by a description of their contents."""
     folder.mkdir(parents=True, exist_ok=True)
     tables: dict[str, tuple[str, Sequence[str], Iterable[Sequence[Cell]]]] = {
-        "every look": ("voa-looks.csv", _LOOKS, _looks(found)),
-        "every choice": ("voa-choices.csv", _CHOICES, _choices(found)),
-        "worth per sensor configuration": ("voa-worth.csv", _WORTH, _worth(found)),
-        "gain by choosing": ("voa-gains.csv", _GAINS, _gains(found)),
-        "success per policy": ("voa-policies.csv", _POLICIES, _policies(found)),
-        "calibration": ("voa-calibration.csv", _BINS, _bins(found)),
-        "every disturbed look": ("voa-sensitivity-drops.csv", _POINTS, _points(found)),
-        "sensitivity": ("voa-sensitivity.csv", _LEVELS, _levels(found)),
+        "every look": ("voa-looks.csv", _LOOKS, _looks(results)),
+        "every choice": ("voa-choices.csv", _CHOICES, _choices(results)),
+        "worth per sensor configuration": ("voa-worth.csv", _WORTH, _worth(results)),
+        "gain by choosing": ("voa-gains.csv", _GAINS, _gains(results)),
+        "success per policy": ("voa-policies.csv", _POLICIES, _policies(results)),
+        "calibration": ("voa-calibration.csv", _BINS, _bins(results)),
+        "every disturbed look": ("voa-sensitivity-drops.csv", _POINTS, _points(results)),
+        "sensitivity": ("voa-sensitivity.csv", _LEVELS, _levels(results)),
     }
     files = {}
-    for what, (name, header, rows) in tables.items():
-        files[what] = folder / name
+    for contents, (name, header, rows) in tables.items():
+        files[contents] = folder / name
         write_csv(folder / name, header, rows)
     return files
 
 
 def write_csv(file: Path, header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> None:
-    """One CSV file: numbers with six decimals at most, truth as 0 or 1, nothing where nothing is known."""
+    """Write a CSV file: numbers with six decimals, True and False as 1 and 0, None as an empty cell."""
     with file.open("w", encoding="utf-8", newline="") as lines:
         writer = csv.writer(lines, lineterminator="\n")
         writer.writerow(header)
@@ -61,8 +60,8 @@ _LOOKS = (
 )
 
 
-def _looks(found: Found) -> Iterator[Sequence[Cell]]:
-    for row in found.rows.rows:
+def _looks(results: Results) -> Iterator[Sequence[Cell]]:
+    for row in results.rows.rows:
         own = row.object, row.kind, row.drop, row.pose, row.rule
         for look in (row.before, *row.looks):
             worth = look.sensor or NO_LOOK, look.voa, row.before.expected, look.expected
@@ -72,9 +71,9 @@ def _looks(found: Found) -> Iterator[Sequence[Cell]]:
 _CHOICES = ("object", "belief", "drop", "rule", "policy", "sensor", "grasp", "success")
 
 
-def _choices(found: Found) -> Iterator[Sequence[Cell]]:
-    for row in found.rows.rows:
-        for policy in POLICIES:
+def _choices(results: Results) -> Iterator[Sequence[Cell]]:
+    for row in results.rows.rows:
+        for policy in results.setting.policies:
             look = row.of_policy(policy)
             sensor = look.sensor or NO_LOOK
             yield row.object, row.kind, row.drop, row.rule, policy, sensor, look.grasp, look.success
@@ -86,8 +85,8 @@ _WORTH = (
 )
 
 
-def _worth(found: Found) -> Iterator[Sequence[Cell]]:
-    for worth in found.worths:
+def _worth(results: Results) -> Iterator[Sequence[Cell]]:
+    for worth in results.worths:
         own = worth.object, worth.kind, worth.rule, worth.sensor, worth.voa
         counts = worth.with_look, worth.without, worth.achieved.count, worth.not_accepted
         yield *own, *_interval(worth.aecd), *_interval(worth.achieved), *counts
@@ -100,8 +99,8 @@ _GAINS = (
 )
 
 
-def _gains(found: Found) -> Iterator[Sequence[Cell]]:
-    for gain in found.gains:
+def _gains(results: Results) -> Iterator[Sequence[Cell]]:
+    for gain in results.gains:
         own = gain.object, gain.kind, gain.rule
         values = *_interval(gain.delta), gain.best, *_interval(gain.delta_star), *_interval(gain.over_random)
         yield *own, *values, *_interval(gain.tau), *_interval(gain.tau_aecd), gain.delta.count
@@ -113,8 +112,8 @@ _POLICIES = (
 )
 
 
-def _policies(found: Found) -> Iterator[Sequence[Cell]]:
-    for outcome in found.outcomes:
+def _policies(results: Results) -> Iterator[Sequence[Cell]]:
+    for outcome in results.outcomes:
         own = outcome.object or "all", outcome.kind, outcome.rule, outcome.policy
         rate = outcome.rate
         yield *own, rate.successes, rate.drops, rate.share, *rate.interval, *_interval(outcome.behind)
@@ -123,8 +122,8 @@ def _policies(found: Found) -> Iterator[Sequence[Cell]]:
 _BINS = ("belief", "rule", "from", "below", "mean_voa", "achieved", "low", "high", "looks", "drops")
 
 
-def _bins(found: Found) -> Iterator[Sequence[Cell]]:
-    for each in found.bins:
+def _bins(results: Results) -> Iterator[Sequence[Cell]]:
+    for each in results.bins:
         own = each.kind, each.rule, each.low, each.high, each.voa
         yield *own, *_interval(each.achieved), each.achieved.count, each.drops
 
@@ -135,8 +134,8 @@ _POINTS = (
 )
 
 
-def _points(found: Found) -> Iterator[Sequence[Cell]]:
-    for point in found.points:
+def _points(results: Results) -> Iterator[Sequence[Cell]]:
+    for point in results.points:
         own = point.disturbance, point.level, point.stated, point.rule, point.object, point.drop
         yield *own, point.sensor or NO_LOOK, point.reason, point.grasp, point.success, point.blind
 
@@ -147,8 +146,8 @@ _LEVELS = (
 )
 
 
-def _levels(found: Found) -> Iterator[Sequence[Cell]]:
-    for level in found.levels:
+def _levels(results: Results) -> Iterator[Sequence[Cell]]:
+    for level in results.levels:
         own = level.disturbance, level.level, level.stated, level.rule
         counts = level.rate.successes, level.blind.successes, level.rate.drops, level.not_accepted
         yield *own, *counts, *_interval(level.gain)
