@@ -98,7 +98,7 @@ def prior_from(target: FleetObject, rests: RestCounts) -> list[float]:
 
 
 def rest_of(target: FleetObject, up: Floats) -> str:
-    """Name the way to rest in which the world's z axis is `up` (3,) in the object's frame; `other` if it has no name."""
+    """Name the way to rest with the world's z axis at `up` (3,) in the object's frame; `other` if it has no name."""
     for name, rest in target.physics.rests.items():
         for own in rest.ups:
             direction = np.array(own)

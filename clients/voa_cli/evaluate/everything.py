@@ -19,13 +19,13 @@ from voa_cli.evaluate.observation import errors_of_record, write_errors
 from voa_cli.progress import shown_progress
 from voa_client import VoaClientError
 from voa_client.local import service_at
-from voa_evaluation.report.measurement_sections import grasp_section, observation_section
 from voa_evaluation.looks.results import find
+from voa_evaluation.looks.setting import Setting, usual_imperfections
 from voa_evaluation.observation import ObservationErrors, simulated_errors
+from voa_evaluation.report.measurement_sections import grasp_section, observation_section
 from voa_evaluation.report.pictures import recorded_worth
 from voa_evaluation.report.recorded_section import recorded_section
 from voa_evaluation.report.sections import LEAD, looks_sections
-from voa_evaluation.looks.setting import Setting, usual_imperfections
 from voa_evaluation.report.tables import write_csv, write_tables
 from voa_fleet.errors import FleetError
 from voa_fleet.show.page import Section, command, contents, notice, page, paragraph
@@ -66,7 +66,9 @@ def _of_fleet(options: argparse.Namespace, targets: Sequence[FleetObject]) -> di
     with service_at(options.url) as client:
         found = find(client, targets, setting, progress_bar)
     folder = options.out
-    tables = {target.name: write_scores(folder, target, each) for target, each in zip(targets, found.scores, strict=True)}
+    tables = {
+        target.name: write_scores(folder, target, each) for target, each in zip(targets, found.scores, strict=True)
+    }
     write_tables(folder, found)
     sections = [
         grasp_section(found.scores, {name: files["picture"] for name, files in tables.items()}),

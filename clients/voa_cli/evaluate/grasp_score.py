@@ -18,10 +18,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
-from voa_evaluation.report.figures import grasp_score_table
 from voa_evaluation.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
-from voa_fleet.world.attempts import Result
+from voa_evaluation.report.figures import grasp_score_table
 from voa_fleet.errors import FleetError
+from voa_fleet.world.attempts import Result
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
 
@@ -50,10 +50,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _score(target: FleetObject, options: argparse.Namespace) -> GraspScores:
     if options.opening_mm is not None:
         target = target.with_opening(options.opening_mm / 1e3)
-    imperfections = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
+    imperfections = Imperfections(
+        object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg)
+    )
     total = len(target.poses) * len(target.grasps) * options.attempts
     with progress_bar(f"attempting grasps of the {target.name}", total) as advance:
-        return score_grasps(target, options.attempts, imperfections, options.seed, processes=options.processes, progress=advance)
+        return score_grasps(
+            target, options.attempts, imperfections, options.seed, processes=options.processes, progress=advance
+        )
 
 
 def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None:

@@ -20,9 +20,9 @@ from voa_cli.pictures import before_and_after
 from voa_client import VoaClientError
 from voa_client.local import service_at
 from voa_evaluation import pictures
+from voa_evaluation.looks.choices import POLICIES
 from voa_evaluation.looks.findings import findings
 from voa_evaluation.looks.results import Found, find
-from voa_evaluation.looks.choices import POLICIES
 from voa_evaluation.looks.setting import BELIEFS, Setting
 from voa_evaluation.report.tables import write_tables
 from voa_fleet.errors import FleetError

@@ -20,7 +20,6 @@ from rich.table import Table
 
 from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
 from voa_client import VoaClientError
-from voa_evaluation.report.figures import errors_by_beam, scan_overlays
 from voa_evaluation.observation import (
     Errors,
     ObservationErrors,
@@ -29,6 +28,7 @@ from voa_evaluation.observation import (
     recorded_errors,
     simulated_errors,
 )
+from voa_evaluation.report.figures import errors_by_beam, scan_overlays
 from voa_fleet.errors import FleetError
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject

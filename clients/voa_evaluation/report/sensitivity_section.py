@@ -28,7 +28,8 @@ def sensitivity_section(results: Results, pictures: Mapping[str, Path]) -> Secti
         (
             Paragraph(
                 f"The look that VOA recommends under a uniform belief, at the first {drops} drops of each object "
-                f"({drops * len(results.rows.objects)} in all), while one imperfection grows. Where the robot's pose is uncertain, the robot may state how much, and the service "
+                f"({drops * len(results.rows.objects)} in all), while one imperfection grows. Where "
+                "the robot's pose is uncertain, the robot may state how much, and the service "
                 "then averages over the poses at which it may be. Below the dashed line a look does harm."
             ),
             Picture(pictures["sensitivity"], "Success rate against four disturbances, a row per update rule."),
