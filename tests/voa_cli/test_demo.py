@@ -19,17 +19,18 @@ from rich.console import Console
 from tests.voa_fleet.show.test_live_report import FIRST, RANKING, session
 from voa_cli import demo as command
 from voa_cli.main import main
-from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.devices.protocol import GraspOutcome
-from voa_fleet.episodes.looks import TakenLook
-from voa_fleet.episodes.comparison import Comparison, Tally
 from voa_fleet.episodes.bench import make_bench
-from voa_fleet.episodes.episode import Event, GraspEnded, Episode
+from voa_fleet.episodes.comparison import Comparison, Tally
+from voa_fleet.episodes.episode import Episode
+from voa_fleet.episodes.events import Event, GraspEnded
+from voa_fleet.episodes.looks import TakenLook
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.demo_page import Demo
-from voa_fleet.show.interruption import TimeIsUp, interruptible
 from voa_fleet.show.episode_pictures import belief_by_look
-from voa_fleet.world.objects import FleetObject
+from voa_fleet.show.interruption import TimeIsUp, interruptible
+from voa_fleet.world.clocks import VirtualClock
+from voa_fleet.world.objects import named_object
 from voa_msgs.rankings import Ranking
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -49,41 +50,39 @@ def test_the_demo_tells_the_story_and_leaves_a_page(capfd: pytest.CaptureFixture
         < flat.index("the arm tries")
     )
     assert 2 <= told.count("looked from") <= 3
-    truth = re.search(r"In truth the mallet was at (\S+) \((.*?)\)", flat)
+    truth = re.search(r"The true pose of the mallet was (\S+) \((.*?)\)", flat)
     assert truth is not None
     assert "TOP (top-down on the handle that points up) succeeded." in flat
-    counts = re.search(r"without a look (\d) of 3 grasps failed, with up to 3 looks (\d) of 3", flat)
+    counts = re.search(r"Without a look (\d) of 3 grasps failed, with looks (\d) of 3", flat)
     assert counts is not None
     assert int(counts[1]) > int(counts[2])
     assert (out / "demo.html").resolve().as_uri() in told.replace("\n", "")
     page = (out / "demo.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") >= 4
     assert not re.findall(r'(?:src|href)="(?!data:)', page)  # it needs no other file
-    assert f"at {truth[1]} ({truth[2]})" in page
+    assert f"was {truth[1]} ({truth[2]})" in page
     for picture in ("belief.png", "from-above.png", "comparison.png", "before-and-after.png"):
         content = (out / picture).read_bytes()
         assert content.startswith(PNG)
         assert len(content) > 10_000
 
 
-def test_without_opengl_it_says_so_and_takes_no_pictures(
-    targets: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_opengl_it_says_so_and_takes_no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_arguments: object, **_more: object) -> None:
         raise NoGraphics("no OpenGL here")
 
     monkeypatch.setattr(command, "Renderer", refused)
-    told = Demo(targets["mallet"], seed=0)
-    bench = make_bench(targets["mallet"], command.IMPERFECTIONS, 0, VirtualClock(), "robot")
+    told = Demo(named_object("mallet"), seed=0)
+    bench = make_bench(named_object("mallet"), command.IMPERFECTIONS, 0, VirtualClock(), "robot")
     with ExitStack() as stack:
         camera = command.Camera.of(stack, told, bench)
-        camera.hear(Event("robot", 0.0, GraspEnded(GraspOutcome("TOP", success=True))))
+        camera.record(Event("robot", 0.0, GraspEnded(GraspOutcome("TOP", success=True))))
     assert (told.no_frames, told.frames) == ("no OpenGL here", [])
 
 
 @pytest.mark.parametrize("ended", [None, KeyboardInterrupt(), TimeIsUp()])
 def test_the_table_is_printed_when_the_progress_bar_is_gone(
-    ended: BaseException | None, targets: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
+    ended: BaseException | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     screen = io.StringIO()
 
@@ -95,14 +94,14 @@ def test_the_table_is_printed_when_the_progress_bar_is_gone(
         finally:
             screen.write("</bar>")
 
-    def play(comparison: Comparison, *_: object) -> None:
+    def run(comparison: Comparison, *_: object) -> None:
         comparison.tallies = {name: Tally(name, (True,)) for name in comparison.policies}
         if ended is not None:
             raise ended
 
     monkeypatch.setattr(command, "progress_bar", bar)
-    monkeypatch.setattr(Comparison, "play", play)
-    shown = Demo(targets["mallet"], seed=0)
+    monkeypatch.setattr(Comparison, "run", run)
+    shown = Demo(named_object("mallet"), seed=0)
     nothing: Any = None
     with suppress(KeyboardInterrupt, TimeIsUp), interruptible(None) as interruption:
         command.show_comparison(

@@ -10,7 +10,16 @@ import pytest
 from voa_assets import path
 from voa_cli.evaluate import command as evaluate
 from voa_cli.evaluate import drops as command
-from voa_evaluation.resting import MOVING, OTHER, STABLE_RAD, Drops, drop, prior_of, rest_of, tilt_when_let_go
+from voa_evaluation.resting import (
+    MOVING,
+    OTHER,
+    STABLE_RAD,
+    RestCounts,
+    drop_repeatedly,
+    prior_from,
+    rest_of,
+    tilt_when_let_go,
+)
 from voa_fleet.world.objects import OBJECTS, FleetObject
 
 
@@ -30,7 +39,7 @@ def test_a_pose_that_is_not_stable_is_found_out(mug: FleetObject) -> None:
 @pytest.mark.parametrize("name", OBJECTS)
 def test_drops_come_to_rest_in_ways_that_have_a_name(targets: dict[str, FleetObject], name: str) -> None:
     told: list[int] = []
-    drops = drop(targets[name], 24, seed=2, progress=told.append)
+    drops = drop_repeatedly(targets[name], 24, seed=2, progress=told.append)
     assert sum(told) == drops.total == 24
     assert drops.counts[OTHER] <= 1
     assert drops.counts[MOVING] <= 4
@@ -38,21 +47,21 @@ def test_drops_come_to_rest_in_ways_that_have_a_name(targets: dict[str, FleetObj
 
 
 def test_the_same_seed_drops_the_same_way(mug: FleetObject) -> None:
-    assert drop(mug, 6, seed=3) == drop(mug, 6, seed=3)
+    assert drop_repeatedly(mug, 6, seed=3) == drop_repeatedly(mug, 6, seed=3)
 
 
 def test_the_prior_shares_each_way_to_rest_among_its_poses(mug: FleetObject) -> None:
-    drops = Drops("mug", {"upright": 30, "upside down": 10, "on its side": 55, OTHER: 3, MOVING: 2}, 0)
-    prior = prior_of(mug, drops)
+    drops = RestCounts("mug", {"upright": 30, "upside down": 10, "on its side": 55, OTHER: 3, MOVING: 2}, 0)
+    prior = prior_from(mug, drops)
     assert sum(prior) == pytest.approx(1.0)
     assert prior[mug.poses.index("D_90")] == pytest.approx(0.25)
     assert prior[mug.poses.index("U_45")] == pytest.approx(0.15)
 
 
 def test_without_a_drop_into_a_pose_there_is_no_prior(mug: FleetObject) -> None:
-    nowhere = Drops("mug", {"upright": 0, "upside down": 0, "on its side": 5, OTHER: 0, MOVING: 0}, 0)
+    nowhere = RestCounts("mug", {"upright": 0, "upside down": 0, "on its side": 5, OTHER: 0, MOVING: 0}, 0)
     with pytest.raises(ValueError, match="in 5 drops the mug never came to rest"):
-        prior_of(mug, nowhere)
+        prior_from(mug, nowhere)
 
 
 @pytest.mark.parametrize(

@@ -14,27 +14,25 @@ from tests.support.waiting import wait_for
 from voa_client import Client, ConflictError, InvalidRequestError
 from voa_client.scenario_files import load_scenario
 from voa_client.zenoh_session import address_of, joined
-from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.devices.protocol import DeviceError, GraspOutcome
-from voa_fleet.episodes.ros2_looks import Ros2Channel, MappedRobot, mapping
-from voa_fleet.episodes.looks import client_channel
 from voa_fleet.devices.simulated import SimulatedArm
-from voa_fleet.episodes.comparison import Comparison
-from voa_fleet.episodes.policies import policy_named
 from voa_fleet.episodes.bench import Bench, make_bench
-from voa_fleet.episodes.episode import (
-    RobotArrived,
-    LookChosen,
+from voa_fleet.episodes.comparison import Comparison
+from voa_fleet.episodes.episode import Episode, Pair, run_episode
+from voa_fleet.episodes.events import (
     Event,
     GraspEnded,
     GraspStarted,
+    LookChosen,
     LookTaken,
-    SessionOpened,
-    Pair,
     OutcomeReported,
-    Episode,
-    play,
+    RobotArrived,
+    SessionOpened,
 )
+from voa_fleet.episodes.looks import client_channel
+from voa_fleet.episodes.policies import policy_named
+from voa_fleet.episodes.ros2_looks import MappedRobot, Ros2Channel, mapping
+from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry
 from voa_fleet.world.objects import FleetObject
@@ -78,14 +76,15 @@ def bench(mallet: FleetObject) -> Bench:
     return make_bench(mallet, IMPERFECTIONS, 0, VirtualClock(), ROBOT)
 
 
-def told(
+def run(
     client: Client, scenario: Scenario, bench: Bench, policy: str = "voa", index: int = 0, most: int = 3
 ) -> tuple[Episode, list[Event], str]:
-    drop = bench.drop(index)
-    channel = client_channel(client, drop.robot, scenario)
+    prepared = bench.prepare(index)
+    channel = client_channel(client, prepared.robot, scenario)
     events: list[Event] = []
-    pair = Pair(ROBOT, client, drop.robot, drop.arm, channel, bench.scene.clock)
-    return play(pair, scenario, policy_named(policy, index), most, events.append), events, drop.truth
+    pair = Pair(ROBOT, client, prepared.robot, prepared.arm, channel, bench.scene.clock)
+    episode = run_episode(pair, scenario, policy_named(policy), most, events.append, seed=index)
+    return episode, events, prepared.drop.pose
 
 
 def beliefs(episode: Episode) -> list[list[float]]:
@@ -98,8 +97,8 @@ def test_a_pair_looks_until_it_knows_and_lifts_the_object(
 ) -> None:
     with Client(getattr(lab, way)) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        episode, events, truth = told(client, scenario, bench)
-        kinds = [type(event.what) for event in events]
+        episode, events, truth = run(client, scenario, bench)
+        kinds = [type(event.step) for event in events]
         look = [LookChosen, RobotArrived, LookTaken]
         assert kinds == [SessionOpened, *look, *look, *look, LookChosen, GraspStarted, GraspEnded, OutcomeReported]
         assert [event.at_s for event in events] == sorted(event.at_s for event in events)
@@ -119,7 +118,7 @@ def test_the_way_to_the_service_changes_nothing(lab: Lab, mallet: FleetObject, b
     for url in (lab.http, lab.zenoh):
         with Client(url) as client:
             scenario = load_scenario(client, mallet.folder / "scenario.json")
-            episodes.append(told(client, scenario, bench, index=7)[0])
+            episodes.append(run(client, scenario, bench, index=7)[0])
     assert beliefs(episodes[0]) == beliefs(episodes[1])
     assert episodes[0].grasp == episodes[1].grasp
     assert episodes[0].seconds == pytest.approx(episodes[1].seconds)
@@ -129,7 +128,7 @@ def test_a_robot_that_errs_says_so_with_its_pose(lab: Lab, mallet: FleetObject) 
     bench = make_bench(mallet, replace(IMPERFECTIONS, robot_xy_m=0.01, robot_yaw_rad=0.02), 0, VirtualClock(), ROBOT)
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        episode, _, _ = told(client, scenario, bench, most=1)
+        episode, _, _ = run(client, scenario, bench, most=1)
     (look,) = episode.looks
     assert look.request is not None
     assert look.request.sensor is None
@@ -147,7 +146,7 @@ def test_other_policies_use_up_their_looks_and_a_seed_decides_all(
 ) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        one, again = (told(client, scenario, bench, policy, 2, looks)[0] for _ in range(2))
+        one, again = (run(client, scenario, bench, policy, 2, looks)[0] for _ in range(2))
     assert len(one.looks) == looks
     assert len({look.sensor for look in one.looks}) == looks
     assert [look.sensor for look in one.looks] == [look.sensor for look in again.looks]
@@ -165,10 +164,10 @@ class StuckArm(SimulatedArm):
 def test_an_arm_that_reaches_nothing_ends_the_story(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        drop = bench.drop(0)
-        channel = client_channel(client, drop.robot, scenario)
-        pair = Pair(ROBOT, client, drop.robot, StuckArm(drop.arm.scene), channel, bench.scene.clock)
-        episode = play(pair, scenario, policy_named("voa", 0))
+        prepared = bench.prepare(0)
+        channel = client_channel(client, prepared.robot, scenario)
+        pair = Pair(ROBOT, client, prepared.robot, StuckArm(prepared.arm.scene), channel, bench.scene.clock)
+        episode = run_episode(pair, scenario, policy_named("voa"))
     assert (episode.looks, episode.grasp, episode.outcome, episode.success) == ((), None, None, False)
 
 
@@ -182,18 +181,18 @@ class ClumsyArm(SimulatedArm):
 def test_an_attempt_that_moved_the_object_is_not_reported(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        drop = bench.drop(0)
+        prepared = bench.prepare(0)
         events: list[Event] = []
         pair = Pair(
             ROBOT,
             client,
-            drop.robot,
-            ClumsyArm(drop.arm.scene),
-            client_channel(client, drop.robot, scenario),
+            prepared.robot,
+            ClumsyArm(prepared.arm.scene),
+            client_channel(client, prepared.robot, scenario),
             bench.scene.clock,
         )
-        episode = play(pair, scenario, policy_named("none", 0), tell=events.append)
-        assert events[-1].what == OutcomeReported(None)
+        episode = run_episode(pair, scenario, policy_named("none"), listener=events.append)
+        assert events[-1].step == OutcomeReported(None)
         assert [entry.kind for entry in client.history(episode.before.id)] == ["prior"]
 
 
@@ -204,11 +203,11 @@ def test_a_ros_2_robot_tells_the_same_story_through_the_mapping(lab: Lab, mallet
         assert [robot.scan_topic for robot in load(lab.robots.read_text())] == [f"{ROBOT}/scan"]
         episodes = []
         for index in (0, 1):  # the second in a session of its own, while the robot is known from the first
-            drop = bench.drop(index)
+            prepared = bench.prepare(index)
             lidar = lidar_geometry(scenario.lidar)
-            channel = Ros2Channel(client, bus.put, drop.robot, lidar, bench.scene.clock)
-            pair = Pair(ROBOT, client, drop.robot, drop.arm, channel, bench.scene.clock)
-            episode = play(pair, scenario, policy_named("voa", 0))
+            channel = Ros2Channel(client, bus.put, prepared.robot, lidar, bench.scene.clock)
+            pair = Pair(ROBOT, client, prepared.robot, prepared.arm, channel, bench.scene.clock)
+            episode = run_episode(pair, scenario, policy_named("voa"))
             assert episode.success
             kinds = [entry.kind for entry in client.history(episode.before.id)]
             assert kinds == ["prior", "scan", "scan", "scan", "outcome"]
@@ -229,7 +228,7 @@ def silent(client: Client, bench: Bench, scenario: Scenario) -> Ros2Channel:
     return Ros2Channel(
         client,
         lambda _key, _payload: None,
-        bench.drop(0).robot,
+        bench.prepare(0).robot,
         lidar_geometry(scenario.lidar),
         bench.scene.clock,
         sleep=lambda _seconds: None,
@@ -298,7 +297,9 @@ def test_sessions_of_others_take_no_look_of_the_robot_and_a_claim_by_others_is_t
     with Client(lab.zenoh) as client, Client(lab.http) as web, joined(address_of(lab.zenoh)) as bus:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
         mapped(lab, client, scenario.id)
-        channel = Ros2Channel(client, bus.put, bench.drop(0).robot, lidar_geometry(scenario.lidar), bench.scene.clock)
+        channel = Ros2Channel(
+            client, bus.put, bench.prepare(0).robot, lidar_geometry(scenario.lidar), bench.scene.clock
+        )
         session = channel.open(scenario)
         other = client.create_session(SessionRequest(scenario=scenario.id))
         assert channel.look(session, scenario.sensors[0]).update is not None
@@ -317,7 +318,7 @@ def test_revolutions_that_got_lost_are_published_again(lab: Lab, mallet: FleetOb
         channel = Ros2Channel(
             client,
             lambda key, payload: bus.put(key, payload) if next(messages) >= lost else None,
-            bench.drop(0).robot,
+            bench.prepare(0).robot,
             lidar_geometry(scenario.lidar),
             bench.scene.clock,
         )
@@ -343,13 +344,13 @@ def test_the_contrast_plays_the_same_drops_for_each(lab: Lab, mallet: FleetObjec
     steps: list[int] = []
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        comparison.play(client, scenario, bench, range(3), 3, steps.append)
+        comparison.run(client, scenario, bench, range(3), 3, steps.append)
     without, with_looks = comparison.tallies["none"], comparison.tallies["voa"]
     assert len(steps) == 6
     assert (without.attempts, without.looks) == (3, 0)
     assert (with_looks.attempts, with_looks.looks) == (3, 9)
     # Without a look the first grasp, along +x: right at F_0 and E_0 alone.
-    truths = [bench.drop(index).truth for index in range(3)]
+    truths = [bench.prepare(index).drop.pose for index in range(3)]
     assert list(without.lifted) == [truth in ("F_0", "E_0") for truth in truths]
     assert with_looks.successes == 3
     low, high = with_looks.interval

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from voa_fleet.episodes.look_scans import laser_scan, median_look
+from voa_fleet.episodes.look_scans import driver_scan, median_look
 from voa_fleet.world.lidar import LidarGeometry
 from voa_msgs.sessions import Scan
 
@@ -21,7 +21,7 @@ def test_the_median_beam_by_beam_and_a_lost_packet_loses_nothing() -> None:
 
 def test_what_a_device_says_of_its_beams_wins() -> None:
     scan = Scan(ranges=[0.3, None, 9.0], no_return=[2], angle_min=-1.0, angle_increment=1.0, range_max=2.0)
-    message = laser_scan(scan, LIDAR, 12.25)
+    message = driver_scan(scan, LIDAR, 12.25)
     assert (message.angle_min, message.angle_max, message.angle_increment) == (-1.0, 1.0, 1.0)
     assert (message.range_min, message.range_max, message.stamp.seconds) == (0.12, 2.0, 12.25)
     assert message.ranges[0] == 0.3

@@ -1,4 +1,4 @@
-"""Telling: lines, and the table that follows."""
+"""The live report: lines of events, and the table that is kept up to date."""
 
 import io
 import re
@@ -9,9 +9,20 @@ from rich.console import Console
 from rich.table import Table
 
 from voa_fleet.devices.protocol import GraspOutcome
+from voa_fleet.episodes.events import (
+    Event,
+    GraspEnded,
+    GraspStarted,
+    LookChosen,
+    LookTaken,
+    OutcomeReported,
+    SessionOpened,
+    Step,
+)
 from voa_fleet.episodes.looks import TakenLook
-from voa_fleet.episodes.episode import LookChosen, Event, GraspEnded, GraspStarted, Step, LookTaken, SessionOpened, OutcomeReported
-from voa_fleet.show.live_report import Row, LiveReport, belief_table, event_line
+from voa_fleet.show.event_lines import event_line
+from voa_fleet.show.live_report import LiveReport
+from voa_fleet.show.tables import PairState, belief_table
 from voa_msgs.rankings import Look, RankedSensor, Ranking
 from voa_msgs.sessions import Session, UpdateReport
 
@@ -72,7 +83,7 @@ def looked(report: UpdateReport | None) -> LookTaken:
 
 
 @pytest.mark.parametrize(
-    ("what", "line"),
+    ("step", "line"),
     [
         (SessionOpened(session([0.5, 0.5])), "session abc: 2 poses, all 0.50; best grasp G1, 0.50"),
         (LookChosen("Q1", RANKING, 0.005), "look from Q1 next (Q1 is worth +0.250, Q2 -0.010)"),
@@ -92,11 +103,14 @@ def looked(report: UpdateReport | None) -> LookTaken:
         (GraspStarted(None, 0.0), "no grasp within reach is expected to succeed: the arm stays where it is"),
         (GraspEnded(GraspOutcome("G1", success=True, detail="lifted")), "G1 succeeded: lifted"),
         (GraspEnded(GraspOutcome("G1", success=False)), "G1 FAILED"),
-        (OutcomeReported(None), "not reported: the attempt has moved the object, and the belief is about where it was"),
+        (
+            OutcomeReported(None),
+            "outcome not reported: the attempt has moved the object, and the belief is about its old place",
+        ),
     ],
 )
-def test_each_event_is_a_line(what: Step, line: str) -> None:
-    assert event_line(what) == line
+def test_each_event_is_a_line(step: Step, line: str) -> None:
+    assert event_line(step) == line
 
 
 def shown(table: Table, width: int = 80) -> list[str]:
@@ -105,14 +119,14 @@ def shown(table: Table, width: int = 80) -> list[str]:
     return out.getvalue().splitlines()
 
 
-def of_many(poses: int, looks: int, best: int) -> Row:
+def of_many(poses: int, looks: int, best: int) -> PairState:
     belief = [0.5 / (poses - 1)] * poses
     belief[best] = 0.5
     many = session(belief).model_copy(update={"poses": [f"P_{index}" for index in range(poses)]})
     ranked = [
         SECOND.model_copy(update={"sensor": f"Q_{index}", "voa": 0.01, "net_value": 0.01}) for index in range(looks)
     ]
-    return Row("one", many, RANKING.model_copy(update={"ranking": [FIRST, *ranked[1:]]}))
+    return PairState("one", many, RANKING.model_copy(update={"ranking": [FIRST, *ranked[1:]]}))
 
 
 @pytest.mark.parametrize("lines", [5, 12, 18])
@@ -133,7 +147,7 @@ def test_poses_that_fit_are_all_there_as_listed() -> None:
 
 
 def test_bars_state_their_scale_and_ties_their_rank() -> None:
-    table = "\n".join(shown(belief_table(Row("one", session([0.998, 0.002]), TIE))))
+    table = "\n".join(shown(belief_table(PairState("one", session([0.998, 0.002]), TIE))))
     assert "0 to 1" in table
     assert "0 to 0.25" in table
     assert table.count("=1") == 2
@@ -173,10 +187,10 @@ def test_names_are_printed_as_they_are() -> None:
         for pair in ("one", "two"):
             report(Event(pair, 0.0, SessionOpened(odd)))
     assert "[red] 0.60, [/x] 0.40; best grasp [top]" in out.getvalue()
-    assert "[red]" in "\n".join(shown(belief_table(report.rows[0])))
+    assert "[red]" in "\n".join(shown(belief_table(report.states[0])))
 
 
-def told(pairs: tuple[str, ...], *, terminal: bool) -> str:
+def printed(pairs: tuple[str, ...], *, terminal: bool) -> str:
     out = io.StringIO()
     console = Console(file=out, force_terminal=terminal, width=160, color_system=None)
     with LiveReport(console, pairs) as report:
@@ -185,25 +199,25 @@ def told(pairs: tuple[str, ...], *, terminal: bool) -> str:
             report(Event(pair, 0.0, LookChosen("Q1", RANKING, 0.005)))
             report(Event(pair, 4.0, looked(REPORT)))
             report(Event(pair, 5.0, GraspEnded(GraspOutcome("G1", success=pair == "one"))))
-    assert [row.looks for row in report.rows] == [("Q1",)] * len(pairs)
-    assert [row.success for row in report.rows] == [pair == "one" for pair in pairs]
+    assert [state.looks for state in report.states] == [("Q1",)] * len(pairs)
+    assert [state.success for state in report.states] == [pair == "one" for pair in pairs]
     return out.getvalue()
 
 
 def test_in_a_pipe_there_are_lines_alone() -> None:
-    said = told(("one",), terminal=False)
+    said = printed(("one",), terminal=False)
     assert len(said.splitlines()) == 4
     assert "look from Q1 next" in said
 
 
 def test_on_a_terminal_belief_and_ranking_follow() -> None:
-    said = told(("one",), terminal=True)
+    said = printed(("one",), terminal=True)
     assert "belief" in said
     assert "0 to 0.25" in said
     assert "0.90" in said
 
 
 def test_several_pairs_have_a_row_each() -> None:
-    said = told(("one", "two"), terminal=True)
+    said = printed(("one", "two"), terminal=True)
     assert "lifted" in said
     assert "failed" in said

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from voa_fleet.world.attempts import attempt_grasp, attempt_rng, noisy_pose, object_pose
+from voa_fleet.world.attempts import attempt_grasp, attempt_rng
 from voa_fleet.world.frames import angle_between, matrix_of
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.kinematics import GraspPlan, plan_grasp
+from voa_fleet.world.object_poses import ObjectPose, noisy_pose, scenario_pose
 from voa_fleet.world.objects import FleetObject, GraspGeometry
-from voa_fleet.world.scene import ObjectPose, World, build_world
+from voa_fleet.world.scene import World, build_world
 
 LETTERS = {
     "L": "lifted",
@@ -56,19 +57,19 @@ def test_without_noise_grasps_succeed_and_fail_as_they_should(targets: dict[str,
     world = build_world(target)
     plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in target.grasps}
     found = {
-        pose: [attempt_grasp(world, plans[grasp], object_pose(target, pose)).result for grasp in target.grasps]
+        pose: [attempt_grasp(world, plans[grasp], scenario_pose(target, pose)).result for grasp in target.grasps]
         for pose in target.poses
     }
     assert found == {pose: [LETTERS[letter] for letter in row.split()] for pose, row in TABLES[name].items()}
 
 
 def test_an_attempt_is_measured(mug: FleetObject, mug_world: World, mug_plans: dict[str, GraspPlan]) -> None:
-    lifted = attempt_grasp(mug_world, mug_plans["TD0"], object_pose(mug, "U_180"))
+    lifted = attempt_grasp(mug_world, mug_plans["TD0"], scenario_pose(mug, "U_180"))
     assert lifted.success
     assert lifted.rise_m == pytest.approx(0.15, abs=0.002)
     assert lifted.tool_error_m < 0.002
     assert lifted.gap_m == pytest.approx(0.004, abs=0.002)  # the wall of the mug
-    stopped = attempt_grasp(mug_world, mug_plans["TD0"], object_pose(mug, "D_90"))
+    stopped = attempt_grasp(mug_world, mug_plans["TD0"], scenario_pose(mug, "D_90"))
     assert not stopped.success
     assert stopped.tool_error_m > 0.01
 
@@ -76,15 +77,15 @@ def test_an_attempt_is_measured(mug: FleetObject, mug_world: World, mug_plans: d
 def test_an_attempt_does_not_depend_on_the_one_before(
     mug: FleetObject, mug_world: World, mug_plans: dict[str, GraspPlan]
 ) -> None:
-    pose = noisy_pose(object_pose(mug, "U_45"), Imperfections(object_xy_m=0.005), attempt_rng(3, "U_45", "TD0", 0))
+    pose = noisy_pose(scenario_pose(mug, "U_45"), Imperfections(object_xy_m=0.005), attempt_rng(3, "U_45", "TD0", 0))
     first = attempt_grasp(mug_world, mug_plans["TD0"], pose)
-    attempt_grasp(mug_world, mug_plans["OI90"], object_pose(mug, "U_90"))
+    attempt_grasp(mug_world, mug_plans["OI90"], scenario_pose(mug, "U_90"))
     assert attempt_grasp(mug_world, mug_plans["TD0"], pose) == first
     assert attempt_grasp(build_world(mug), mug_plans["TD0"], pose) == first
 
 
 def test_a_grasp_out_of_reach_says_so(mug: FleetObject, mug_world: World) -> None:
-    assert attempt_grasp(mug_world, None, object_pose(mug, "U_0")).result == "out of reach"
+    assert attempt_grasp(mug_world, None, scenario_pose(mug, "U_0")).result == "out of reach"
 
 
 def test_an_object_where_the_approach_begins_is_in_the_way(
@@ -101,21 +102,21 @@ def test_a_slippery_mug_slips(mug: FleetObject) -> None:
     for geom in ("finger_right", "finger_left"):
         world.model.geom(geom).friction[0] = 0.01
     plan = plan_grasp(world, mug.grasp("TD0"))
-    assert attempt_grasp(world, plan, object_pose(mug, "U_180")).result == "slipped"
+    assert attempt_grasp(world, plan, scenario_pose(mug, "U_180")).result == "slipped"
 
 
 def test_fingers_that_close_on_top_of_a_handle_do_not_hold_it(targets: dict[str, FleetObject]) -> None:
     mallet = targets["mallet"]
     world = build_world(mallet)
     high = GraspGeometry(tip=(0.08, 0.0, 0.026), approach=(0.0, 0.0, -1.0), closing=(0.0, 1.0, 0.0))
-    found = attempt_grasp(world, plan_grasp(world, high), object_pose(mallet, "F_0"))
+    found = attempt_grasp(world, plan_grasp(world, high), scenario_pose(mallet, "F_0"))
     assert found.result == "not held"
     assert found.rise_m < 0.01
 
 
 def test_noise_moves_the_object_in_the_plane_and_turns_it_about_the_vertical(mug: FleetObject) -> None:
     imperfections = Imperfections(object_xy_m=0.01, object_yaw_rad=0.1)
-    exact = object_pose(mug, "D_90")
+    exact = scenario_pose(mug, "D_90")
     noisy = [noisy_pose(exact, imperfections, attempt_rng(0, "D_90", "TD0", index)) for index in range(2000)]
     moved = np.array([pose.position for pose in noisy]) - exact.position
     assert moved[:, :2].std(axis=0) == pytest.approx([0.01, 0.01], rel=0.06)

@@ -6,8 +6,9 @@ import pytest
 
 from voa_fleet.world.frames import Floats, tool_rotation
 from voa_fleet.world.kinematics import APPROACH_M, LIFT_M, GraspPlan, commands, joint_move, plan_grasp
+from voa_fleet.world.object_poses import ObjectPose
 from voa_fleet.world.objects import OBJECTS, FleetObject, GraspGeometry
-from voa_fleet.world.scene import ObjectPose, World, build_world
+from voa_fleet.world.scene import World, build_world
 
 
 def tools(world: World, joints: Floats) -> tuple[Floats, Floats]:

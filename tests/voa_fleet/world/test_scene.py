@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from voa_fleet.world.attempts import object_pose
 from voa_fleet.errors import UnstableSimulation
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.gripper import FINGER_M, PALM_M
 from voa_fleet.world.groups import OBJECT_SEEN, OBJECT_TOUCHED
 from voa_fleet.world.imperfections import room
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
 from voa_fleet.world.ur5e import BASE
@@ -96,7 +96,7 @@ def test_an_object_that_rests_keeps_still(targets: dict[str, FleetObject], name:
     target = targets[name]
     world = build_world(target)
     data = mujoco.MjData(world.model)
-    start = object_pose(target, target.poses[0])
+    start = scenario_pose(target, target.poses[0])
     world.put_object(data, start)
     world.step(data, 500)
     assert np.abs(np.array(world.object_pose(data).position) - start.position).max() < 1e-3
