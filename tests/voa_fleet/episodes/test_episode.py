@@ -305,7 +305,7 @@ def test_sessions_of_others_take_no_look_of_the_robot_and_a_claim_by_others_is_t
         assert channel.look(session, scenario.sensors[0]).update is not None
         assert client.get_session(other.id).version == 0
         web.claim_robot(ROBOT, other.id)
-        with pytest.raises(DeviceError, match=f"are for session {other.id} now, expected {session.id}: somebody else"):
+        with pytest.raises(DeviceError, match=f"are for session {other.id} now, expected {session.id}: another client"):
             channel.look(session, scenario.sensors[0])
 
 
