@@ -1,8 +1,8 @@
-"""`voa demo`: a lidar robot and an arm help each other through the service, in simulation, and what that is worth.
+"""`voa demo`: a lidar robot helps an arm to grasp through the service, in simulation.
 
-Told in the terminal as it happens: an object lies on a table, nobody knows how; the service says from where a look is
-worth most, the robot drives there and looks, two or three times; the arm grasps. Then many more drops, each with and
-without looks. It leaves a page with the pictures.
+An object lies on a table in a pose that the robots do not know. The service names the place from which a look has the
+highest Value of Assistance; the robot drives there and looks, two or three times; then the arm grasps. Many more drops
+follow, each grasped with looks and without. The demo leaves a page with pictures and counts.
 """
 
 import argparse
@@ -18,72 +18,68 @@ from rich.console import Console
 from rich.table import Table
 
 from voa_cli.evaluate.common import count, progress_bar
-from voa_cli.fleet import natural
+from voa_cli.fleet_options import natural
 from voa_cli.paper import PICTURE, paper_picture
 from voa_client import Client, VoaClientError
 from voa_client.local import local_service
 from voa_client.scenario_files import load_scenario
-from voa_fleet.devices.clocks import VirtualClock
-from voa_fleet.devices.session_looks import looking_by
-from voa_fleet.episodes.contrast import Tally
-from voa_fleet.episodes.policies import ByVoa
-from voa_fleet.episodes.stage import Stage, make_stage
-from voa_fleet.episodes.story import (
-    MOST_LOOKS,
-    Arrived,
-    Chosen,
-    Event,
-    Grasped,
-    Happening,
-    Looked,
-    Opened,
-    Pair,
-    play,
-)
+from voa_fleet.episodes.bench import Bench, make_bench
+from voa_fleet.episodes.comparison import Tally
+from voa_fleet.episodes.episode import MOST_LOOKS, Pair, run_episode
+from voa_fleet.episodes.events import Event, GraspEnded, LookChosen, LookTaken, RobotArrived, SessionOpened, Step
+from voa_fleet.episodes.looks import client_channel
+from voa_fleet.episodes.policies import HighestVoa
 from voa_fleet.errors import FleetError, InvalidObject, NoGraphics
-from voa_fleet.show.demo_page import CONTRAST_COLUMNS, Demo, contrast_rows, told_contrast, truth_told, write_demo
-from voa_fleet.show.ending import Ending, TimeIsUp, ended_after
+from voa_fleet.show.demo_page import (
+    COMPARISON_COLUMNS,
+    Demo,
+    comparison_rows,
+    comparison_summary,
+    outcome_summary,
+    write_demo,
+)
+from voa_fleet.show.interruption import Interruption, TimeIsUp, interruptible
+from voa_fleet.show.live_report import LiveReport
 from voa_fleet.show.render import Renderer
-from voa_fleet.show.telling import Teller
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import named_object
 from voa_msgs.scenarios import Scenario
 
 PAIR = "robot"
-FLAWS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
-"""A lidar as its data sheet has it, and an object that lies 5 mm and 0.05 rad beside its pose (std)."""
+IMPERFECTIONS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
+"""The errors of an LDS-01, and an object 5 mm and 0.05 rad (standard deviations) off its pose."""
 _READ_S = 1.2
-"""For a reader at a terminal, after what changes the table."""
+"""Pause for a reader at a terminal after a step that changes the table."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Tell the story, leave the page, return 0, also when it is ended early; 1 if something is wrong."""
+    """Run the demo and write its page; return 0, also if it is ended early, or 1 if an error was reported."""
     options = _parser().parse_args(arguments)
     console = Console()
     try:
         demo = Demo(named_object(options.object), options.seed, most_looks=options.looks)
         options.out.mkdir(parents=True, exist_ok=True)
-        _perform(demo, options, console)
+        _run(demo, options, console)
         page = write_demo(demo, options.out)
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa demo: {error}", file=sys.stderr)
         return 1
     console.print(f"\nThe page with the pictures: [bold]{page}[/bold]", highlight=False, soft_wrap=True)
     console.print(f"To see it, open [bold]{page.resolve().as_uri()}[/bold] in a browser.", soft_wrap=True)
-    console.print("More: [bold]voa fleet --pairs 4[/bold]; your own robots: [bold]voa serve[/bold], and README.md")
+    console.print("More: [bold]voa fleet --pairs 4[/bold]; for your own robots: [bold]voa serve[/bold], and README.md")
     return 0
 
 
-def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
-    """All of it, or as much as time and Ctrl-C allow."""
+def _run(demo: Demo, options: argparse.Namespace, console: Console) -> None:
+    """Run all parts of the demo, or as many as DEMO_SECONDS and Ctrl-C allow."""
     try:
-        with ended_after(_seconds()) as ending, ExitStack() as stack:
+        with interruptible(_seconds()) as interruption, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
             client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
-            scenario = load_scenario(client, demo.thing.folder / "scenario.json")
-            stage = make_stage(demo.thing, FLAWS, demo.seed, VirtualClock(), PAIR)
-            tell_story(demo, client, scenario, stage, console, options.looks)
-            tell_contrast(demo, client, scenario, stage, console, options, ending)
+            scenario = load_scenario(client, demo.target.folder / "scenario.json")
+            bench = make_bench(demo.target, IMPERFECTIONS, demo.seed, robot=PAIR)
+            show_episode(demo, client, scenario, bench, console, options.looks)
+            show_comparison(demo, client, scenario, bench, console, options, interruption)
             demo.paper = options.out / PICTURE
             paper_picture(client, demo.paper)
     except TimeIsUp:
@@ -94,119 +90,129 @@ def _perform(demo: Demo, options: argparse.Namespace, console: Console) -> None:
         demo.paper = None
 
 
-def tell_story(demo: Demo, client: Client, scenario: Scenario, stage: Stage, console: Console, most_looks: int) -> None:
-    """One drop, from the session to the grasp."""
-    name, poses, grasps = demo.thing.name, len(scenario.poses), len(scenario.grasps)
+def show_episode(
+    demo: Demo, client: Client, scenario: Scenario, bench: Bench, console: Console, most_looks: int
+) -> None:
+    """Run the episode of the first drop, and report its events in the terminal."""
+    name, poses, grasps = demo.target.name, len(scenario.poses), len(scenario.grasps)
     console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
     console.print(
-        f"The arm can try {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The service "
-        f"keeps the belief, says what a look from each place is worth (by how much it should raise the chance of a "
-        f"good grasp), and names the best grasp. It does not know the pose, and neither do the robots. Drop 0 of seed "
-        f"{demo.seed}, whatever comes of it; simulated time.\n",
+        f"The arm can attempt {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The "
+        f"service keeps the belief (a probability for each pose), computes the Value of Assistance of a look from each "
+        f"place (by how much the look should raise the probability of a successful grasp), and names the best grasp. "
+        f"Neither the service nor the robots know the true pose. This is drop 0 of seed {demo.seed}, whatever its "
+        f"outcome; times are simulated.\n",
         highlight=False,
     )
-    drop = stage.drop(0)
-    demo.truth = drop.truth
-    pair = Pair(PAIR, client, drop.robot, drop.arm, looking_by(client, drop.robot, scenario), stage.scene.clock)
+    prepared = bench.prepare(0)
+    demo.truth = prepared.drop.pose
+    channel = client_channel(client, prepared.robot, scenario)
+    pair = Pair(PAIR, client, prepared.robot, prepared.arm, channel, bench.scene.clock)
     with ExitStack() as stack:
-        camera = Camera.of(stack, demo, stage)
-        teller = stack.enter_context(Teller(console, (PAIR,), pace=_pace(console)))
+        camera = Camera.of(stack, demo, bench)
+        report = stack.enter_context(LiveReport(console, (PAIR,), pace=_pace(console)))
 
-        def tell(event: Event) -> None:
-            demo.hear(event)
-            camera.hear(event)
-            teller(event)
+        def listener(event: Event) -> None:
+            demo.record(event)
+            camera.record(event)
+            report(event)
 
-        demo.story = play(pair, scenario, ByVoa(), most_looks, tell)
-    console.print(f"\n{truth_told(demo, demo.story)}\n", highlight=False)
+        demo.episode = run_episode(pair, scenario, HighestVoa(), most_looks, listener)
+    console.print(f"\n{outcome_summary(demo, demo.episode)}\n", highlight=False)
 
 
-def tell_contrast(
+def show_comparison(
     demo: Demo,
     client: Client,
     scenario: Scenario,
-    stage: Stage,
+    bench: Bench,
     console: Console,
     options: argparse.Namespace,
-    ending: Ending,
+    interruption: Interruption,
 ) -> None:
-    """More drops, each played with looks and without."""
-    console.rule("[bold]The same drops without a look, and with[/bold]", align="left")
+    """Run more drops, each with looks and without, and print the counts."""
+    console.rule("[bold]The same drops without a look, and with looks[/bold]", align="left")
     drops = range(1, options.drops + 1)
     try:
-        with progress_bar("more drops", len(drops) * len(demo.contrast.policies)) as progress:
+        with progress_bar("more drops", len(drops) * len(demo.comparison.policies)) as progress:
 
-            def advance(count: int) -> None:
-                ending.check()
-                progress(count)
+            def advance(episodes: int) -> None:
+                interruption.check()
+                progress(episodes)
 
-            demo.contrast.play(client, scenario, stage, drops, options.looks, advance)
-    finally:  # the bar is gone from the screen by now: printed below it, the table would be torn
+            demo.comparison.run(client, scenario, bench, drops, options.looks, advance)
+    finally:  # the bar is gone from the screen by now; printed below it, the table would be torn
         if demo.tallies:
-            console.print(contrast_table(demo.tallies))
-            console.print(told_contrast(demo), highlight=False)
+            console.print(comparison_table(demo.tallies))
+            console.print(comparison_summary(demo), highlight=False)
 
 
-def contrast_table(tallies: Sequence[Tally]) -> Table:
-    """Show the counts, and what the service had expected, on a terminal."""
-    table = Table(*CONTRAST_COLUMNS)
-    for row in contrast_rows(tallies):
+def comparison_table(tallies: Sequence[Tally]) -> Table:
+    """Make the table of counts, and of what the service expected, for a terminal."""
+    table = Table(*COMPARISON_COLUMNS)
+    for row in comparison_rows(tallies):
         table.add_row(*row)
     return table
 
 
 @dataclass
 class Camera:
-    """Takes pictures of the scene where something is to be seen; without OpenGL it does nothing."""
+    """A camera that takes pictures of the scene at some events; without OpenGL it takes none.
+
+    Attributes:
+        demo: keeps the pictures.
+        bench: whose scene is drawn.
+        renderer: draws; None: there is no OpenGL.
+    """
 
     demo: Demo
-    stage: Stage
+    bench: Bench
     renderer: Renderer | None = None
 
     @classmethod
-    def of(cls, stack: ExitStack, demo: Demo, stage: Stage) -> "Camera":
-        """One for the length of `stack`."""
+    def of(cls, stack: ExitStack, demo: Demo, bench: Bench) -> "Camera":
+        """Make a camera that is closed with `stack`; where there is no OpenGL, note the reason in the demo."""
         try:
-            renderer = stack.enter_context(Renderer(stage.scene.world, 720, 480, shadows=False))
+            renderer = stack.enter_context(Renderer(bench.scene.world, 720, 480, shadows=False))
         except NoGraphics as error:
             demo.no_frames = str(error)
-            return cls(demo, stage)
-        return cls(demo, stage, renderer)
+            return cls(demo, bench)
+        return cls(demo, bench, renderer)
 
-    def hear(self, event: Event) -> None:
-        """A picture at each look, and after the attempt."""
-        match event.what:
-            case Arrived(sensor=sensor):
+    def record(self, event: Event) -> None:
+        """Take a picture when the robot has arrived, and after the attempt."""
+        match event.step:
+            case RobotArrived(sensor=sensor):
                 caption = f"The robot looks from {sensor}."
-            case Grasped(outcome=outcome):
+            case GraspEnded(outcome=outcome):
                 caption = f"After the attempt of {outcome.grasp}: {outcome.detail}."
             case _:
                 return
         if self.renderer is not None:
-            self.demo.frames.append((self.renderer.frame(self.stage.scene.data), caption))
+            self.demo.frames.append((self.renderer.frame(self.bench.scene.data), caption))
 
 
-def _pace(console: Console) -> Callable[[Happening], None]:
-    """A pause after what changes the table, if somebody is there to read it."""
+def _pace(console: Console) -> Callable[[Step], None]:
+    """Make a function that pauses at a terminal after a step that changes the table."""
 
-    def pace(what: Happening) -> None:
-        if console.is_terminal and isinstance(what, Opened | Chosen | Looked | Grasped):
+    def pace(step: Step) -> None:
+        if console.is_terminal and isinstance(step, SessionOpened | LookChosen | LookTaken | GraspEnded):
             time.sleep(_READ_S)
 
     return pace
 
 
 def _seconds() -> float | None:
-    """DEMO_SECONDS, if it is set; raises InvalidObject if it is no number of seconds."""
-    told = os.environ.get("DEMO_SECONDS", "")
-    if not told:
+    """Read DEMO_SECONDS, if it is set; raises InvalidObject if it is no number of seconds."""
+    text = os.environ.get("DEMO_SECONDS", "")
+    if not text:
         return None
     try:
-        seconds = float(told)
+        seconds = float(text)
     except ValueError:
         seconds = 0.0
     if not 0.0 < seconds < 1e6:
-        raise InvalidObject(f"DEMO_SECONDS: expected seconds, more than 0, got {told!r}")
+        raise InvalidObject(f"DEMO_SECONDS: expected seconds, more than 0, got {text!r}")
     return seconds
 
 
@@ -215,6 +221,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", type=Path, default=Path("voa-demo"), help="folder for the page (default voa-demo)")
     parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
     parser.add_argument("--looks", type=count, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
-    parser.add_argument("--drops", type=count, default=20, help="for the contrast, each played twice (default 20)")
+    parser.add_argument("--drops", type=count, default=20, help="for the counts, each grasped twice (default 20)")
     parser.add_argument("--seed", type=natural, default=0, help="of drops and noise (default 0)")
     return parser

@@ -1,7 +1,7 @@
-"""The paper's Fig. 3 from the service: one look changes the grasp, without a simulation.
+"""The example of Fig. 3 of the paper, computed by the service without a simulation: one look changes the best grasp.
 
-A mug stands or lies upside down somewhere in a set of six poses, and nobody knows in which. The service says which
-grasp is best as things stand, from where a look would help most, and which grasp is best after that look.
+A mug is in one of six poses. The service names the best grasp under a uniform belief, the place from which a look has
+the highest VOA, and the best grasp after that look.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ PICTURE = "before-and-after.png"
 
 @dataclass(frozen=True)
 class PaperExample:
-    """What the service said.
+    """Estimates of the service before and after a look.
 
     Attributes:
-        before: the session as it was opened.
-        look: from where the look was worth most.
-        after: the session after it.
+        before: the session when it was opened.
+        look: name of the sensor configuration with the highest VOA.
+        after: the session after the look.
     """
 
     before: Session
@@ -34,7 +34,7 @@ class PaperExample:
 
 
 def paper_picture(client: Client, picture: Path) -> PaperExample:
-    """Look once from where it is worth most, at a mug in U_90 as a perfect lidar sees it, and draw what that changed.
+    """Look once from the place with the highest VOA, with the scan that is predicted for U_90, and draw the change.
 
     Args:
         client: of the service.

@@ -1,4 +1,4 @@
-"""The pictures that commands leave behind."""
+"""Pictures that commands write."""
 
 from pathlib import Path
 
@@ -15,7 +15,15 @@ _DARK = 0.6  # of the brightest cell: above it the numbers are white
 def before_and_after(
     path: Path, scenario: Scenario, before: list[float], after: list[float], look: str, truth: str
 ) -> None:
-    """The paper's Fig. 3 as PNG: weighted grasp scores b[p] Q[x, p] before and after one look."""
+    """Draw the weighted grasp scores b[p] Q[x, p] before and after one look, as in Fig. 3 of the paper.
+
+    Args:
+        path: the PNG file.
+        scenario: with its grasp scores.
+        before, after: beliefs, (poses,).
+        look: name of the sensor configuration.
+        truth: name of the true pose.
+    """
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, 2, sharey=True)

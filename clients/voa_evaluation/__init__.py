@@ -1,16 +1,13 @@
-"""The third evaluation of the paper: what looks are worth beforehand, and what they achieved.
+"""The evaluations of the paper, in simulation and on recorded experiments.
 
-| to                                                  | see                    |
-|-----------------------------------------------------|------------------------|
-| say what is evaluated                               | `setting`              |
-| drop the object, take scans of it, attempt grasps   | `dropping`             |
-| ask the service                                     | `asking`               |
-| choose a look                                       | `policies`             |
-| run it all and keep one row per look                | `running`, `rows`      |
-| vary what goes wrong                                | `sensitivity`          |
-| means, intervals, rank correlation, calibration     | `statistics`           |
-| figures from rows                                   | `worth`, `outcomes`, `calibration` |
-| say in words what came out                          | `findings`             |
-| tables as CSV, pictures, the page                   | `tables`, `pictures`, `page`, `sections` |
-| recorded experiments                                | `recorded`             |
+| to                                                              | see               |
+|-----------------------------------------------------------------|-------------------|
+| measure how often each grasp succeeds at each pose              | `grasp_scores`    |
+| measure the errors of predicted scans                           | `observation`     |
+| see how an object comes to rest, and derive a prior from it     | `resting`         |
+| compare the expected value of looks with their achieved value   | `looks/`          |
+| compute bootstrap intervals and rank correlation                | `statistics`      |
+| write the results as CSV files, pictures and an HTML page       | `report/`         |
+
+The simulated bench and the policies are those of `voa_fleet`.
 """

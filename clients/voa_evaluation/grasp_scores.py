@@ -1,16 +1,17 @@
-"""Grasp scores as the paper takes them: every grasp at every pose, attempted a number of times with pose noise."""
+"""Grasp scores as in the paper: every grasp is attempted a number of times at every pose, with pose noise."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
-from math import sqrt
+from dataclasses import dataclass
 from multiprocessing import get_context
-from typing import Any, get_args
+from typing import get_args
 
-from voa_fleet.episodes.attempts import Attempt, Result, attempt_grasp, attempt_rng, noisy_pose, object_pose
+from voa_fleet.statistics import wilson
+from voa_fleet.world.attempts import Attempt, Result, attempt_grasp, attempt_rng
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.kinematics import GraspPlan, plan_grasp
+from voa_fleet.world.object_poses import noisy_pose, scenario_pose
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.scene import World, build_world
 from voa_msgs.scenarios import MeasuredScores, ScenarioRequest
@@ -18,15 +19,16 @@ from voa_msgs.scenarios import MeasuredScores, ScenarioRequest
 RESULTS: tuple[Result, ...] = get_args(Result)
 
 Progress = Callable[[int], None]
-"""Told how many attempts have just been made."""
+"""Function that is called with the number of attempts that have just been made."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """All attempts of one grasp at one pose.
+    """Attempts of a grasp at a pose.
 
     Attributes:
-        results: how many attempts ended in which way; sums to the number of attempts.
+        pose, grasp: their names.
+        results: number of attempts by their result.
     """
 
     pose: str
@@ -35,12 +37,12 @@ class Cell:
 
     @property
     def attempts(self) -> int:
-        """n of k of n."""
+        """Number of attempts."""
         return sum(self.results.values())
 
     @property
     def successes(self) -> int:
-        """k of k of n."""
+        """Number of attempts that lifted the object."""
         return self.results.get("lifted", 0)
 
     @property
@@ -51,13 +53,16 @@ class Cell:
 
 @dataclass(frozen=True)
 class GraspScores:
-    """The table of an object.
+    """Measured grasp scores of an object.
 
     Attributes:
+        object: name of the object.
         poses, grasps: names, in the order of the table.
         attempts: per cell.
-        flaws: with which they were made; only the object's pose noise matters.
-        cells: poses x grasps.
+        seed: of the noise.
+        opening_m: of the gripper.
+        imperfections: of the attempts; only the object's pose noise matters.
+        cells: (poses, grasps).
     """
 
     object: str
@@ -66,57 +71,32 @@ class GraspScores:
     attempts: int
     seed: int
     opening_m: float
-    flaws: Imperfections
+    imperfections: Imperfections
     cells: tuple[tuple[Cell, ...], ...]
 
     @property
     def successes(self) -> list[list[int]]:
-        """Grasps x poses, as scenarios have them."""
+        """Numbers of successes, (grasps, poses), as in a scenario."""
         return [[row[grasp].successes for row in self.cells] for grasp in range(len(self.grasps))]
 
     def scenario(self, base: ScenarioRequest) -> ScenarioRequest:
-        """The scenario with these scores in place of its own.
+        """Return the scenario with these scores instead of its own.
 
         Raises:
-            ValueError: the scenario has other poses or grasps than the table.
+            ValueError: the scenario has other poses or grasps.
         """
         known = tuple(pose.name for pose in base.poses), tuple(grasp.name for grasp in base.grasps)
         if known != (self.poses, self.grasps):
             raise ValueError(f"expected scores of {known}, got {(self.poses, self.grasps)}")
         measured = MeasuredScores(attempts=self.attempts, successes=self.successes)
-        told = base.model_dump(mode="json") | {"scores": measured.model_dump(mode="json")}
-        return ScenarioRequest.model_validate(told)
-
-    def report(self) -> dict[str, Any]:
-        """What `--json` prints."""
-        return {
-            "object": self.object,
-            "attempts": self.attempts,
-            "seed": self.seed,
-            "opening_m": self.opening_m,
-            "noise": {key: asdict(self.flaws)[key] for key in ("object_xy_m", "object_yaw_rad")},
-            "poses": list(self.poses),
-            "grasps": list(self.grasps),
-            "successes": self.successes,
-            "cells": [
-                {
-                    "pose": cell.pose,
-                    "grasp": cell.grasp,
-                    "successes": cell.successes,
-                    "attempts": cell.attempts,
-                    "interval": list(cell.interval),
-                    "results": dict(cell.results),
-                }
-                for row in self.cells
-                for cell in row
-            ],
-        }
+        changed = base.model_dump(mode="json") | {"scores": measured.model_dump(mode="json")}
+        return ScenarioRequest.model_validate(changed)
 
 
 def score_grasps(
-    thing: FleetObject,
+    target: FleetObject,
     attempts: int,
-    flaws: Imperfections,
+    imperfections: Imperfections,
     seed: int,
     *,
     processes: int = 1,
@@ -126,40 +106,45 @@ def score_grasps(
 ) -> GraspScores:
     """Attempt every grasp at every pose.
 
-    The table depends on the object, `attempts`, `flaws` and `seed`; not on `processes`, nor on which poses and
-    grasps are asked for, nor on their order.
+    The scores depend on the object, `attempts`, `imperfections` and `seed`; not on `processes`, on the selection of
+    poses and grasps, or on their order.
 
     Args:
-        thing: the object.
+        target: the object.
         attempts: per cell.
-        flaws: the object's pose noise counts.
+        imperfections: of which the object's pose noise is used.
         seed: of the noise.
-        processes: how many work at a time; 1: this one alone.
+        processes: number of processes; 1: this one alone.
         poses, grasps: names; None: all of the scenario's.
-        progress: told after every cell.
+        progress: called after every cell with its number of attempts.
+
+    Raises:
+        UnstableSimulation: the simulation became unstable.
     """
-    rows, columns = tuple(poses or thing.poses), tuple(grasps or thing.grasps)
-    world = build_world(thing)
-    plans = {grasp: plan_grasp(world, thing.grasp(grasp)) for grasp in columns}
-    wanted = [_Task(thing, pose, grasp, plans[grasp], attempts, flaws, seed) for pose in rows for grasp in columns]
-    found: dict[tuple[str, str], Cell] = {}
-    for cell in _in_processes(wanted, processes) if processes > 1 else (_cell(task, world) for task in wanted):
-        found[cell.pose, cell.grasp] = cell
+    rows, columns = tuple(poses or target.poses), tuple(grasps or target.grasps)
+    world = build_world(target)
+    plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in columns}
+    tasks = [
+        _Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns
+    ]
+    by_name: dict[tuple[str, str], Cell] = {}
+    for cell in _in_processes(tasks, processes) if processes > 1 else (_cell(task, world) for task in tasks):
+        by_name[cell.pose, cell.grasp] = cell
         if progress is not None:
             progress(cell.attempts)
-    cells = tuple(tuple(found[pose, grasp] for grasp in columns) for pose in rows)
-    opening = thing.physics.gripper.opening_m
-    return GraspScores(thing.name, rows, columns, attempts, seed, opening, flaws, cells)
+    cells = tuple(tuple(by_name[pose, grasp] for grasp in columns) for pose in rows)
+    opening = target.physics.gripper.opening_m
+    return GraspScores(target.name, rows, columns, attempts, seed, opening, imperfections, cells)
 
 
 @dataclass(frozen=True)
 class _Task:
-    thing: FleetObject
+    target: FleetObject
     pose: str
     grasp: str
     plan: GraspPlan | None
     attempts: int
-    flaws: Imperfections
+    imperfections: Imperfections
     seed: int
 
 
@@ -170,26 +155,16 @@ def _cell(task: _Task, world: World) -> Cell:
 
 def _one(task: _Task, world: World, index: int) -> Attempt:
     rng = attempt_rng(task.seed, task.pose, task.grasp, index)
-    return attempt_grasp(world, task.plan, noisy_pose(object_pose(task.thing, task.pose), task.flaws, rng))
+    return attempt_grasp(world, task.plan, noisy_pose(scenario_pose(task.target, task.pose), task.imperfections, rng))
 
 
 def _cell_elsewhere(task: _Task) -> Cell:
-    return _cell(task, build_world(task.thing))
+    return _cell(task, build_world(task.target))
 
 
 def _in_processes(tasks: list[_Task], processes: int) -> Iterator[Cell]:
-    # Spawned: a fork of a process with threads may hang, and MuJoCo may have some.
+    # Spawned, because a fork of a process with threads may hang, and MuJoCo may have threads.
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(_cell_elsewhere, task) for task in tasks]
         for done in as_completed(waiting):
             yield done.result()
-
-
-def wilson(successes: int, attempts: int, z: float = 1.96) -> tuple[float, float]:
-    """Wilson's interval of a probability from k successes of n attempts (E. B. Wilson, JASA 22, 1927)."""
-    if attempts == 0:
-        return 0.0, 1.0
-    share, extra = successes / attempts, z * z / attempts
-    middle = (share + extra / 2.0) / (1.0 + extra)
-    half = z * sqrt(share * (1.0 - share) / attempts + extra / (4.0 * attempts)) / (1.0 + extra)
-    return max(0.0, middle - half), min(1.0, middle + half)

@@ -1,14 +1,14 @@
-"""Observation prediction: how far measured scans are from predicted ones, beam by beam.
+"""Errors of predicted scans: measured minus predicted ranges, beam by beam.
 
-Measured scans come from the simulated lidar or from a recorded experiment; predictions from the mesh, by the
-service's own mathematics, or from the record.
+Measured scans come from the simulated lidar or from a recorded experiment; predictions are computed from the mesh by
+`voa_core`, or are those in the recorded experiment.
 """
 
 import math
 import zlib
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -20,13 +20,12 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
 from voa_core.workspace import Workspace
-from voa_fleet.episodes.attempts import noisy_pose, object_pose
 from voa_fleet.world.imperfections import Imperfections
-from voa_fleet.world.lidar import LidarGeometry, lidar_geometry, true_ranges, with_faults
+from voa_fleet.world.lidar import LidarGeometry, displaced, lidar_geometry, true_ranges, with_errors
 from voa_fleet.world.meshes import read_obj
+from voa_fleet.world.object_poses import noisy_pose, scenario_pose
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.scene import build_world
-from voa_msgs.geometry import SensorPose
 from voa_recordings.experiment import RecordedExperiment
 from voa_recordings.experiment_parts import InvalidExperiment
 
@@ -35,11 +34,12 @@ Source = Literal["recorded", "mesh"]
 
 @dataclass(frozen=True)
 class ComparedBeam:
-    """One beam of one scan that was measured or predicted to return.
+    """A beam of a scan that was measured or predicted to return.
 
     Attributes:
-        angle_deg: in the lidar's frame.
-        measured_m, predicted_m: None for a no-return.
+        sensor, pose: their names.
+        angle_deg: of the beam in the lidar's frame.
+        measured_m, predicted_m: ranges; None for a no-return.
     """
 
     sensor: str
@@ -50,7 +50,7 @@ class ComparedBeam:
 
     @property
     def error_mm(self) -> float | None:
-        """Measured minus predicted; None unless both return."""
+        """Measured minus predicted range, millimetres; None unless the beam returns in both."""
         if self.measured_m is None or self.predicted_m is None:
             return None
         return 1e3 * (self.measured_m - self.predicted_m)
@@ -58,13 +58,13 @@ class ComparedBeam:
 
 @dataclass(frozen=True)
 class Errors:
-    """Measured minus predicted over some beams, millimetres; figures are None where no beam returns in both.
+    """Statistics of measured minus predicted ranges, millimetres; None where no beam returns in both.
 
     Attributes:
-        beams: that return in both.
+        beams: number of beams that return in both.
         mean, median, std, lowest, highest: of the differences.
-        median_abs, p95_abs: of their sizes.
-        only_measured, only_predicted: beams that return in one alone.
+        median_abs, p95_abs: of their absolute values.
+        only_measured, only_predicted: number of beams that return in one of them only.
     """
 
     beams: int
@@ -81,12 +81,12 @@ class Errors:
 
 @dataclass(frozen=True)
 class ObservationErrors:
-    """All that was compared.
+    """Compared beams of an object or a recorded experiment.
 
     Attributes:
         name: of the object or experiment.
-        source: where the predictions come from.
-        scans: how many were measured.
+        source: of the predictions.
+        scans: number of measured scans.
         sensors, poses: names, in order.
         beams: every beam of every scan that was measured or predicted to return.
     """
@@ -100,42 +100,28 @@ class ObservationErrors:
 
     @property
     def overall(self) -> Errors:
-        """Over all beams."""
+        """Statistics over all beams."""
         return errors_of(self.beams)
 
     def by_sensor(self) -> dict[str, Errors]:
-        """Per sensor configuration."""
+        """Compute the statistics per sensor configuration, by its name."""
         return {sensor: errors_of(beam for beam in self.beams if beam.sensor == sensor) for sensor in self.sensors}
 
     def by_beam(self) -> dict[tuple[str, float], Errors]:
-        """Per sensor configuration and beam angle in degrees, ascending."""
+        """Compute the statistics per sensor configuration and beam angle, degrees, ascending."""
         groups: dict[tuple[str, float], list[ComparedBeam]] = {}
         for beam in self.beams:
             groups.setdefault((beam.sensor, beam.angle_deg), []).append(beam)
         order = sorted(groups, key=lambda key: (self.sensors.index(key[0]), key[1]))
         return {key: errors_of(groups[key]) for key in order}
 
-    def report(self) -> dict[str, Any]:
-        """What `--json` prints: millimetres and degrees."""
-        return {
-            "name": self.name,
-            "source": self.source,
-            "scans": self.scans,
-            "overall": asdict(self.overall),
-            "sensors": {sensor: asdict(errors) for sensor, errors in self.by_sensor().items()},
-            "beams": [
-                {"sensor": sensor, "angle_deg": angle} | asdict(errors)
-                for (sensor, angle), errors in self.by_beam().items()
-            ],
-        }
-
 
 def errors_of(beams: Iterable[ComparedBeam]) -> Errors:
-    """Count and measure."""
-    found = list(beams)
-    apart = np.array([beam.error_mm for beam in found if beam.error_mm is not None], dtype=np.float64)
-    only_measured = sum(beam.predicted_m is None for beam in found)
-    only_predicted = sum(beam.measured_m is None for beam in found)
+    """Compute the statistics of some beams."""
+    compared = list(beams)
+    apart = np.array([beam.error_mm for beam in compared if beam.error_mm is not None], dtype=np.float64)
+    only_measured = sum(beam.predicted_m is None for beam in compared)
+    only_predicted = sum(beam.measured_m is None for beam in compared)
     if apart.size == 0:
         return Errors(0, None, None, None, None, None, None, None, only_measured, only_predicted)
     return Errors(
@@ -153,49 +139,49 @@ def errors_of(beams: Iterable[ComparedBeam]) -> Errors:
 
 
 def simulated_errors(
-    thing: FleetObject,
+    target: FleetObject,
     scans: int,
-    flaws: Imperfections,
+    imperfections: Imperfections,
     seed: int,
     progress: Callable[[int], None] | None = None,
 ) -> ObservationErrors:
-    """Take `scans` scans of every pose from every sensor configuration of the scenario, and compare.
+    """Take `scans` scans of every pose from every sensor configuration of the scenario, and compare them.
 
-    The prediction is for where the robot believes to stand and for the exact pose; the scan is taken from where it
-    stands, of the object where it lies. What is measured outside the scenario's workspace is not the object.
+    The prediction is for the believed place of the robot and the exact pose of the object; the scan is taken with
+    their errors. Returns outside of the scenario's workspace are not from the object.
 
     Raises:
         FleetError: the scenario's lidar is not known.
     """
-    lidar = lidar_geometry(thing.scenario.lidar)
-    predictor = _predictor_of(thing, lidar)
-    world = build_world(thing, arm=True, clutter=flaws.clutter)
+    lidar = lidar_geometry(target.scenario.lidar)
+    predictor = _predictor_of(target, lidar)
+    world = build_world(target, arm=True, clutter=imperfections.clutter)
     data = mujoco.MjData(world.model)
     beams: list[ComparedBeam] = []
-    for sensor in thing.scenario.sensors:
+    for sensor in target.scenario.sensors:
         stand = Stand(sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
         predicted = predictor.predict(stand).dense()
-        for row, pose in enumerate(thing.poses):
+        for row, pose in enumerate(target.poses):
             for index in range(scans):
                 pair = zlib.crc32(sensor.name.encode()), zlib.crc32(pose.encode())
                 rng = np.random.default_rng([seed, *pair, index])
-                world.put_object(data, noisy_pose(object_pose(thing, pose), flaws, rng))
+                world.put_object(data, noisy_pose(scenario_pose(target, pose), imperfections, rng))
                 mujoco.mj_kinematics(world.model, data)
-                ranges = true_ranges(world, data, lidar, _stray(sensor, flaws, rng))
-                measured = with_faults(ranges, lidar, flaws, rng)
-                beams += _compared(thing, stand, pose, lidar, measured, predicted[row])
+                ranges = true_ranges(world, data, lidar, displaced(sensor, imperfections, rng))
+                measured = with_errors(ranges, lidar, imperfections, rng)
+                beams += _compared(target, stand, pose, lidar, measured, predicted[row])
             if progress is not None:
                 progress(scans)
-    names = tuple(sensor.name for sensor in thing.scenario.sensors)
-    total = scans * len(names) * len(thing.poses)
-    return ObservationErrors(thing.name, "mesh", total, names, tuple(thing.poses), tuple(beams))
+    names = tuple(sensor.name for sensor in target.scenario.sensors)
+    total = scans * len(names) * len(target.poses)
+    return ObservationErrors(target.name, "mesh", total, names, tuple(target.poses), tuple(beams))
 
 
 def recorded_errors(experiment: RecordedExperiment, source: Source) -> ObservationErrors:
-    """Compare what was recorded with the predictions beside it, or with those of the mesh.
+    """Compare the measured scans of a recorded experiment with its predictions, or with those of its mesh.
 
     Raises:
-        InvalidExperiment: predictions from the mesh are wanted, and something that they need is missing.
+        InvalidExperiment: the experiment lacks what predictions from the mesh need.
     """
     by_mesh = _mesh_ranges(experiment) if source == "mesh" else {}
     beams = []
@@ -219,7 +205,7 @@ def recorded_errors(experiment: RecordedExperiment, source: Source) -> Observati
 
 
 def has_predictions(experiment: RecordedExperiment) -> bool:
-    """Whether any prediction was recorded."""
+    """True if the experiment has a predicted range of any beam."""
     return any(beam.predicted is not None for scan in experiment.scans.values() for beam in scan.beams)
 
 
@@ -228,7 +214,7 @@ def _finite(value: float) -> float | None:
 
 
 def _mesh_ranges(experiment: RecordedExperiment) -> dict[tuple[str, str], Floats]:
-    """The scan (beams,) that the mesh predicts of every recorded pair at the height of its own scan plane, metres."""
+    """Predicted scan (beams,), metres, of every recorded pair at the height of its own scan plane."""
     places = [pose.position for pose in experiment.poses if pose.position is not None]
     turns = [pose.quaternion_wxyz for pose in experiment.poses if pose.quaternion_wxyz is not None]
     heights = {pair: experiment.height_m(*pair) for pair in experiment.scans}
@@ -246,55 +232,44 @@ def _mesh_ranges(experiment: RecordedExperiment) -> dict[tuple[str, str], Floats
         PoseSet.from_arrays(names, places, turns),
         model,
     )
-    found: dict[tuple[str, str], Floats] = {}
+    predictions: dict[tuple[str, str], Floats] = {}
     for sensor in experiment.sensors:
         for height in {heights[pair] for pair in heights if pair[0] == sensor.name}:
             stand = Stand(sensor.name, sensor.x, sensor.y, math.radians(sensor.yaw_deg), height)
             ranges = predictor.predict(stand).dense()
             own = [pair for pair in heights if pair[0] == sensor.name and heights[pair] == height]
-            found |= {pair: ranges[names.index(pair[1])] for pair in own}
-    return found
+            predictions |= {pair: ranges[names.index(pair[1])] for pair in own}
+    return predictions
 
 
-def _predictor_of(thing: FleetObject, lidar: LidarGeometry) -> ObservationPredictor:
+def _predictor_of(target: FleetObject, lidar: LidarGeometry) -> ObservationPredictor:
     grid = BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
     model = LidarModel(grid, lidar.range_min, lidar.range_max, lidar.height_m, "missing", 1e-3, 0.0, 0.0)
     places: list[Sequence[float]] = []
     turns: list[Sequence[float]] = []
-    for name in thing.poses:
-        exact = object_pose(thing, name)
+    for name in target.poses:
+        exact = scenario_pose(target, name)
         places.append(exact.position)
         turns.append(exact.quaternion_wxyz)
-    poses = PoseSet.from_arrays(thing.poses, places, turns)
-    return predictor_of_mesh(Object.from_arrays(thing.mesh.vertices, thing.mesh.faces), poses, model)
-
-
-def _stray(sensor: SensorPose, flaws: Imperfections, rng: np.random.Generator) -> SensorPose:
-    """Where the robot stands that believes to stand at `sensor`."""
-    dx, dy, turn = (float(number) for number in rng.standard_normal(3))
-    return SensorPose(
-        x=sensor.x + dx * flaws.robot_xy_m,
-        y=sensor.y + dy * flaws.robot_xy_m,
-        yaw_rad=sensor.yaw_rad + turn * flaws.robot_yaw_rad,
-        height_m=sensor.height_m,
-    )
+    poses = PoseSet.from_arrays(target.poses, places, turns)
+    return predictor_of_mesh(Object.from_arrays(target.mesh.vertices, target.mesh.faces), poses, model)
 
 
 def _compared(
-    thing: FleetObject, stand: Stand, pose: str, lidar: LidarGeometry, measured: Floats, predicted: Floats
+    target: FleetObject, stand: Stand, pose: str, lidar: LidarGeometry, measured: Floats, predicted: Floats
 ) -> list[ComparedBeam]:
-    """The beams on which the object was seen or should have been; a 0 says nothing, so such a beam is left out."""
+    """Beams on which the object was measured or predicted; a 0 is no evidence, so that such beams are left out."""
     seen = measured > 0.0
-    box = thing.scenario.workspace
+    box = target.scenario.workspace
     if box is not None:
         low, high = (float(box.min[0]), float(box.min[1])), (float(box.max[0]), float(box.max[1]))
         crossing = Workspace(low, high).crossing(stand, lidar.angles)
         of_object = seen & crossing.inside(measured)
-        told = seen & ~crossing.before(measured)
+        evident = seen & ~crossing.before(measured)
     else:
-        of_object = told = seen
+        of_object = evident = seen
     beams = []
-    for index in np.flatnonzero(told & (of_object | np.isfinite(predicted))):
+    for index in np.flatnonzero(evident & (of_object | np.isfinite(predicted))):
         value = float(measured[index]) if of_object[index] else None
         angle = round(math.degrees(float(lidar.angles[index])), 6)
         beams.append(ComparedBeam(stand.name, pose, angle, value, _finite(predicted[index])))

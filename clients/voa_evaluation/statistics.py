@@ -1,4 +1,4 @@
-"""Means with bootstrap intervals, rank correlation, and shares within bins: numpy in, numbers out."""
+"""Means and ratios with bootstrap intervals, and rank correlation."""
 
 import math
 from collections.abc import Sequence
@@ -20,8 +20,9 @@ class Interval:
     """A figure with its 95 % bootstrap interval.
 
     Attributes:
-        value: the figure itself, over what was really observed.
-        count: of the observations.
+        value: over the observations.
+        low, high: ends of the interval.
+        count: number of observations.
     """
 
     value: float
@@ -31,29 +32,29 @@ class Interval:
 
     @property
     def excludes_zero(self) -> bool:
-        """Whether zero lies outside."""
+        """True if zero lies outside of the interval."""
         return self.low > 0.0 or self.high < 0.0
 
 
 def interval_text(interval: Interval | None) -> str:
-    """Write a difference with its interval; a dash where there is none."""
+    """Write a difference with its interval; a dash for None."""
     if interval is None:
         return "-"
     return f"{signed(interval.value)} [{signed(interval.low)}, {signed(interval.high)}]"
 
 
 def bootstrap_mean(strata: Sequence[Floats], seed: int, resamples: int = RESAMPLES) -> Interval:
-    """The mean of all observations, resampled within each stratum (B. Efron, 1979; percentile interval).
+    """Compute the mean of all observations, with resampling within each stratum (B. Efron, 1979; percentile interval).
 
-    Paired differences go in as differences: whatever two policies share then drops out.
+    Give paired differences as differences, so that what two policies share cancels.
 
     Args:
         strata: observations, one array (n_s,) per stratum, here per object; empty ones are left out.
         seed: of the resampling.
-        resamples: how many.
+        resamples: their number.
 
     Raises:
-        ValueError: there is no observation at all.
+        ValueError: there is no observation.
     """
     full = [np.asarray(stratum, dtype=np.float64) for stratum in strata if len(stratum)]
     count = sum(len(stratum) for stratum in full)
@@ -68,10 +69,10 @@ def bootstrap_mean(strata: Sequence[Floats], seed: int, resamples: int = RESAMPL
 
 
 def bootstrap_ratio(numerators: Floats, denominators: Floats, seed: int, resamples: int = RESAMPLES) -> Interval:
-    """Sum over sum, resampled by row: the mean within a bin, of clusters (n,) that count `denominators` each.
+    """Compute the ratio of two sums (n,), resampled by row: a mean over clusters of `denominators` members each.
 
     Raises:
-        ValueError: the denominators sum to nothing.
+        ValueError: the denominators sum to 0.
     """
     total = float(denominators.sum())
     if total == 0.0:
@@ -83,7 +84,7 @@ def bootstrap_ratio(numerators: Floats, denominators: Floats, seed: int, resampl
 
 
 def rank_correlation(first: Floats, second: Floats) -> float | None:
-    """Kendall's tau-b of two series (k,); None where one of them is constant, so that nothing is ranked."""
+    """Compute Kendall's tau-b of two series (k,); None where one of them is constant, so that it has no order."""
     if len(first) < 2 or np.ptp(first) == 0.0 or np.ptp(second) == 0.0:
         return None
     return float(kendalltau(first, second).statistic)
@@ -92,16 +93,16 @@ def rank_correlation(first: Floats, second: Floats) -> float | None:
 def bootstrap_rank_correlation(
     beforehand: Floats, achieved: Floats, seed: int, resamples: int = RESAMPLES
 ) -> Interval | None:
-    """Kendall's tau-b between a figure per column and the column means of what was observed, resampled by row.
+    """Compute Kendall's tau-b between a value per column and the column means of observations, resampled by row.
 
     Args:
-        beforehand: (k,), what is ranked by.
-        achieved: (n, k), one row per drop.
+        beforehand: values, (k,).
+        achieved: observations, (n, k), a row per drop.
         seed: of the resampling.
-        resamples: how many; those in which nothing is ranked are left out.
+        resamples: their number; those with constant means are left out.
 
     Returns:
-        None where nothing is ranked.
+        None where the values or the means are constant.
     """
     tau = rank_correlation(beforehand, achieved.mean(axis=0))
     if tau is None:
@@ -115,7 +116,7 @@ def bootstrap_rank_correlation(
 def _taus(first: Floats, rows: Floats) -> Floats:
     """Kendall's tau-b of `first` (k,) with every row of (b, k), (b,); NaN for constant rows."""
     left, right = np.triu_indices(len(first), 1)
-    # Means of the same counts in another order may differ by a rounding error: that is a tie.
+    # Means of equal counts in another order may differ by a rounding error, which is a tie.
     signs = np.sign(np.round(rows[:, left] - rows[:, right], 12))
     own = np.sign(np.round(first[left] - first[right], 12))
     untied: NDArray[np.float64] = np.sqrt(np.abs(own).sum() * np.abs(signs).sum(axis=1))

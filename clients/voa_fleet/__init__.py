@@ -1,16 +1,11 @@
-"""A simulated fleet in MuJoCo, and the evaluations of the paper: a customer of the service like any other.
+"""Simulated sensor robots and arms in MuJoCo, which know the service through its client alone.
 
-| to                                            | see                                     |
-|-----------------------------------------------|-----------------------------------------|
-| describe an object to look at and to grasp    | `objects`, `meshes`                     |
-| build the world around it                     | `world`, `ur5e`, `gripper`, `lidar_robot`, `solids` |
-| say how the world falls short of the ideal    | `imperfections`                         |
-| move the arm, attempt grasps                  | `arm`, `attempts`                       |
-| take scans                                    | `lidar`                                 |
-| see how the object comes to rest              | `drops`                                 |
-| drive a sensor robot or an arm, simulated or real | `devices`, `simulated`, `clocks`    |
-| measure grasp scores, and prediction errors   | `grasp_scores`, `observation`           |
-| make pictures                                 | `pictures`, `render`                    |
+| folder      | contents                                                                                        |
+|-------------|-------------------------------------------------------------------------------------------------|
+| `world/`    | table, objects, lidar, gripper and arm as one MuJoCo model; attempts of grasps; clocks          |
+| `devices/`  | the protocols of a sensor robot and of an arm, simulated ones, and a skeleton of real ones      |
+| `episodes/` | one drop, the looks at it by a policy, one attempt of a grasp; the bench on which drops are made |
+| `show/`     | what a person sees of it: lines and tables in a terminal, pictures, videos, HTML pages          |
 
 World frame: z up, the table at z = 0; metres, radians, seconds, newtons.
 """

@@ -1,4 +1,4 @@
-"""`voa demo` in a pipe: the story, the contrast, the page; and it ends when it should."""
+"""`voa demo` in a pipe: the episode, the comparison, the page; and it ends when it should."""
 
 import io
 import os
@@ -16,20 +16,21 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from tests.voa_fleet.show.test_telling import FIRST, RANKING, session
+from tests.voa_fleet.show.test_live_report import FIRST, RANKING, session
 from voa_cli import demo as command
 from voa_cli.main import main
-from voa_fleet.devices.clocks import VirtualClock
 from voa_fleet.devices.protocol import GraspOutcome
-from voa_fleet.devices.session_looks import TakenLook
-from voa_fleet.episodes.contrast import Contrast, Tally
-from voa_fleet.episodes.stage import make_stage
-from voa_fleet.episodes.story import Event, Grasped, Story
+from voa_fleet.episodes.bench import make_bench
+from voa_fleet.episodes.comparison import Comparison, Tally
+from voa_fleet.episodes.episode import Episode
+from voa_fleet.episodes.events import Event, GraspEnded
+from voa_fleet.episodes.looks import TakenLook
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.demo_page import Demo
-from voa_fleet.show.ending import TimeIsUp, ended_after
-from voa_fleet.show.story_pictures import belief_by_look
-from voa_fleet.world.objects import FleetObject
+from voa_fleet.show.episode_pictures import belief_by_look
+from voa_fleet.show.interruption import TimeIsUp, interruptible
+from voa_fleet.world.clocks import VirtualClock
+from voa_fleet.world.objects import named_object
 from voa_msgs.rankings import Ranking
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -49,41 +50,39 @@ def test_the_demo_tells_the_story_and_leaves_a_page(capfd: pytest.CaptureFixture
         < flat.index("the arm tries")
     )
     assert 2 <= told.count("looked from") <= 3
-    truth = re.search(r"In truth the mallet was at (\S+) \((.*?)\)", flat)
+    truth = re.search(r"The true pose of the mallet was (\S+) \((.*?)\)", flat)
     assert truth is not None
     assert "TOP (top-down on the handle that points up) succeeded." in flat
-    counts = re.search(r"without a look (\d) of 3 grasps failed, with up to 3 looks (\d) of 3", flat)
+    counts = re.search(r"Without a look (\d) of 3 grasps failed, with looks (\d) of 3", flat)
     assert counts is not None
     assert int(counts[1]) > int(counts[2])
     assert (out / "demo.html").resolve().as_uri() in told.replace("\n", "")
     page = (out / "demo.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") >= 4
     assert not re.findall(r'(?:src|href)="(?!data:)', page)  # it needs no other file
-    assert f"at {truth[1]} ({truth[2]})" in page
-    for picture in ("belief.png", "from-above.png", "contrast.png", "before-and-after.png"):
+    assert f"was {truth[1]} ({truth[2]})" in page
+    for picture in ("belief.png", "from-above.png", "comparison.png", "before-and-after.png"):
         content = (out / picture).read_bytes()
         assert content.startswith(PNG)
         assert len(content) > 10_000
 
 
-def test_without_opengl_it_says_so_and_takes_no_pictures(
-    things: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_opengl_it_says_so_and_takes_no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_arguments: object, **_more: object) -> None:
         raise NoGraphics("no OpenGL here")
 
     monkeypatch.setattr(command, "Renderer", refused)
-    told = Demo(things["mallet"], seed=0)
-    stage = make_stage(things["mallet"], command.FLAWS, 0, VirtualClock(), "robot")
+    told = Demo(named_object("mallet"), seed=0)
+    bench = make_bench(named_object("mallet"), command.IMPERFECTIONS, 0, VirtualClock(), "robot")
     with ExitStack() as stack:
-        camera = command.Camera.of(stack, told, stage)
-        camera.hear(Event("robot", 0.0, Grasped(GraspOutcome("TOP", success=True))))
+        camera = command.Camera.of(stack, told, bench)
+        camera.record(Event("robot", 0.0, GraspEnded(GraspOutcome("TOP", success=True))))
     assert (told.no_frames, told.frames) == ("no OpenGL here", [])
 
 
 @pytest.mark.parametrize("ended", [None, KeyboardInterrupt(), TimeIsUp()])
 def test_the_table_is_printed_when_the_progress_bar_is_gone(
-    ended: BaseException | None, things: dict[str, FleetObject], monkeypatch: pytest.MonkeyPatch
+    ended: BaseException | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     screen = io.StringIO()
 
@@ -95,23 +94,23 @@ def test_the_table_is_printed_when_the_progress_bar_is_gone(
         finally:
             screen.write("</bar>")
 
-    def play(contrast: Contrast, *_: object) -> None:
-        contrast.tallies = {name: Tally(name, (True,)) for name in contrast.policies}
+    def run(comparison: Comparison, *_: object) -> None:
+        comparison.tallies = {name: Tally(name, (True,)) for name in comparison.policies}
         if ended is not None:
             raise ended
 
     monkeypatch.setattr(command, "progress_bar", bar)
-    monkeypatch.setattr(Contrast, "play", play)
-    shown = Demo(things["mallet"], seed=0)
+    monkeypatch.setattr(Comparison, "run", run)
+    shown = Demo(named_object("mallet"), seed=0)
     nothing: Any = None
-    with suppress(KeyboardInterrupt, TimeIsUp), ended_after(None) as ending:
-        command.tell_contrast(
-            shown, nothing, nothing, nothing, Console(file=screen), Namespace(drops=1, looks=1), ending
+    with suppress(KeyboardInterrupt, TimeIsUp), interruptible(None) as interruption:
+        command.show_comparison(
+            shown, nothing, nothing, nothing, Console(file=screen), Namespace(drops=1, looks=1), interruption
         )
     assert screen.getvalue().index("</bar>") < screen.getvalue().index("1 of 1")
 
 
-def story(poses: int, places: int) -> tuple[Story, list[Ranking]]:
+def episode(poses: int, places: int) -> tuple[Episode, list[Ranking]]:
     """A look that made one of many poses likely, and what looks from many places were worth before and after it."""
     names = [f"P{index}" for index in range(poses)]
     before = session([1.0 / poses] * poses).model_copy(update={"poses": names})
@@ -119,7 +118,7 @@ def story(poses: int, places: int) -> tuple[Story, list[Ranking]]:
     looks = [FIRST.model_copy(update={"sensor": f"Q{index}"}) for index in range(places)]
     ranking = RANKING.model_copy(update={"ranking": looks})
     taken = (TakenLook("Q0", None, after, None),)
-    return Story("robot", "voa", before, taken, "G1", 0.9, None, 1.0), [ranking, ranking]
+    return Episode("robot", "voa", before, taken, "G1", 0.9, None, 1.0), [ranking, ranking]
 
 
 def height_of(file: Path) -> int:
@@ -130,7 +129,7 @@ def test_the_belief_chart_has_room_for_every_row_and_an_end(tmp_path: Path) -> N
     heights = {}
     for poses, places in ((8, 8), (24, 8), (24, 16), (32, 32), (500, 200)):
         file = tmp_path / f"{poses}-{places}.png"
-        belief_by_look(file, *story(poses, places), f"P{poses - 1}")
+        belief_by_look(file, *episode(poses, places), f"P{poses - 1}")
         heights[poses, places] = height_of(file)
     label = 8 / 72 * 120  # a label's height in pixels
     assert heights[24, 8] - heights[8, 8] >= 16 * label

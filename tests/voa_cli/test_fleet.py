@@ -18,8 +18,9 @@ from voa_cli import fleet
 from voa_cli.fleet import pair_names
 from voa_cli.main import main
 from voa_client import Client
-from voa_fleet.devices.clocks import Clock
-from voa_fleet.devices.simulated import Scene, Watch
+from voa_fleet.devices.simulated import Scene
+from voa_fleet.world.attempts import Watch
+from voa_fleet.world.clocks import Clock
 from voa_ros.robots import OdometryPlace, load
 
 
@@ -55,7 +56,7 @@ def test_in_a_pipe_it_tells_a_line_for_each_event(process: str, capfd: pytest.Ca
     assert "robot_1 look from " in said
     assert "robot_2 the arm tries " in said
     assert "\x1b" not in said
-    assert "of 2 lifted; the mallet was in truth at" in said
+    assert "of 2 lifted; the true pose of the mallet was" in said
 
 
 def test_imperfections_are_named_options(process: str, capfd: pytest.CaptureFixture[str]) -> None:
@@ -76,7 +77,7 @@ def test_imperfections_are_named_options(process: str, capfd: pytest.CaptureFixt
     [
         (["--transport", "zenoh"], "--transport zenoh needs the --url"),
         (["--ros2"], "--ros2 needs the --url"),
-        (["--transport", "http", "--url", "zenoh://127.0.0.1:7447"], "does not go with --url"),
+        (["--transport", "http", "--url", "zenoh://127.0.0.1:7447"], "contradicts --url"),
         (["--ros2", "--url", "http://127.0.0.1:1"], "expected its zenoh:// URL"),
         (["--view", "--pairs", "2"], "--view shows one pair"),
         (["--ros2", "--url", "zenoh://127.0.0.1:7447", "--revolutions", "1"], "at least 2 --revolutions"),
@@ -104,7 +105,7 @@ def test_without_the_viewers_library_it_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "mujoco.viewer", None)
     assert main(["fleet", "--url", process, "--view"]) == 1
-    assert "MuJoCo's viewer is not here" in capfd.readouterr().err
+    assert "MuJoCo's viewer is not installed" in capfd.readouterr().err
 
 
 def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -163,7 +164,7 @@ def test_a_router_that_is_not_there_is_soon_missed(way: list[str], capfd: pytest
 def test_a_video_is_of_the_first_pair(
     process: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    video, filmed = tmp_path / "story.gif", []
+    video, filmed = tmp_path / "episode.gif", []
 
     @contextmanager
     def camera(scene: Scene, _clock: Clock, file: Path) -> Iterator[Watch]:

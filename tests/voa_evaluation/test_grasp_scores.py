@@ -9,9 +9,11 @@ import pytest
 from voa_assets import path
 from voa_cli.evaluate import command as evaluate
 from voa_cli.evaluate import grasp_score
+from voa_cli.evaluate.documents import grasp_score_document
 from voa_client import Client
 from voa_client.scenario_files import load_scenario
-from voa_evaluation.grasp_scores import GraspScores, score_grasps, wilson
+from voa_evaluation.grasp_scores import GraspScores, score_grasps
+from voa_fleet.statistics import wilson
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.scenarios import MeasuredScores, ScenarioRequest
@@ -71,7 +73,7 @@ def test_the_scenario_gets_the_measured_scores(mug: FleetObject) -> None:
         [1, 0, 0, 0, 0, 0],
     ]
     assert request.model_dump(exclude={"scores"}) == mug.scenario.model_dump(exclude={"scores"})
-    assert found.report()["successes"] == request.scores.successes
+    assert grasp_score_document(found)["successes"] == request.scores.successes
 
 
 def test_scores_of_a_part_are_no_scenario(mug: FleetObject, scores: GraspScores) -> None:
@@ -81,13 +83,13 @@ def test_scores_of_a_part_are_no_scenario(mug: FleetObject, scores: GraspScores)
 
 @pytest.mark.parametrize(("name", "pose", "grasp"), [("mallet", "S_90", "TOP"), ("block", "U_180", "TD180")])
 def test_the_scores_of_a_shipped_scenario_are_what_the_command_measures(
-    things: dict[str, FleetObject], name: str, pose: str, grasp: str
+    targets: dict[str, FleetObject], name: str, pose: str, grasp: str
 ) -> None:
-    thing = things[name]
-    assert isinstance(thing.scenario.scores, MeasuredScores)
-    shipped = thing.scenario.scores.successes[thing.grasps.index(grasp)][thing.poses.index(pose)]
-    cell = score_grasps(thing, 15, NOISE, 0, poses=[pose], grasps=[grasp]).cells[0][0]
-    assert (cell.successes, cell.attempts) == (shipped, thing.scenario.scores.attempts)
+    target = targets[name]
+    assert isinstance(target.scenario.scores, MeasuredScores)
+    shipped = target.scenario.scores.successes[target.grasps.index(grasp)][target.poses.index(pose)]
+    cell = score_grasps(target, 15, NOISE, 0, poses=[pose], grasps=[grasp]).cells[0][0]
+    assert (cell.successes, cell.attempts) == (shipped, target.scenario.scores.attempts)
 
 
 @pytest.mark.parametrize(

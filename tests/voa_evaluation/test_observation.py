@@ -31,8 +31,8 @@ def test_without_imperfections_prediction_is_exact(mug: FleetObject) -> None:
 
 def test_noise_comes_back_as_spread(mug: FleetObject) -> None:
     told: list[int] = []
-    flaws = Imperfections(range_noise_m=0.003, clutter=room(2.0))
-    found = simulated_errors(mug, 4, flaws, 0, told.append)
+    imperfections = Imperfections(range_noise_m=0.003, clutter=room(2.0))
+    found = simulated_errors(mug, 4, imperfections, 0, told.append)
     assert sum(told) == found.scans == 192
     assert found.overall.std == pytest.approx(3.0, rel=0.1)
     assert abs(found.overall.mean or 0.0) < 0.3
@@ -47,9 +47,9 @@ def test_a_robot_in_the_wrong_place_errs_by_as_much(mug: FleetObject) -> None:
 
 
 def test_the_seed_decides(mug: FleetObject) -> None:
-    flaws = Imperfections.of_lds_01()
-    assert simulated_errors(mug, 1, flaws, 3) == simulated_errors(mug, 1, flaws, 3)
-    assert simulated_errors(mug, 1, flaws, 3) != simulated_errors(mug, 1, flaws, 4)
+    imperfections = Imperfections.of_lds_01()
+    assert simulated_errors(mug, 1, imperfections, 3) == simulated_errors(mug, 1, imperfections, 3)
+    assert simulated_errors(mug, 1, imperfections, 3) != simulated_errors(mug, 1, imperfections, 4)
 
 
 def test_what_stands_in_front_of_the_workspace_says_nothing_of_the_object(mug: FleetObject) -> None:

@@ -1,1 +1,1 @@
-"""What the command line runs: options in, files and tables out."""
+"""The command `voa evaluate`: a module for each evaluation."""

@@ -1,4 +1,4 @@
-"""`voa evaluate WHAT`: the paper's evaluations, on the simulated fleet or on recorded data."""
+"""`voa evaluate EVALUATION`: the evaluations of the paper, in simulation or on recorded experiments."""
 
 import importlib
 import sys
@@ -7,25 +7,25 @@ from typing import NamedTuple
 
 
 class Evaluation(NamedTuple):
-    """Where an evaluation lives: `module.main(arguments) -> exit code`; imported only when it is called."""
+    """Module of an evaluation, with a function `main(arguments) -> exit code`; it is imported when it is called."""
 
     module: str
     help: str
 
 
 EVALUATIONS = {
-    "drops": Evaluation("voa_cli.evaluate.drops", "how an object comes to rest, and the prior that follows"),
-    "grasp-score": Evaluation("voa_cli.evaluate.grasp_score", "how often each grasp succeeds at each pose"),
-    "observation": Evaluation("voa_cli.evaluate.observation", "how far measured scans are from predicted ones"),
+    "drops": Evaluation("voa_cli.evaluate.drops", "drop an object, and derive the prior from how it comes to rest"),
+    "grasp-score": Evaluation("voa_cli.evaluate.grasp_score", "measure how often each grasp succeeds at each pose"),
+    "observation": Evaluation("voa_cli.evaluate.observation", "compare measured scans with predicted ones"),
     "voa": Evaluation(
-        "voa_cli.evaluate.looks", "whether looks are worth what VOA says, and what choosing by it brings"
+        "voa_cli.evaluate.looks", "compare the VOA of looks with what they achieve, and VOA with other policies"
     ),
-    "all": Evaluation("voa_cli.evaluate.everything", "all of it (but drops), as one HTML page and CSV files"),
+    "all": Evaluation("voa_cli.evaluate.everything", "run all but drops; write one HTML page and CSV files"),
 }
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one evaluation; returns its exit code."""
+    """Run one evaluation; return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if not given:
         print(_usage())
@@ -43,4 +43,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _usage() -> str:
     width = max(map(len, EVALUATIONS))
     lines = [f"  {name:{width}}  {evaluation.help}" for name, evaluation in EVALUATIONS.items()]
-    return "\n".join(["usage: voa evaluate WHAT [OPTIONS]", "", *lines, "", "voa evaluate WHAT --help says more."])
+    return "\n".join(
+        [
+            "usage: voa evaluate EVALUATION [OPTIONS]",
+            "",
+            *lines,
+            "",
+            "For the options of one: voa evaluate EVALUATION --help",
+        ]
+    )

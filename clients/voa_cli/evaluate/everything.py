@@ -1,7 +1,7 @@
-"""`voa evaluate all`: the paper's three evaluations as one HTML page, with the CSV files beside it.
+"""`voa evaluate all`: the three evaluations of the paper as one HTML page, with CSV files beside it.
 
-On the simulated fleet, or with --recorded on a recorded experiment: observation errors, and VOA against what the
-measured scans were worth. The same options and seed give the same page, byte for byte.
+In simulation, or with --recorded on a recorded experiment: errors of predicted scans, and VOA against the value of the
+measured scans. Equal options and seeds give equal pages, byte for byte.
 """
 
 import argparse
@@ -13,22 +13,23 @@ from pathlib import Path
 from typing import Any
 
 from voa_cli.evaluate.common import add_objects, objects_of, progress_bar
+from voa_cli.evaluate.documents import grasp_score_document, looks_document, observation_document
 from voa_cli.evaluate.grasp_score import write_scores
 from voa_cli.evaluate.looks import QUICK_NOTICE, add_setting, setting_of, write_pictures
 from voa_cli.evaluate.observation import errors_of_record, write_errors
 from voa_cli.progress import shown_progress
 from voa_client import VoaClientError
 from voa_client.local import service_at
-from voa_evaluation.fleet_sections import grasp_section, observation_section
-from voa_evaluation.found import find
+from voa_evaluation.looks.results import evaluate_looks
+from voa_evaluation.looks.setting import Setting, default_imperfections
 from voa_evaluation.observation import ObservationErrors, simulated_errors
-from voa_evaluation.pictures import recorded_worth
-from voa_evaluation.recorded_sections import recorded_section
-from voa_evaluation.sections import LEAD, looks_sections
-from voa_evaluation.setting import Setting, usual_flaws
-from voa_evaluation.tables import write_csv, write_tables
+from voa_evaluation.report.measurement_sections import grasp_section, observation_section
+from voa_evaluation.report.pictures import recorded_values
+from voa_evaluation.report.recorded_section import recorded_section
+from voa_evaluation.report.sections import LEAD, looks_sections
+from voa_evaluation.report.tables import write_csv, write_tables
 from voa_fleet.errors import FleetError
-from voa_fleet.show.page import Section, command, contents, notice, page, paragraph
+from voa_fleet.show.page import Block, Command, Notice, Paragraph, Section, write_page
 from voa_fleet.world.objects import FleetObject
 from voa_recordings.experiment import RecordedExperiment, read_experiment
 from voa_recordings.replay.experiments import RULES, replay_experiment
@@ -38,76 +39,79 @@ _SCANS, _QUICK_SCANS = 10, 1
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Evaluate, write, say where; returns 0, or 1 if something is wrong."""
+    """Evaluate, write the files and print their place; return 0, or 1 if an error was reported."""
     options = _parser().parse_args(arguments)
     try:
         options.out.mkdir(parents=True, exist_ok=True)
         if options.recorded is not None:
-            report = _of_record(options, read_experiment(options.recorded))
+            document = _evaluate_recorded(options, read_experiment(options.recorded))
         else:
-            report = _of_fleet(options, objects_of(options))
+            document = _evaluate_simulated(options, objects_of(options))
     except (FleetError, VoaClientError, OSError) as error:
         print(f"voa evaluate all: {error}", file=sys.stderr)
         return 1
     if options.json:
-        json.dump(report, sys.stdout, indent=1)
+        json.dump(document, sys.stdout, indent=1)
         print()
     else:
-        print(f"{options.out / PAGE}: open it in a browser; the tables are beside it as CSV")
+        print(f"{options.out / PAGE}: open it in a browser; the tables are CSV files in the same folder")
         if options.quick and options.recorded is None:
             print(QUICK_NOTICE)
     return 0
 
 
-def _of_fleet(options: argparse.Namespace, things: Sequence[FleetObject]) -> dict[str, Any]:
+def _evaluate_simulated(options: argparse.Namespace, targets: Sequence[FleetObject]) -> dict[str, Any]:
     setting = setting_of(options)
     scans = _QUICK_SCANS if options.quick else _SCANS
-    errors = [_errors(thing, scans, setting) for thing in things]
+    errors = [_errors(target, scans, setting) for target in targets]
     with service_at(options.url) as client:
-        found = find(client, things, setting, progress_bar)
+        results = evaluate_looks(client, targets, setting, progress_bar)
     folder = options.out
-    tables = {thing.name: write_scores(folder, thing, each) for thing, each in zip(things, found.scores, strict=True)}
-    write_tables(folder, found)
+    tables = {
+        target.name: write_scores(folder, target, each) for target, each in zip(targets, results.scores, strict=True)
+    }
+    write_tables(folder, results)
     sections = [
-        grasp_section(found.scores, {name: files["picture"] for name, files in tables.items()}),
+        grasp_section(results.scores, {name: files["picture"] for name, files in tables.items()}),
         _observed(folder, errors),
-        *looks_sections(found, write_pictures(folder, found)),
+        *looks_sections(results, write_pictures(folder, results)),
     ]
-    told = ["--object", *(shlex.quote(thing.name) for thing in things), "--seed", str(setting.seed)]
-    told += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
-    told += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
-    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(told), quick=options.quick)
+    repeated = ["--object", *(shlex.quote(target.name) for target in targets), "--seed", str(setting.seed)]
+    repeated += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
+    repeated += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
+    repeated += [part for name in options.policy for part in ("--policy", shlex.quote(name))]
+    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(repeated), quick=options.quick)
     return {
-        "grasp-score": [each.report() for each in found.scores],
-        "observation": [each.report() for each in errors],
-        "voa": found.report(),
+        "grasp-score": [grasp_score_document(each) for each in results.scores],
+        "observation": [observation_document(each) for each in errors],
+        "voa": looks_document(results),
     }
 
 
-def _errors(thing: FleetObject, scans: int, setting: Setting) -> ObservationErrors:
-    total = scans * len(thing.poses) * len(thing.scenario.sensors)
-    with progress_bar(f"{thing.name}: scans", total) as advance:
-        return simulated_errors(thing, scans, usual_flaws(), setting.seed, advance)
+def _errors(target: FleetObject, scans: int, setting: Setting) -> ObservationErrors:
+    total = scans * len(target.poses) * len(target.scenario.sensors)
+    with progress_bar(f"{target.name}: scans", total) as advance:
+        return simulated_errors(target, scans, default_imperfections(), setting.seed, advance)
 
 
-def _of_record(options: argparse.Namespace, experiment: RecordedExperiment) -> dict[str, Any]:
+def _evaluate_recorded(options: argparse.Namespace, experiment: RecordedExperiment) -> dict[str, Any]:
     errors = errors_of_record(experiment)
     with service_at(options.url) as client, shown_progress("replaying") as progress:
-        report = replay_experiment(client, experiment, errors.source, (*RULES, "beam"), progress).model_dump()
+        report = replay_experiment(client, experiment, errors.source, (*RULES, "beam"), progress)
     rows = [
-        [rule, sensor, found["voa"], found["aecd"], len(found["beliefs"]), len(report["poses"])]
-        for rule, sensors in report["rules"].items()
-        for sensor, found in sensors.items()
+        [rule, sensor, look.voa, look.aecd, len(look.beliefs), len(report.poses)]
+        for rule, sensors in report.rules.items()
+        for sensor, look in sensors.items()
     ]
     write_csv(options.out / "voa-recorded.csv", ("rule", "sensor", "voa", "aecd", "poses_measured", "poses"), rows)
-    recorded_worth(options.out / "voa-recorded.png", experiment.name, report["rules"])
+    recorded_values(options.out / "voa-recorded.png", report)
     sections = [
         _observed(options.out, [errors]),
         recorded_section(report, options.out / "voa-recorded.png"),
     ]
     title = f"Value of Assistance in a recorded experiment: {experiment.name}"
     _write_page(options.out, title, sections, "--recorded DIR")
-    return {"observation": errors.report(), "voa": report}
+    return {"observation": observation_document(errors), "voa": report.model_dump()}
 
 
 def _observed(folder: Path, errors: Sequence[ObservationErrors]) -> Section:
@@ -118,18 +122,17 @@ def _observed(folder: Path, errors: Sequence[ObservationErrors]) -> Section:
     return observation_section(errors, pictures)
 
 
-def _write_page(folder: Path, title: str, sections: Sequence[Section], told: str, *, quick: bool = False) -> None:
-    lead = [
-        *([notice(QUICK_NOTICE)] if quick else []),
-        paragraph(LEAD),
-        paragraph(
-            "Every figure is counted from what the page names beside it; the CSV files in the same folder hold the "
-            "rows. The same command on the same machine and versions gives this page again, byte for byte:"
+def _write_page(folder: Path, title: str, sections: Sequence[Section], repeated: str, *, quick: bool = False) -> None:
+    lead: list[Block] = [
+        *([Notice(QUICK_NOTICE)] if quick else []),
+        Paragraph(LEAD),
+        Paragraph(
+            "Every figure is computed from the counts that the page names with it; the CSV files in the same folder "
+            "hold the rows. This command on the same machine and versions gives this page again, byte for byte:"
         ),
-        command(f"voa evaluate all {told} --out DIR"),
-        contents(sections),
+        Command(f"voa evaluate all {repeated} --out DIR"),
     ]
-    (folder / PAGE).write_text(page(title, lead, sections), encoding="utf-8")
+    write_page(folder / PAGE, title, lead, sections, contents=True)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,7 +1,7 @@
-"""`voa evaluate grasp-score`: how often each grasp succeeds at each pose, in simulation.
+"""`voa evaluate grasp-score`: measure in simulation how often each grasp succeeds at each pose.
 
-Writes into the output folder the table as picture and as CSV, and a scenario file that the service takes, with the
-mesh beside it.
+Writes into the output folder the scores as picture and as CSV, and a scenario file for the service, with the mesh
+beside it.
 """
 
 import argparse
@@ -17,25 +17,26 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from voa_cli.evaluate.common import add_objects, amount, count, objects_of, one_or_all, progress_bar
-from voa_evaluation.figures import grasp_score_table
+from voa_cli.evaluate.common import add_objects, amount, count, objects_of, progress_bar
+from voa_cli.evaluate.documents import grasp_score_document, one_or_all
 from voa_evaluation.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
-from voa_fleet.episodes.attempts import Result
+from voa_evaluation.report.figures import grasp_score_table
 from voa_fleet.errors import FleetError
+from voa_fleet.world.attempts import Result
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Attempt, write, print; returns 0, or 1 if something is wrong."""
+    """Measure, write the files and print; return 0, or 1 if an error was reported."""
     options = _parser().parse_args(arguments)
     console = Console()
     documents = []
     try:
-        for thing in objects_of(options):
-            scores = _score(thing, options)
-            files = write_scores(options.out, thing, scores)
-            documents.append(scores.report())
+        for target in objects_of(options):
+            scores = _score(target, options)
+            files = write_scores(options.out, target, scores)
+            documents.append(grasp_score_document(scores))
             if not options.json:
                 _show(console, scores, files)
     except (FleetError, OSError) as error:
@@ -47,40 +48,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _score(thing: FleetObject, options: argparse.Namespace) -> GraspScores:
+def _score(target: FleetObject, options: argparse.Namespace) -> GraspScores:
     if options.opening_mm is not None:
-        thing = thing.with_opening(options.opening_mm / 1e3)
-    flaws = Imperfections(object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg))
-    total = len(thing.poses) * len(thing.grasps) * options.attempts
-    with progress_bar(f"attempting grasps of the {thing.name}", total) as advance:
-        return score_grasps(thing, options.attempts, flaws, options.seed, processes=options.processes, progress=advance)
+        target = target.with_opening(options.opening_mm / 1e3)
+    imperfections = Imperfections(
+        object_xy_m=options.noise_xy_mm / 1e3, object_yaw_rad=math.radians(options.noise_yaw_deg)
+    )
+    total = len(target.poses) * len(target.grasps) * options.attempts
+    with progress_bar(f"attempting grasps of the {target.name}", total) as advance:
+        return score_grasps(
+            target, options.attempts, imperfections, options.seed, processes=options.processes, progress=advance
+        )
 
 
 def _show(console: Console, scores: GraspScores, files: dict[str, Path]) -> None:
     console.print(f"Grasp score of the {scores.object}: successes of {scores.attempts} attempts", highlight=False)
     console.print(score_table(scores))
     console.print(failure_legend(scores), highlight=False)
-    for what, file in files.items():
-        console.print(f"{what}: {file}", highlight=False, soft_wrap=True)
+    for contents, file in files.items():
+        console.print(f"{contents}: {file}", highlight=False, soft_wrap=True)
 
 
-def write_scores(folder: Path, thing: FleetObject, scores: GraspScores) -> dict[str, Path]:
-    """Write picture, CSV, scenario and mesh; returns the files by what they are."""
+def write_scores(folder: Path, target: FleetObject, scores: GraspScores) -> dict[str, Path]:
+    """Write picture, CSV, scenario and mesh; return their paths by a description of their contents."""
     folder.mkdir(parents=True, exist_ok=True)
     stem = f"grasp-score-{scores.object}"
     picture, table, scenario = (folder / f"{stem}.png", folder / f"{stem}.csv", folder / f"{scores.object}.json")
     grasp_score_table(picture, scores)
     write_csv(table, scores)
-    request = scores.scenario(thing.scenario)
+    request = scores.scenario(target.scenario)
     scenario.write_text(request.model_dump_json(indent=1, exclude_none=True) + "\n", encoding="utf-8")
-    mesh = str(thing.scenario.object)
-    if (folder / mesh).resolve() != (thing.folder / mesh).resolve():
-        shutil.copyfile(thing.folder / mesh, folder / mesh)
+    mesh = str(target.scenario.object)
+    if (folder / mesh).resolve() != (target.folder / mesh).resolve():
+        shutil.copyfile(target.folder / mesh, folder / mesh)
     return {"picture": picture, "table": table, "scenario": scenario}
 
 
 def write_csv(file: Path, scores: GraspScores) -> None:
-    """One row per cell: counts, share, 95 % interval, and how the attempts ended."""
+    """Write a row per cell: counts, share, 95 % interval, and the results of the attempts."""
     with file.open("w", encoding="utf-8", newline="") as lines:
         writer = csv.writer(lines, lineterminator="\n")
         writer.writerow(["pose", "grasp", "successes", "attempts", "share", "low", "high", *RESULTS])
@@ -102,7 +107,7 @@ _LETTERS: dict[Result, str] = {
 
 
 def score_table(scores: GraspScores) -> Table:
-    """The table on a terminal; a letter beside a cell that failed most of the time says why it mostly did."""
+    """Make the table for a terminal; a letter in a cell with mostly failures names the most frequent one."""
     table = Table()
     table.add_column("pose")
     for grasp in scores.grasps:
@@ -116,9 +121,9 @@ def score_table(scores: GraspScores) -> Table:
 
 
 def failure_legend(scores: GraspScores) -> str:
-    """What the letters in the table mean."""
-    told = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
-    return ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in told)
+    """Explain the letters that occur in the table."""
+    failures = [_most_frequent_failure(cell) for row in scores.cells for cell in row]
+    return ", ".join(f"{letter} {result}" for result, letter in _LETTERS.items() if result in failures)
 
 
 def _most_frequent_failure(cell: Cell) -> Result | None:
@@ -131,12 +136,16 @@ def _most_frequent_failure(cell: Cell) -> Result | None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate grasp-score", description=__doc__)
     add_objects(parser)
-    parser.add_argument("--attempts", type=count, default=15, help="per pose and grasp (default 15)")
-    parser.add_argument("--noise-xy-mm", type=amount, default=5.0, help="std of the object's place (default 5)")
-    parser.add_argument("--noise-yaw-deg", type=amount, default=3.0, help="std of its heading (default 3)")
-    parser.add_argument("--opening-mm", type=amount, help="of the gripper; default: the object's own setting")
-    parser.add_argument("--seed", type=int, default=0, help="of the noise (default 0)")
-    parser.add_argument("--processes", type=count, default=1, help="that work at a time (default 1)")
+    parser.add_argument("--attempts", type=count, default=15, help="attempts per pose and grasp (default 15)")
+    parser.add_argument(
+        "--noise-xy-mm", type=amount, default=5.0, help="standard deviation of the object's place (default 5)"
+    )
+    parser.add_argument(
+        "--noise-yaw-deg", type=amount, default=3.0, help="standard deviation of its heading (default 3)"
+    )
+    parser.add_argument("--opening-mm", type=amount, help="opening of the gripper; default: the object's own setting")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the noise (default 0)")
+    parser.add_argument("--processes", type=count, default=1, help="number of processes (default 1)")
     parser.add_argument("--out", type=Path, default=Path("voa-evaluation"), help="folder (default voa-evaluation)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

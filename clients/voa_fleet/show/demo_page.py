@@ -1,22 +1,23 @@
-"""The page that the demo leaves: what happened, with pictures, in one HTML file."""
+"""The HTML page that the demo leaves: its events, pictures and counts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from voa_fleet.episodes.contrast import Contrast, Tally
-from voa_fleet.episodes.story import MOST_LOOKS, Chosen, Event, Story
-from voa_fleet.show.page import Section, lines, page, paragraph, picture, table
+from voa_fleet.episodes.comparison import Comparison, Tally
+from voa_fleet.episodes.episode import MOST_LOOKS, Episode
+from voa_fleet.episodes.events import Event, LookChosen
+from voa_fleet.show.episode_pictures import belief_by_look, comparison_bars, view_from_above
+from voa_fleet.show.event_lines import event_line
+from voa_fleet.show.page import Block, Lines, Paragraph, Picture, Section, Table, write_page
 from voa_fleet.show.render import Frame, write_picture
-from voa_fleet.show.story_pictures import belief_by_look, contrast_bars, seen_from_above
-from voa_fleet.show.telling import line_of
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.rankings import Ranking
 
 PAGE = "demo.html"
 _LABELS = {"none": "without a look", "voa": "with looks by VOA"}
 _NEXT = (
-    "voa demo --object mug      # whose looks gain less",
+    "voa demo --object mug      # an object for which looks gain less",
     "voa fleet --pairs 4",
     "voa fleet --object block --policy random",
     "voa evaluate --help",
@@ -26,56 +27,63 @@ _NEXT = (
 
 @dataclass
 class Demo:
-    """The course of a demo so far, which becomes its page.
+    """Course of a demo, from which its page is written.
 
     Attributes:
-        lines: as they were told.
-        rankings: that the service gave on the way.
-        frames: of the scene, with what they show; none without OpenGL.
-        no_frames: why there are none.
-        paper: the picture of the paper's scene.
+        target: the object.
+        seed: of drops and noise.
+        lines: events of the first episode as text.
+        rankings: that the service gave in it.
+        frames: pictures of the scene with their captions; empty without OpenGL.
+        no_frames: reason why there are none.
+        episode: result of the first episode; None: it was ended early.
+        truth: true pose of the object in it.
+        most_looks: in an episode.
+        comparison: counts of the drops with looks and without.
+        paper: picture of the paper's example; None: it was not drawn.
     """
 
-    thing: FleetObject
+    target: FleetObject
     seed: int
     lines: list[str] = field(default_factory=list)
     rankings: list[Ranking] = field(default_factory=list)
     frames: list[tuple[Frame, str]] = field(default_factory=list)
     no_frames: str | None = None
-    story: Story | None = None
+    episode: Episode | None = None
     truth: str = ""
     most_looks: int = MOST_LOOKS
-    contrast: Contrast = field(default_factory=Contrast)
+    comparison: Comparison = field(default_factory=Comparison)
     paper: Path | None = None
 
-    def hear(self, event: Event) -> None:
-        """Keep what the page needs."""
-        self.lines.append(f"{event.at_s:6.1f} s  {line_of(event.what)}")
-        if isinstance(event.what, Chosen) and event.what.ranking is not None:
-            self.rankings.append(event.what.ranking)
+    def record(self, event: Event) -> None:
+        """Keep an event of the first episode for the page."""
+        self.lines.append(f"{event.at_s:6.1f} s  {event_line(event.step)}")
+        if isinstance(event.step, LookChosen) and event.step.ranking is not None:
+            self.rankings.append(event.step.ranking)
 
     @property
     def tallies(self) -> list[Tally]:
-        """Of the contrast; empty if no drop was played."""
-        tallies = list(self.contrast.tallies.values())
+        """Counts per policy; empty if no drop was completed."""
+        tallies = list(self.comparison.tallies.values())
         return tallies if all(tally.attempts for tally in tallies) else []
 
 
-def truth_told(demo: Demo, story: Story) -> str:
-    """Say how the object lay, and what became of the grasp."""
-    rests = [name for name, rest in demo.thing.physics.rests.items() if demo.truth in rest.poses]
-    about = [grasp.data for grasp in demo.thing.scenario.grasps if grasp.name == story.grasp]
-    approach = about[0].get("approach") if about and isinstance(about[0], dict) else None
-    how = "" if approach is None else f" ({approach})"
-    lay = f"In truth the {demo.thing.name} was at {demo.truth} ({', '.join(rests)})."
-    if story.outcome is None:
-        return f"{lay} No grasp was tried."
-    ended = "succeeded" if story.success else f"failed ({story.outcome.detail}): such things happen, see below"
-    return f"{lay} {story.grasp}{how} {ended}."
+def outcome_summary(demo: Demo, episode: Episode) -> str:
+    """Describe in plain words how the object lay, and how the grasp ended."""
+    rests = [name for name, rest in demo.target.physics.rests.items() if demo.truth in rest.poses]
+    data = [grasp.data for grasp in demo.target.scenario.grasps if grasp.name == episode.grasp]
+    approach = data[0].get("approach") if data and isinstance(data[0], dict) else None
+    description = "" if approach is None else f" ({approach})"
+    lay = f"The true pose of the {demo.target.name} was {demo.truth} ({', '.join(rests)})."
+    if episode.outcome is None:
+        return f"{lay} No grasp was attempted."
+    if episode.success:
+        return f"{lay} {episode.grasp}{description} succeeded."
+    return f"{lay} {episode.grasp}{description} failed ({episode.outcome.detail}). The counts below show how often."
 
 
-def contrast_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
-    """Count the same drops, a row per policy, below `CONTRAST_COLUMNS`."""
+def comparison_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
+    """Make a row of figures per policy, to stand below `COMPARISON_COLUMNS`."""
     return [
         (
             _LABELS[tally.policy],
@@ -88,72 +96,76 @@ def contrast_rows(tallies: Sequence[Tally]) -> list[tuple[str, ...]]:
     ]
 
 
-CONTRAST_COLUMNS = ("", "lifted", "95 % interval", "looks per drop", "expected")
+COMPARISON_COLUMNS = ("", "lifted", "95 % interval", "looks per drop", "expected")
 
 
-def told_contrast(demo: Demo) -> str:
-    """Say what the counts are of, in a sentence or two."""
+def comparison_summary(demo: Demo) -> str:
+    """Describe in two sentences the drops that were counted, and the result."""
     without, with_looks = demo.tallies
     drops = "Drop 1" if without.attempts == 1 else f"Drops 1 to {without.attempts}"
     return (
-        f"{drops} of seed {demo.seed}, the same for both, grasped in physics: without a look "
-        f"{without.attempts - without.successes} of {without.attempts} grasps failed, with up to {demo.most_looks} "
-        f"looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Noise and lost "
-        "beams as those of an LDS-01; the object lies 5 mm and 0.05 rad (std) beside its pose."
+        f"{drops} of seed {demo.seed}, each grasped twice in simulation, once without a look and once after up to "
+        f"{demo.most_looks}. Without a look {without.attempts - without.successes} of {without.attempts} grasps "
+        f"failed, with looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Range noise and "
+        "lost beams are those of an LDS-01; the object lies 5 mm and 0.05 rad (standard deviations) off its pose."
     )
 
 
 def write_demo(demo: Demo, out: Path) -> Path:
-    """Draw the pictures and write the page of what there is; returns the page."""
+    """Draw the pictures and write the page of all that the demo has recorded; return the page's path."""
     sections = [
-        *([] if not demo.lines else [_happened(demo, out)]),
-        *([_contrast(demo, out)] if demo.tallies else []),
+        *([_first_episode(demo, out)] if demo.lines else []),
+        *([_comparison(demo, out)] if demo.tallies else []),
         *([] if demo.paper is None else [_paper(demo.paper)]),
-        Section("next", "Go on", (paragraph("Commands to try next:"), lines(_NEXT))),
+        Section("next", "Next steps", (Paragraph("Commands to try next:"), Lines(_NEXT))),
     ]
     file = out / PAGE
-    file.write_text(page("Value of Assistance: a look before the grasp", (), sections), encoding="utf-8")
+    write_page(file, "Value of Assistance: a look before the grasp", (), sections)
     return file
 
 
-def _happened(demo: Demo, out: Path) -> Section:
-    """The story as it was told, with its pictures; only what was told of one that was ended early."""
-    if demo.story is None:
-        return Section("happened", "What happened until it was ended", (lines(demo.lines),))
+def _first_episode(demo: Demo, out: Path) -> Section:
+    """The first episode with its pictures; of one that was ended early the events alone."""
+    if demo.episode is None:
+        return Section("happened", "What happened until the demo was ended", (Lines(demo.lines),))
     belief, above = out / "belief.png", out / "from-above.png"
-    belief_by_look(belief, demo.story, demo.rankings, demo.truth)
-    seen_from_above(above, demo.thing, demo.truth, demo.story)
+    belief_by_look(belief, demo.episode, demo.rankings, demo.truth)
+    view_from_above(above, demo.target, demo.truth, demo.episode)
     pictures = [
-        picture(belief, "Above: the belief, the true pose in orange. Below: what a look from each place was worth."),
-        picture(above, "What the lidar saw, look by look, over the object as it lay."),
+        Picture(belief, "Above: the belief, the true pose in orange. Below: the VOA of a look from each place."),
+        Picture(above, "The lidar's returns, look by look, over the object as it lay."),
     ]
     for index, (frame, caption) in enumerate(demo.frames):
         scene = out / f"scene-{index}.png"
         write_picture(scene, frame)
-        pictures.append(picture(scene, caption))
-    text = paragraph(
-        f"A {demo.thing.name} lay in one of {len(demo.story.before.poses)} poses, and nobody knew in which. "
-        f"Drop 0 of seed {demo.seed}. {truth_told(demo, demo.story)}"
+        pictures.append(Picture(scene, caption))
+    text = Paragraph(
+        f"A {demo.target.name} lay in one of {len(demo.episode.before.poses)} poses, and the robots did not know in "
+        f"which. Drop 0 of seed {demo.seed}. {outcome_summary(demo, demo.episode)}"
     )
-    missing = [] if demo.no_frames is None else [paragraph(f"No pictures of the scene: {demo.no_frames}")]
-    return Section("happened", "What happened", (text, *missing, lines(demo.lines), *pictures))
+    missing: list[Block] = []
+    if demo.no_frames is not None:
+        missing.append(Paragraph(f"There are no pictures of the scene: {demo.no_frames}"))
+    return Section("happened", "What happened", (text, *missing, Lines(demo.lines), *pictures))
 
 
-def _contrast(demo: Demo, out: Path) -> Section:
+def _comparison(demo: Demo, out: Path) -> Section:
     bars = out / "contrast.png"
-    contrast_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
-    counts = table(
-        "Wilson's intervals; expected: by the service, of the grasps that were tried",
-        CONTRAST_COLUMNS,
-        contrast_rows(demo.tallies),
+    comparison_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
+    counts = Table(
+        "Wilson's intervals; expected: success probability of the attempted grasps, as the service expected it",
+        COMPARISON_COLUMNS,
+        comparison_rows(demo.tallies),
     )
-    shown = picture(bars, "Counts of drops in which the object was lifted.")
+    picture = Picture(bars, "Counts of drops in which the object was lifted.")
     return Section(
-        "contrast", "The same drops without a look, and with", (paragraph(told_contrast(demo)), counts, shown)
+        "contrast",
+        "The same drops without a look, and with looks",
+        (Paragraph(comparison_summary(demo)), counts, picture),
     )
 
 
 def _paper(file: Path) -> Section:
-    about = "A mug, with the grasp scores measured in the paper: one look makes another grasp the best one."
-    shown = picture(file, "Weighted grasp scores before and after one look (Fig. 3).")
-    return Section("paper", "The paper's example", (paragraph(about), shown))
+    text = "A mug, with the grasp scores measured in the paper: after one look another grasp is the best one."
+    picture = Picture(file, "Weighted grasp scores before and after one look (Fig. 3).")
+    return Section("paper", "The paper's example", (Paragraph(text), picture))

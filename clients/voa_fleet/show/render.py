@@ -1,6 +1,6 @@
-"""Pictures and videos of the scene, without a display: EGL and whatever OpenGL library is installed.
+"""Pictures and videos of the scene without a display, by EGL and an installed OpenGL library.
 
-Physics, rays and all evaluations run without OpenGL; only this module needs it.
+Simulation and evaluations run without OpenGL; only this module needs it.
 """
 
 import shutil
@@ -30,12 +30,12 @@ _MOST_GEOMS = 1000
 
 @dataclass(frozen=True)
 class View:
-    """Where the camera stands.
+    """Position and direction of the camera.
 
     Attributes:
-        target: that it looks at, metres.
-        distance_m: from there.
-        azimuth_deg, elevation_deg: direction of its gaze; negative elevations look down.
+        target: point in the middle of the picture, metres.
+        distance_m: from that point.
+        azimuth_deg, elevation_deg: direction of the camera's axis; negative elevations look down.
     """
 
     target: tuple[float, float, float] = (-0.05, 0.0, 0.12)
@@ -50,7 +50,7 @@ class Renderer:
     def __init__(
         self, world: World, width: int = 960, height: int = 640, view: View | None = None, *, shadows: bool = True
     ) -> None:
-        """Get ready to draw.
+        """Create an OpenGL context of that size, in pixels.
 
         Raises:
             NoGraphics: there is no OpenGL library, or it does not work without a display.
@@ -78,7 +78,7 @@ class Renderer:
         self._graphics.free()
 
     def frame(self, data: mujoco.MjData) -> Frame:
-        """The world in the state `data`; positions of the bodies must be up to date."""
+        """Draw the world in the state `data`; positions of the bodies must be up to date."""
         width, height = self._size
         self._graphics.make_current()
         perturbation = mujoco.MjvPerturb()
@@ -98,7 +98,7 @@ def write_picture(file: Path, frame: Frame) -> None:
 
 
 class Video(Protocol):
-    """Writes frames to a file as they come; use as a context manager, which finishes the file."""
+    """Writer of a video file; use it as a context manager, which finishes the file."""
 
     def __enter__(self) -> Self:
         """Begin."""
@@ -113,10 +113,10 @@ class Video(Protocol):
 
 
 def open_video(file: Path, frames_per_s: int = 20) -> Video:
-    """A GIF by its ending, anything else by the program ffmpeg.
+    """Open a video for writing: a GIF where the file's name ends in .gif, any other format by the program ffmpeg.
 
     Raises:
-        NoGraphics: there is no ffmpeg.
+        NoGraphics: ffmpeg is needed and not installed.
     """
     if file.suffix.lower() == ".gif":
         return _Gif(file, frames_per_s)
@@ -152,7 +152,7 @@ class _Gif:
 
 
 class _Piped:
-    """Frames go to ffmpeg, which starts with the first one: then their size is known."""
+    """Frames are piped to ffmpeg, which starts with the first one, when their size is known."""
 
     def __init__(self, program: str, file: Path, frames_per_s: int) -> None:
         self._command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
@@ -167,9 +167,9 @@ class _Piped:
     ) -> None:
         if self._process is None:
             return
-        _, said = self._process.communicate()
+        _, errors = self._process.communicate()
         if self._process.returncode and kind is None:
-            raise NoGraphics(f"ffmpeg could not write the video: {said.decode(errors='replace').strip()}")
+            raise NoGraphics(f"ffmpeg could not write the video: {errors.decode(errors='replace').strip()}")
 
     def add(self, frame: Frame) -> None:
         if self._process is None:

@@ -8,26 +8,27 @@ from typing import Any
 
 import mujoco
 
-from voa_fleet.devices.clocks import Clock
-from voa_fleet.devices.simulated import Scene, Watch
+from voa_fleet.devices.simulated import Scene
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.render import Renderer, View, open_video
+from voa_fleet.world.attempts import Watch
+from voa_fleet.world.clocks import Clock
 from voa_fleet.world.groups import DRAWN
 
 FRAMES_PER_S = 10
 SPEED = 2.0
-"""Of videos: most of a story is driving."""
+"""Speed of videos: most of an episode is driving."""
 _WIDTH, _HEIGHT = 640, 427
 _ROUNDING_S = 1e-6
-"""Of a clock that adds up many short sleeps."""
+"""Rounding error of a clock that adds up many short sleeps."""
 
 
 @contextmanager
 def filmed(scene: Scene, clock: Clock, file: Path, view: View | None = None) -> Iterator[Watch]:
-    """A watch that writes a video of the scene, twice as fast as its clock.
+    """Write a video of the scene, twice as fast as its clock, by the function that is yielded.
 
     Raises:
-        NoGraphics: there is no OpenGL library, or no ffmpeg where the file's ending asks for it.
+        NoGraphics: there is no OpenGL library, or no ffmpeg where the file's format needs it.
     """
     apart_s = SPEED / FRAMES_PER_S
     with (
@@ -47,7 +48,7 @@ def filmed(scene: Scene, clock: Clock, file: Path, view: View | None = None) -> 
 
 @contextmanager
 def viewed(scene: Scene) -> Iterator[Watch]:
-    """A watch that keeps MuJoCo's viewer up to date; a window that was closed stays closed.
+    """Keep MuJoCo's viewer up to date by the function that is yielded; a window that was closed stays closed.
 
     Raises:
         NoGraphics: the viewer is not installed, or there is no display.
@@ -55,10 +56,10 @@ def viewed(scene: Scene) -> Iterator[Watch]:
     try:
         viewer: Any = importlib.import_module("mujoco.viewer")
     except ImportError as error:
-        raise NoGraphics(f"MuJoCo's viewer is not here ({error}); install it with: pip install glfw") from error
+        raise NoGraphics(f"MuJoCo's viewer is not installed ({error}); install it with: pip install glfw") from error
     try:
         window = viewer.launch_passive(scene.world.model, scene.data, show_left_ui=False, show_right_ui=False)
-    except Exception as error:  # glfw raises what it likes where there is no display
+    except Exception as error:  # glfw raises errors of several kinds where there is no display
         raise NoGraphics(f"MuJoCo's viewer cannot open a window: {error}; is there a display?") from error
     with window:
         window.opt.geomgroup[:] = DRAWN

@@ -1,1 +1,12 @@
-"""The simulated world: table, objects, lidar, gripper and arm as one MuJoCo model."""
+"""The simulated world: table, objects, lidar, gripper and arm as one MuJoCo model.
+
+| to                                            | see                                                 |
+|-----------------------------------------------|-----------------------------------------------------|
+| describe an object                            | `objects`, `meshes`                                 |
+| place it on the table                         | `object_poses`                                      |
+| build the world around it                     | `scene`, `ur5e`, `gripper`, `lidar_robot`, `solids` |
+| describe how the world differs from the ideal | `imperfections`                                     |
+| compute the arm's motion, attempt a grasp     | `kinematics`, `attempts`                            |
+| measure ranges                                | `lidar`                                             |
+| let time pass                                 | `clocks`                                            |
+"""

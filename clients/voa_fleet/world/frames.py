@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 
 
 def matrix_of(quaternion_wxyz: ArrayLike) -> Floats:
-    """The rotation matrix (3, 3) of a quaternion (w, x, y, z), normalised here."""
+    """Return the rotation matrix (3, 3) of a quaternion (w, x, y, z) of any length but 0."""
     q = np.asarray(quaternion_wxyz, dtype=np.float64)
     w, x, y, z = q / np.linalg.norm(q)
     return np.array(
@@ -22,7 +22,7 @@ def matrix_of(quaternion_wxyz: ArrayLike) -> Floats:
 
 
 def product(first: ArrayLike, second: ArrayLike) -> Floats:
-    """The quaternion of the rotation `second`, then `first`."""
+    """Multiply two quaternions (w, x, y, z): the result turns by `second`, then by `first`."""
     w, x, y, z = np.asarray(first, dtype=np.float64)
     a, b, c, d = np.asarray(second, dtype=np.float64)
     return np.array(
@@ -36,12 +36,12 @@ def product(first: ArrayLike, second: ArrayLike) -> Floats:
 
 
 def yaw_quaternion(yaw_rad: float) -> Floats:
-    """The turn by `yaw_rad` about the vertical."""
+    """Return the quaternion (w, x, y, z) of a turn by `yaw_rad` about the vertical, counter-clockwise."""
     return np.array([math.cos(yaw_rad / 2.0), 0.0, 0.0, math.sin(yaw_rad / 2.0)])
 
 
 def along(axis: ArrayLike) -> Floats:
-    """A quaternion that turns z to `axis` (3,), of any length."""
+    """Return a quaternion (w, x, y, z) that turns the z axis to `axis` (3,), a vector of any length but 0."""
     unit = np.asarray(axis, dtype=np.float64)
     unit = unit / np.linalg.norm(unit)
     if unit[2] < -1.0 + 1e-12:
@@ -52,7 +52,7 @@ def along(axis: ArrayLike) -> Floats:
 
 
 def tool_rotation(approach: ArrayLike, closing: ArrayLike) -> Floats:
-    """The tool's rotation (3, 3): its z along `approach`, its x along `closing` as far as it is square to it."""
+    """Return the tool's rotation (3, 3): z along `approach`, x along the part of `closing` perpendicular to it."""
     z = np.asarray(approach, dtype=np.float64)
     z = z / np.linalg.norm(z)
     x = np.asarray(closing, dtype=np.float64)
@@ -62,5 +62,5 @@ def tool_rotation(approach: ArrayLike, closing: ArrayLike) -> Floats:
 
 
 def angle_between(first: Floats, second: Floats) -> float:
-    """The angle between two unit vectors, radians, from 0 to pi."""
+    """Return the angle between two unit vectors (3,), radians, from 0 to pi."""
     return math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))

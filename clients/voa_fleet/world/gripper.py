@@ -1,4 +1,4 @@
-"""A parallel gripper: two fingers on slides, coupled, with one force-limited servo; its opening is a parameter."""
+"""A parallel gripper: two coupled fingers on slides, closed by one servo of limited force."""
 
 from typing import Any
 
@@ -8,13 +8,13 @@ from voa_fleet.world.groups import ARM_SEEN, HAND_OBJECT, HAND_TABLE, HARD, STIF
 from voa_fleet.world.objects import GripperSetting
 
 PALM_M = 0.090
-"""From the flange to where the fingers begin."""
+"""Distance from the flange to the fingers' roots."""
 FINGER_M = 0.055
 """Length of a finger."""
 THICKNESS_M = 0.008
-"""Of a finger, along the direction in which it closes."""
+"""Thickness of a finger along the direction in which it closes."""
 WIDTH_M = 0.020
-"""Of a finger, across that direction."""
+"""Width of a finger across the direction in which it closes."""
 PALM_WIDTH_M = 0.028
 TOOL = "tool"
 """The site in the middle between the fingertips; its z points out of the hand, its x along the closing direction."""
@@ -26,7 +26,7 @@ _TOUCH = HAND_TABLE | HAND_OBJECT
 
 
 def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> None:
-    """Mount the gripper on the flange."""
+    """Mount a gripper, opened and limited in force as `setting` says, on the arm's flange."""
     reach = setting.opening_m / 2.0
     palm = [reach + THICKNESS_M + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
     flange.add_geom(

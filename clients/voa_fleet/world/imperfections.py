@@ -1,4 +1,4 @@
-"""How the world falls short of the ideal: named parameters, all zero in the ideal one."""
+"""Imperfections of the simulated world as named parameters, all zero in the ideal one."""
 
 import math
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from typing import Self
 from voa_fleet.errors import InvalidObject
 
 PACKET_BEAMS = 6
-"""An LDS-01 sends six beams in a packet; a packet that is lost loses all of them."""
+"""Beams in a packet of an LDS-01: a lost packet loses them all."""
 
 
 @dataclass(frozen=True)
 class Clutter:
-    """A box that stands in the world and that the lidar sees; the arm passes through it.
+    """A box that the lidar sees; the arm passes through it.
 
     Attributes:
         name: of its geometry.
@@ -28,12 +28,12 @@ class Clutter:
 
 
 def wall(name: str, x: float, y: float, length_m: float, yaw_rad: float = 0.0) -> Clutter:
-    """A thin wall along its own x axis, half a metre higher than the table, with its middle at (x, y)."""
+    """Make a thin wall, half a metre higher than the table, centred at (x, y) and along x before it is turned."""
     return Clutter(name, (x, y), (length_m, 0.02, 0.5), yaw_rad)
 
 
 def room(half_size_m: float) -> tuple[Clutter, ...]:
-    """Four walls around the origin: what an indoor lidar sees behind the object."""
+    """Make the four walls of a room around the origin, which an indoor lidar sees behind the object."""
     length = 2.0 * half_size_m + 0.02
     return (
         wall("east", half_size_m, 0.0, length, math.pi / 2.0),
@@ -45,20 +45,20 @@ def room(half_size_m: float) -> tuple[Clutter, ...]:
 
 @dataclass(frozen=True)
 class Imperfections:
-    """What goes wrong; standard deviations are of independent normal errors.
+    """Errors of the simulated world; standard deviations are those of independent normal errors.
 
     Attributes:
-        robot_xy_m: of the robot's place, in x and in y: it believes to stand where it was sent.
-        robot_yaw_rad: of its heading.
-        range_noise_m: of a range.
-        range_noise_ratio: of a range beyond `near_m`, as a share of it, if that is more.
-        near_m: where a lidar's data sheet begins to state its noise as a share.
-        beam_loss: share of beams that come back empty from a surface.
-        packet_loss: share of packets of six beams that never arrive.
-        resolution_m: ranges are whole multiples of it; 0: any.
-        object_xy_m: of the object's place about its pose, in x and in y.
-        object_yaw_rad: of its heading.
-        clutter: what else stands around.
+        robot_xy_m: standard deviation of the robot's position in x and in y; it believes to be where it was sent.
+        robot_yaw_rad: standard deviation of the robot's heading.
+        range_noise_m: standard deviation of a measured range.
+        range_noise_ratio: standard deviation of a range beyond `near_m` as a share of the range, where that is more.
+        near_m: range from which a lidar's data sheet states the noise as a share.
+        beam_loss: share of beams that hit a surface and give no return.
+        packet_loss: share of packets of six beams that get lost.
+        resolution_m: step of the measured ranges; 0: no rounding.
+        object_xy_m: standard deviation of the object's position about its pose, in x and in y.
+        object_yaw_rad: standard deviation of the object's heading about its pose.
+        clutter: boxes and walls beside the object.
     """
 
     robot_xy_m: float = 0.0
@@ -83,10 +83,10 @@ class Imperfections:
 
     @classmethod
     def of_lds_01(cls) -> Self:
-        """A room 2 m to each side, and an LDS-01 as it is said to err.
+        """Return the errors of an LDS-01 lidar in a room with walls 2 m to each side.
 
-        Noise: the paper found 1 to 3 mm at 30 to 40 cm, so 3 mm below half a metre; beyond, the 3 % of its
-        data sheet. It reports whole millimetres. That a packet in fifty and a beam in fifty are lost is an assumption.
+        Noise: the paper measured 1 to 3 mm at 30 to 40 cm, so 3 mm below half a metre; beyond, the 3 % of the
+        data sheet. Ranges are whole millimetres. That a packet in fifty and a beam in fifty get lost is an assumption.
         """
         return cls(
             range_noise_m=0.003,

@@ -1,4 +1,4 @@
-"""Where the arm's joints must go: inverse kinematics by damped least squares, along straight lines of the tool."""
+"""Inverse kinematics of the arm by damped least squares, along straight lines of the tool."""
 
 import math
 from collections.abc import Iterator
@@ -18,9 +18,9 @@ CONTROL_S = CONTROL_STEPS * STEP_S
 APPROACH_M, APPROACH_S = 0.10, 0.45
 LIFT_M, LIFT_S = 0.15, 0.70
 STOP_M = 0.004
-"""A tool that is further from where it should be makes the controller stop, as a UR's does when it is held up.
+"""Position error of the tool at which the controller stops, as a UR's does when the arm meets resistance.
 
-In free motion it is less than 2 mm off; at the servos' stiffness 4 mm are some 50 N."""
+In free motion the error is below 2 mm; at the servos' stiffness 4 mm mean some 50 N."""
 
 _DAMPING = 0.02
 _LONGEST_STEP_RAD = 0.3
@@ -28,7 +28,7 @@ _EXACT_M, _EXACT_RAD = 1e-4, 1e-3
 _ITERATIONS = 60
 _ITERATIONS_NEARBY = 8
 _JUMP_RAD = 0.3
-"""Between two commands: more than that and the arm would have to turn over on the way."""
+"""Largest change of a joint between two commands; a larger one would mean that the arm turns over on the way."""
 _ELBOW = "arm3_link"
 _LAG_S = np.array([(link.kv + DAMPING) / link.kp for link in LINKS])
 
@@ -47,10 +47,10 @@ class GraspPlan:
 
 
 def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
-    """How the arm gets to a grasp and up from it; None if it cannot.
+    """Plan the arm's motion to a grasp and up from it; None where the arm cannot reach it.
 
-    Of all ways found from a fixed list of starts, with the gripper either way round, the one with the highest elbow.
-    The same world and grasp always give the same plan.
+    Solutions are searched from a fixed list of start configurations, with the gripper either way round; the one with
+    the highest elbow is returned. Equal worlds and grasps give equal plans.
     """
     data = mujoco.MjData(world.model)
     tip, approach = np.array(grasp.tip), np.array(grasp.approach)
@@ -75,26 +75,26 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
 
 
 def commands(joints: Floats) -> Iterator[Floats]:
-    """What to tell the servos for each row of joints (k, 6): with the speed fed forward, else they lag behind."""
+    """Yield a servo command (6,) for each row of joint angles (k, 6), with the speed fed forward against the lag."""
     speeds = np.gradient(joints, CONTROL_S, axis=0) if len(joints) > 1 else np.zeros_like(joints)
     yield from joints + speeds * _LAG_S
 
 
 def joint_move(start: Floats, end: Floats, speed_rad_s: float) -> Floats:
-    """Joint angles (k, 6) from `start` to `end`, the widest joint at `speed_rad_s` on average."""
+    """Interpolate joint angles (k, 6) from `start` (6,) to `end` (6,), the widest joint at `speed_rad_s` on average."""
     seconds = max(float(np.abs(end - start).max()) / speed_rad_s, 2.0 * CONTROL_S)
     shares = np.array(_smooth(seconds))
     return start + shares[:, None] * (end - start)
 
 
 def _smooth(seconds: float) -> list[float]:
-    """Shares of a way, one per command, that start and end at rest (minimum jerk); the last is 1."""
+    """Return shares of a path, one per command, that start and end at rest (minimum jerk); the last is 1."""
     count = max(1, round(seconds / CONTROL_S))
     return [s**3 * (10.0 - 15.0 * s + 6.0 * s**2) for s in ((k + 1) / count for k in range(count))]
 
 
 def _starts(world: World, tip: Floats) -> list[Floats]:
-    """Joint angles from which to look for a solution: shoulder towards the tip, elbow and wrist both ways."""
+    """Joint angles from which a solution is searched: shoulder towards the tip, elbow and wrist both ways."""
     base = world.model.body("arm_base").pos
     toward = math.atan2(float(tip[1] - base[1]), float(tip[0] - base[0])) + math.pi
     return [
@@ -109,18 +109,18 @@ def _follow(world: World, data: mujoco.MjData, places: list[Floats], rotation: F
     rows = []
     joints = start
     for place in places:
-        found = _solve(world, data, place, rotation, joints, _ITERATIONS_NEARBY)
-        if found is None or np.abs(found - joints).max() > _JUMP_RAD:
+        solution = _solve(world, data, place, rotation, joints, _ITERATIONS_NEARBY)
+        if solution is None or np.abs(solution - joints).max() > _JUMP_RAD:
             return None
-        rows.append(found)
-        joints = found
+        rows.append(solution)
+        joints = solution
     return np.array(rows)
 
 
 def _solve(
     world: World, data: mujoco.MjData, place: Floats, rotation: Floats, start: Floats, iterations: int
 ) -> Floats | None:
-    """Joint angles (6,) with the tool at `place`, turned by `rotation`; None if they are not found."""
+    """Joint angles (6,) with the tool at `place` (3,), turned by `rotation` (3, 3); None if there is no solution."""
     model = world.model
     joints = start.copy()
     jacobian = np.zeros((6, model.nv))
@@ -139,11 +139,11 @@ def _solve(
 
 
 def _error(world: World, data: mujoco.MjData, place: Floats, rotation: Floats) -> Floats:
-    """What is left to go, (6,): metres, then a rotation vector in radians."""
+    """Remaining error of the tool's pose, (6,): metres, then a rotation vector in radians."""
     apart = rotation @ data.site_xmat[world.tool].reshape(3, 3).T
     axis = np.array([apart[2, 1] - apart[1, 2], apart[0, 2] - apart[2, 0], apart[1, 0] - apart[0, 1]])
     sine = float(np.linalg.norm(axis)) / 2.0
     angle = math.atan2(sine, (float(np.trace(apart)) - 1.0) / 2.0)
-    # At half a turn the axis is lost; any will do to get away from there.
+    # At half a turn the axis is undefined; any axis leads away from there.
     turn = axis * (angle / (2.0 * sine)) if sine > 1e-9 else np.array([angle, 0.0, 0.0])
     return np.concatenate([place - data.site_xpos[world.tool], turn])

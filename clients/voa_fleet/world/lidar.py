@@ -1,7 +1,7 @@
-"""The lidar: exact ranges by MuJoCo's ray caster, then the faults of a small spinning lidar.
+"""The simulated lidar: exact ranges by MuJoCo's ray caster, then the errors of a small spinning lidar.
 
-Rays meet the triangles of the object's mesh, the arm, the clutter and the table; never the solids that stand in for
-the object in contacts, nor the robots.
+Rays end on the triangles of the object's mesh, the arm, the clutter and the table; never on the solids that replace
+the object in contacts, nor on the robots.
 """
 
 import math
@@ -21,7 +21,7 @@ from voa_msgs.lidars import Lidar
 from voa_msgs.sessions import Scan
 
 REVOLUTION_S = 0.2
-"""An LDS-01 turns at 5 Hz."""
+"""Duration of one revolution: an LDS-01 turns at 5 Hz."""
 _NOTHING = np.inf
 
 
@@ -30,8 +30,10 @@ class LidarGeometry:
     """Beams and limits of a lidar.
 
     Attributes:
+        beams: number of beams in a revolution.
         angle_min, angle_increment: radians, counter-clockwise from the sensor's +x.
-        range_min, range_max: metres.
+        range_min, range_max: limits of a measured range, metres.
+        height_m: of the scan plane over the table.
     """
 
     beams: int
@@ -43,37 +45,37 @@ class LidarGeometry:
 
     @property
     def angles(self) -> Floats:
-        """Of every beam, (beams,), radians."""
+        """Angles of all beams in the lidar's frame, (beams,), radians."""
         return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 
-def lidar_geometry(told: Lidar) -> LidarGeometry:
-    """What a scenario says of its lidar, with its preset's values where it says nothing.
+def lidar_geometry(lidar: Lidar) -> LidarGeometry:
+    """Complete a scenario's lidar with the values of its preset.
 
     Raises:
         UnknownName: there is no such preset.
-        InvalidObject: something is said neither by the scenario nor by a preset.
+        InvalidObject: neither the scenario nor a preset states one of the values.
     """
     presets = lidar_presets()
-    if told.preset is not None and told.preset not in presets:
-        raise UnknownName("lidar preset", told.preset, list(presets))
-    values = {} if told.preset is None else presets[told.preset]
-    values = values | told.model_dump(exclude_none=True)
+    if lidar.preset is not None and lidar.preset not in presets:
+        raise UnknownName("lidar preset", lidar.preset, list(presets))
+    values = {} if lidar.preset is None else presets[lidar.preset]
+    values = values | lidar.model_dump(exclude_none=True)
     needed = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "height_m")
     absent = [name for name in needed if name not in values]
     if absent:
-        raise InvalidObject(f"lidar: expected {absent[0]}, got none")
+        raise InvalidObject(f"lidar: expected {absent[0]} in the scenario or its preset, got none")
     return LidarGeometry(**{name: values[name] for name in needed})
 
 
 def true_ranges(world: World, data: mujoco.MjData, lidar: LidarGeometry, pose: SensorPose) -> Floats:
-    """What a lidar without faults would measure, (beams,) metres; inf where nothing is within `range_max`.
+    """Cast the rays of a lidar without errors: ranges (beams,), metres; inf where nothing is within `range_max`.
 
     Args:
         world: the world.
-        data: its state; positions of the bodies must be up to date (`mj_kinematics`).
+        data: the world's state; positions of the bodies must be up to date (`mj_kinematics`).
         lidar: the beams.
-        pose: the lidar's own; its height, if it has one, wins over the lidar's.
+        pose: of the lidar; a height that it states replaces the lidar's.
     """
     heading = pose.yaw_rad + lidar.angles
     directions = np.column_stack([np.cos(heading), np.sin(heading), np.zeros(lidar.beams)]).ravel()
@@ -94,29 +96,40 @@ def true_ranges(world: World, data: mujoco.MjData, lidar: LidarGeometry, pose: S
         lidar.beams,
         mujoco.mjMAXVAL,
     )
-    # The ray caster's own limit leaves out whole geometries, it does not shorten rays.
+    # The ray caster's own limit leaves out whole geometries instead of shortening rays.
     return np.where((hit >= 0) & (ranges >= 0.0) & (ranges <= lidar.range_max), ranges, _NOTHING)
 
 
-def with_faults(ranges: Floats, lidar: LidarGeometry, flaws: Imperfections, rng: np.random.Generator) -> Floats:
-    """What an LDS-01's driver would publish for these true ranges: 0 where nothing came back, for any reason.
+def with_errors(ranges: Floats, lidar: LidarGeometry, imperfections: Imperfections, rng: np.random.Generator) -> Floats:
+    """Add an LDS-01's errors to true ranges (beams,), metres: 0 where its driver would report no return.
 
-    The same number of random numbers is drawn whatever the ranges are, so that two worlds that differ in one thing
-    err alike in all else.
+    The number of random numbers drawn does not depend on the ranges, so that two worlds that differ in one respect
+    have the same errors in all others.
     """
     normal, lost_beam = rng.standard_normal(lidar.beams), rng.random(lidar.beams)
     lost_packet = np.repeat(rng.random(math.ceil(lidar.beams / PACKET_BEAMS)), PACKET_BEAMS)[: lidar.beams]
-    there = np.isfinite(ranges)
-    exact = np.where(there, ranges, 0.0)
-    far = np.where(exact > flaws.near_m, flaws.range_noise_ratio * exact, 0.0)
-    measured = exact + normal * np.maximum(flaws.range_noise_m, far)
-    if flaws.resolution_m > 0.0:
-        measured = np.round(measured / flaws.resolution_m) * flaws.resolution_m
-    keep = there & (lost_beam >= flaws.beam_loss) & (lost_packet >= flaws.packet_loss)
+    hit = np.isfinite(ranges)
+    exact = np.where(hit, ranges, 0.0)
+    far = np.where(exact > imperfections.near_m, imperfections.range_noise_ratio * exact, 0.0)
+    measured = exact + normal * np.maximum(imperfections.range_noise_m, far)
+    if imperfections.resolution_m > 0.0:
+        measured = np.round(measured / imperfections.resolution_m) * imperfections.resolution_m
+    keep = hit & (lost_beam >= imperfections.beam_loss) & (lost_packet >= imperfections.packet_loss)
     keep &= (measured >= lidar.range_min) & (measured <= lidar.range_max)
     return np.where(keep, measured, 0.0)
 
 
+def displaced(sensor: SensorPose, imperfections: Imperfections, rng: np.random.Generator) -> SensorPose:
+    """Draw the pose at which a robot really stands that was sent to `sensor`, with its position and heading errors."""
+    dx, dy, turn = (float(number) for number in rng.standard_normal(3))
+    return SensorPose(
+        x=sensor.x + dx * imperfections.robot_xy_m,
+        y=sensor.y + dy * imperfections.robot_xy_m,
+        yaw_rad=sensor.yaw_rad + turn * imperfections.robot_yaw_rad,
+        height_m=sensor.height_m,
+    )
+
+
 def scan_message(ranges: Floats) -> Scan:
-    """Ranges as the message that goes to the service: raw, zeros and all."""
+    """Make the message for the service from ranges (beams,), metres; zeros stay zeros."""
     return Scan(ranges=[float(value) for value in np.round(ranges, 6)])

@@ -1,4 +1,4 @@
-"""A robot like a TurtleBot3 with a lidar on top, moved by its pose alone: it drives, it does not push."""
+"""A robot like a TurtleBot3 with a lidar on top; it is moved by setting its pose and touches nothing."""
 
 from typing import Any
 
@@ -7,14 +7,14 @@ import mujoco
 from voa_fleet.world.groups import ROBOT
 
 RADIUS_M = 0.09
-"""Of the robot's base."""
+"""Radius of the robot's base."""
 LIDAR_RADIUS_M = 0.035
 HEIGHT_M = 0.16
-"""From the floor to the scan plane: the table's top is as much higher as the scenario's lidar height is lower."""
+"""Height of the scan plane over the floor; the scenario's lidar height is counted from the table's top instead."""
 
 
 def add_robot(spec: mujoco.MjSpec, name: str, lidar_height_m: float) -> None:
-    """Add a robot as a mocap body whose frame is the lidar's own: origin in the scan plane, x is beam 0."""
+    """Add a robot as a mocap body whose frame is its lidar's: origin in the scan plane, x along beam 0."""
     robot = spec.worldbody.add_body(name=name, mocap=True, pos=[1.0, 0.0, lidar_height_m])
     parts: list[tuple[Any, list[float], list[float], list[float]]] = [
         (mujoco.mjtGeom.mjGEOM_CYLINDER, [RADIUS_M, 0.035, 0.0], [0.0, 0.0, -0.115], [0.20, 0.22, 0.25, 1.0]),

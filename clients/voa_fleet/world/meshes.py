@@ -1,4 +1,4 @@
-"""Triangle meshes from Wavefront OBJ files: all that the objects of this project need."""
+"""Triangle meshes from Wavefront OBJ files, the only format of this project's objects."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,7 +28,7 @@ def read_obj(file: Path) -> Mesh:
     """Read the vertices and faces of an OBJ file; convex polygons become fans of triangles.
 
     Raises:
-        InvalidObject: there is no such file, it holds no mesh, or a polygon that no fan cuts right.
+        InvalidObject: there is no such file, it holds no mesh, or a polygon that is not convex.
     """
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
@@ -54,7 +54,7 @@ def read_obj(file: Path) -> Mesh:
 
 
 def _is_convex(corners: Floats) -> bool:
-    """Whether every corner of a polygon (n, 3) turns the way that the polygon does."""
+    """True if all corners of a polygon (n, 3) turn in the same direction."""
     back, ahead = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
     turns = np.cross(back, ahead)
     whole = np.cross(corners[1:-1] - corners[0], corners[2:] - corners[0]).sum(axis=0)
@@ -62,7 +62,7 @@ def _is_convex(corners: Floats) -> bool:
 
 
 def _index(corner: str, known: int) -> int:
-    """The index, from 0, of a face's corner such as "7", "7/1/3" or "-1"; OBJ has no index 0."""
+    """Index, from 0, of a face's corner such as "7", "7/1/3" or "-1"; raises ValueError for 0."""
     number = int(corner.partition("/")[0])
     if number == 0:
         raise ValueError("OBJ has no index 0")

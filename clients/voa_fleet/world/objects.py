@@ -1,9 +1,9 @@
-"""Objects of the fleet: a scenario with its mesh, and the physics that the service need not know.
+"""Objects of the fleet: a scenario with its mesh, and the physical properties that the service need not know.
 
 | file            | content                                                                            |
 |-----------------|------------------------------------------------------------------------------------|
 | `scenario.json` | the body of `POST /v1/scenarios`; `object` is the mesh's file name                 |
-| the mesh        | an OBJ file in metres: what the lidar sees                                         |
+| the mesh        | an OBJ file in metres, which the lidar sees                                        |
 | `physics.json`  | `density_kg_m3`, `friction`, `gripper`, `solids`, `grasps`, `rests`: see `Physics` |
 """
 
@@ -23,12 +23,12 @@ from voa_msgs.scenarios import Pose, ScenarioRequest
 M = TypeVar("M", bound=BaseModel)
 
 OBJECTS = ("mug", "mallet", "block")
-"""The objects that this project brings."""
+"""Names of the objects that are part of this project."""
 
 Vector = tuple[float, float, float]
 Length = Annotated[float, Gt(0.0)]
 Touches = Literal["table", "gripper", "both"]
-"""What collides with a solid: fewer pairs are faster, and a tube of boxes need not rest on the table."""
+"""Partners with which a solid collides: fewer pairs are faster, and a tube of boxes need not rest on the table."""
 
 
 class _Part(BaseModel):
@@ -71,7 +71,7 @@ class Tube(_Part):
     start: Vector
     end: Vector
     radius: Length
-    """Of the outside."""
+    """Radius of the outside."""
     wall: Length
     pieces: Annotated[int, Ge(3)]
     touches: Touches = "both"
@@ -81,46 +81,46 @@ Solid = Annotated[Box | Cylinder | Capsule | Tube, Field(discriminator="kind")]
 
 
 class GripperSetting(_Part):
-    """How the gripper is set for an object."""
+    """Setting of the gripper for an object."""
 
     opening_m: Annotated[float, Gt(0.0), Field(le=0.2)]
-    """Between the open fingers: 0.018 as in the paper, 0.085 as a Robotiq 2F-85."""
+    """Distance between the open fingers: 0.018 in the paper, 0.085 for a Robotiq 2F-85."""
     force_n: Length
-    """With which each finger squeezes."""
+    """Force of each finger."""
 
 
 class GraspGeometry(_Part):
-    """Where the gripper goes, in the world frame: its place does not follow the object, whose pose is not known."""
+    """Pose of the gripper for a grasp in the world frame; it is fixed, because the object's pose is not known."""
 
     tip: Vector
-    """Middle between the fingertips when they close."""
+    """Point between the fingertips when they close."""
     approach: Vector
-    """Direction in which the fingers point and come."""
+    """Direction in which the fingers point and approach."""
     closing: Vector
     """Direction along which the fingers close."""
 
 
 class Rest(_Part):
-    """One way to rest on the table."""
+    """A way of the object to rest on the table."""
 
     poses: list[str]
-    """The scenario's poses that rest so; none where the scenario leaves it out."""
+    """Poses of the scenario that rest this way; empty where the scenario leaves it out."""
     ups: Annotated[list[Vector], Field(min_length=1)]
-    """Directions in the object's frame that then point up, of any length: several where its shape is symmetric."""
+    """Directions in the object's frame that point up at rest, of any length; several for a symmetric shape."""
 
 
 class Physics(_Part):
-    """What the simulation needs beside the scenario."""
+    """Physical properties of an object that the simulation needs beside the scenario."""
 
     density_kg_m3: Length
     friction: Length
     gripper: GripperSetting
     solids: Annotated[list[Solid], Field(min_length=1)]
-    """What collides, in the object's frame; the mesh itself only meets the lidar's rays."""
+    """Solids that collide, in the object's frame; the mesh itself is only seen by the lidar."""
     grasps: dict[str, GraspGeometry]
-    """By the grasp's name in the scenario."""
+    """Geometry of each grasp, by its name in the scenario."""
     rests: dict[str, Rest]
-    """The ways to rest, by name."""
+    """Ways to rest, by name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,10 +128,10 @@ class FleetObject:
     """An object that the fleet can look at and grasp.
 
     Attributes:
-        name: the scenario's.
-        folder: where its files are.
-        scenario: as in the file: `object` is the mesh's file name.
-        physics: the rest.
+        name: of the scenario.
+        folder: with the object's files.
+        scenario: as in the file; its `object` is the mesh's file name.
+        physics: the physical properties.
         mesh: in metres, in the object's frame.
     """
 
@@ -152,27 +152,27 @@ class FleetObject:
         return [grasp.name for grasp in self.scenario.grasps]
 
     def pose(self, name: str) -> Pose:
-        """The pose of a name; raises UnknownName."""
+        """Return the pose of that name; raises UnknownName."""
         for pose in self.scenario.poses:
             if pose.name == name:
                 return pose
         raise UnknownName("pose", name, self.poses)
 
     def grasp(self, name: str) -> GraspGeometry:
-        """The geometry of a grasp; raises UnknownName."""
+        """Return the geometry of the grasp of that name; raises UnknownName."""
         if name not in self.physics.grasps:
             raise UnknownName("grasp", name, self.grasps)
         return self.physics.grasps[name]
 
     def with_opening(self, opening_m: float) -> "FleetObject":
-        """The same object for a gripper that opens differently.
+        """Return a copy of the object for a gripper with another opening, metres.
 
         Raises:
-            InvalidObject: no gripper opens like that.
+            InvalidObject: the opening is not between 0 and 0.2 m.
         """
-        told = self.physics.gripper.model_dump() | {"opening_m": opening_m}
+        changed = self.physics.gripper.model_dump() | {"opening_m": opening_m}
         try:
-            setting = GripperSetting.model_validate(told)
+            setting = GripperSetting.model_validate(changed)
         except ValidationError as error:
             raise InvalidObject(f"opening_m: {error.errors()[0]['msg']}, got {opening_m}") from error
         return replace(self, physics=self.physics.model_copy(update={"gripper": setting}))
@@ -184,10 +184,10 @@ class FleetObject:
 
 
 def named_object(name: str) -> FleetObject:
-    """One of the project's own objects, or the object of a folder.
+    """Read one of the project's objects by its name, or the object of a folder by its path.
 
     Raises:
-        UnknownName: it is neither.
+        UnknownName: there is no such object and no such folder.
         InvalidObject: the folder does not describe an object.
     """
     if name in OBJECTS:
@@ -201,29 +201,29 @@ def read_object(folder: Path) -> FleetObject:
     """Read an object's folder.
 
     Raises:
-        InvalidObject: a file is missing or wrong, or the files do not go together; says how.
+        InvalidObject: a file is missing or invalid, or the files contradict each other; the message says where.
     """
     scenario = _read(folder / "scenario.json", ScenarioRequest)
     physics = _read(folder / "physics.json", Physics)
     if scenario.object is None:
         raise InvalidObject(f"{folder / 'scenario.json'}: expected the mesh's file name as `object`, got none")
-    found = FleetObject(scenario.name, folder, scenario, physics, read_obj(folder / scenario.object))
-    _check(found)
-    return found
+    target = FleetObject(scenario.name, folder, scenario, physics, read_obj(folder / scenario.object))
+    _check(target)
+    return target
 
 
 def _read(file: Path, model: type[M]) -> M:
     return read_file(model, file, InvalidObject)
 
 
-def _check(found: FleetObject) -> None:
-    where = found.folder / "physics.json"
-    if set(found.physics.grasps) != set(found.grasps):
-        raise InvalidObject(f"{where}: expected grasps {found.grasps}, got {sorted(found.physics.grasps)}")
-    resting = [pose for rest in found.physics.rests.values() for pose in rest.poses]
-    if sorted(resting) != sorted(found.poses):
-        raise InvalidObject(f"{where}: expected every pose {found.poses} to rest in one way, got {resting}")
-    if any(pose.position is None or pose.quaternion_wxyz is None for pose in found.scenario.poses):
-        raise InvalidObject(f"{found.folder / 'scenario.json'}: expected position and quaternion_wxyz of every pose")
-    if found.scenario.lidar.height_m is None:
-        raise InvalidObject(f"{found.folder / 'scenario.json'}: expected lidar.height_m, got none")
+def _check(target: FleetObject) -> None:
+    where = target.folder / "physics.json"
+    if set(target.physics.grasps) != set(target.grasps):
+        raise InvalidObject(f"{where}: expected grasps {target.grasps}, got {sorted(target.physics.grasps)}")
+    resting = [pose for rest in target.physics.rests.values() for pose in rest.poses]
+    if sorted(resting) != sorted(target.poses):
+        raise InvalidObject(f"{where}: expected every pose {target.poses} to rest in one way, got {resting}")
+    if any(pose.position is None or pose.quaternion_wxyz is None for pose in target.scenario.poses):
+        raise InvalidObject(f"{target.folder / 'scenario.json'}: expected position and quaternion_wxyz of every pose")
+    if target.scenario.lidar.height_m is None:
+        raise InvalidObject(f"{target.folder / 'scenario.json'}: expected lidar.height_m, got none")

@@ -1,7 +1,7 @@
-"""The world: table, object, and as wanted arm, lidar robots and clutter, built as one MuJoCo model.
+"""A MuJoCo model of the table, the object, and optionally an arm, lidar robots and clutter.
 
-Contact settings are those that were found right by measurement: 2 ms steps, implicitfast, elliptic cones, an impedance
-ratio of 10 against creep. 5 ms steps are wrong: a gripper's contacts are stiffer than that.
+The contact settings were chosen by measurement: 2 ms steps, implicitfast, elliptic cones, an impedance ratio of 10
+against creep. 5 ms steps are too long for the stiffness of a gripper's contacts.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,7 @@ from voa_fleet.world.gripper import FINGERS, SERVO, TOOL, add_gripper
 from voa_fleet.world.groups import HAND_TABLE, HARD, OBJECT_SEEN, OBJECT_TABLE, STIFF, WORLD_SEEN
 from voa_fleet.world.imperfections import Clutter
 from voa_fleet.world.lidar_robot import HEIGHT_M, add_robot
+from voa_fleet.world.object_poses import ObjectPose
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.solids import add_solid
 from voa_fleet.world.ur5e import add_arm, joint_names
@@ -25,36 +26,28 @@ from voa_fleet.world.ur5e import add_arm, joint_names
 STEP_S = 0.002
 OBJECT = "object"
 TABLE_HALF_M = 0.22
-"""The table that the arm and the robots share: small enough to drive around."""
+"""Half the side of the table with an arm: small enough for the robots to drive around it."""
 DROP_TABLE_HALF_M = 0.75
-"""The table for drops: large enough not to roll off."""
-_COLOUR = (0.90, 0.62, 0.0, 1.0)  # Okabe and Ito's orange: told apart from grey by everybody
-
-
-@dataclass(frozen=True)
-class ObjectPose:
-    """Where the object's frame is: metres, and a unit quaternion."""
-
-    position: tuple[float, float, float]
-    quaternion_wxyz: tuple[float, float, float, float]
+"""Half the side of the table without an arm: large enough that no falling object rolls off."""
+_COLOUR = (0.90, 0.62, 0.0, 1.0)  # orange of Okabe and Ito, which the colour-blind distinguish from grey
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A compiled model and where its parts are in MuJoCo's arrays. Read-only: processes and threads may share it.
+    """A compiled model, and the indices of its parts in MuJoCo's arrays. Read-only: threads may share it.
 
     Attributes:
         model: the model.
-        object: what stands on the table.
+        object: the object on the table.
         robots: names of the lidar robots.
-        body: of the object.
-        place: where the object's free joint begins in `qpos`.
-        joints, speeds: of the arm in `qpos` and `qvel`, (6,); empty without an arm.
-        servos: of the arm in `ctrl`, (6,).
-        fingers: of the gripper in `qpos`, (2,).
-        grip: of the gripper in `ctrl`, or -1.
-        tool: site between the fingertips, or -1.
-        mocaps: of each robot in `mocap_pos`.
+        body: index of the object's body.
+        place: index in `qpos` at which the object's free joint begins.
+        joints, speeds: indices of the arm in `qpos` and `qvel`, (6,); empty without an arm.
+        servos: indices of the arm in `ctrl`, (6,).
+        fingers: indices of the gripper in `qpos`, (2,).
+        grip: index of the gripper in `ctrl`, or -1.
+        tool: index of the site between the fingertips, or -1.
+        mocaps: index of each robot in `mocap_pos`.
     """
 
     model: mujoco.MjModel
@@ -71,42 +64,42 @@ class World:
     mocaps: tuple[int, ...]
 
     def put_object(self, data: mujoco.MjData, pose: ObjectPose) -> None:
-        """Place the object, at rest."""
+        """Place the object at a pose, without motion."""
         data.qpos[self.place : self.place + 7] = [*pose.position, *pose.quaternion_wxyz]
         speed = self.model.jnt_dofadr[self.model.body_jntadr[self.body]]
         data.qvel[speed : speed + 6] = 0.0
 
     def object_pose(self, data: mujoco.MjData) -> ObjectPose:
-        """Where the object is."""
+        """Return the pose of the object's frame."""
         x, y, z, *quaternion = (float(number) for number in data.qpos[self.place : self.place + 7])
         w, i, j, k = quaternion
         return ObjectPose((x, y, z), (w, i, j, k))
 
     def up(self, data: mujoco.MjData) -> Floats:
-        """The world's up in the object's frame, (3,): tells how it rests, whatever its yaw."""
+        """Return the world's z axis in the object's frame, (3,), which shows how the object rests, whatever its yaw."""
         up: Floats = matrix_of(self.object_pose(data).quaternion_wxyz)[2]
         return up
 
     def step(self, data: mujoco.MjData, count: int) -> None:
-        """Advance by `count` steps; raises UnstableSimulation if the numbers explode."""
+        """Advance by `count` steps of 2 ms; raises UnstableSimulation where MuJoCo reports bad numbers."""
         mujoco.mj_step(self.model, data, nstep=count)
         bad = mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL
         if any(data.warning[int(kind)].number for kind in bad):
-            raise UnstableSimulation(f"the simulation of {self.object.name} exploded at {data.time:.3f} s")
+            raise UnstableSimulation(f"the simulation of {self.object.name} became unstable at {data.time:.3f} s")
 
 
 def build_world(
-    thing: FleetObject, *, arm: bool = True, robots: Sequence[str] = (), clutter: Sequence[Clutter] = ()
+    target: FleetObject, *, arm: bool = True, robots: Sequence[str] = (), clutter: Sequence[Clutter] = ()
 ) -> World:
     """Build a world around an object.
 
     Args:
-        thing: what stands on the table.
-        arm: whether there are an arm and its gripper, set as the object's physics say.
+        target: the object on the table.
+        arm: True for an arm with the gripper that the object's physics describe.
         robots: names of the lidar robots.
-        clutter: what else the lidar sees.
+        clutter: boxes that the lidar sees.
     """
-    # Else MuJoCo writes its warnings into a file in whatever folder one is in; `World.step` raises them.
+    # Without this MuJoCo writes warnings to a file in the working directory; `World.step` raises them.
     mujoco.set_mju_user_warning(_no_log)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -114,18 +107,18 @@ def build_world(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
-    _add_surroundings(spec, thing.lidar_height_m, TABLE_HALF_M if arm else DROP_TABLE_HALF_M)
-    _add_clutter(spec, clutter, thing.lidar_height_m - HEIGHT_M)
+    _add_surroundings(spec, target.lidar_height_m, TABLE_HALF_M if arm else DROP_TABLE_HALF_M)
+    _add_clutter(spec, clutter, target.lidar_height_m - HEIGHT_M)
     if arm:
-        add_gripper(spec, add_arm(spec), thing.physics.gripper)
+        add_gripper(spec, add_arm(spec), target.physics.gripper)
     for name in robots:
-        add_robot(spec, name, thing.lidar_height_m)
-    _add_object(spec, thing)
-    return _world(spec.compile(), thing, tuple(robots), arm)
+        add_robot(spec, name, target.lidar_height_m)
+    _add_object(spec, target)
+    return _world(spec.compile(), target, tuple(robots), arm)
 
 
 def _no_log(_warning: str) -> None:
-    """MuJoCo counts its warnings in MjData; that is enough."""
+    """Ignore a warning: MuJoCo counts them in MjData, and `World.step` reads that."""
 
 
 def _add_surroundings(spec: mujoco.MjSpec, lidar_height_m: float, half_m: float) -> None:
@@ -182,12 +175,12 @@ def _add_clutter(spec: mujoco.MjSpec, clutter: Sequence[Clutter], floor: float) 
         )
 
 
-def _add_object(spec: mujoco.MjSpec, thing: FleetObject) -> None:
+def _add_object(spec: mujoco.MjSpec, target: FleetObject) -> None:
     spec.add_mesh(
         name=OBJECT,
-        uservert=thing.mesh.vertices.astype(np.float32).ravel(),
-        userface=thing.mesh.faces.ravel(),
-        # The default takes a hollow mug for six times its mass.
+        uservert=target.mesh.vertices.astype(np.float32).ravel(),
+        userface=target.mesh.faces.ravel(),
+        # The default computes six times the mass of a hollow mug.
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
     )
     body = spec.worldbody.add_body(name=OBJECT, pos=[0.0, 0.0, 0.0])
@@ -196,17 +189,17 @@ def _add_object(spec: mujoco.MjSpec, thing: FleetObject) -> None:
         name=OBJECT,
         type=mujoco.mjtGeom.mjGEOM_MESH,
         meshname=OBJECT,
-        density=thing.physics.density_kg_m3,
+        density=target.physics.density_kg_m3,
         contype=0,
         conaffinity=0,
         group=OBJECT_SEEN,
         rgba=list(_COLOUR),
     )
-    for solid in thing.physics.solids:
-        add_solid(body, solid, thing.physics.friction)
+    for solid in target.physics.solids:
+        add_solid(body, solid, target.physics.friction)
 
 
-def _world(model: mujoco.MjModel, thing: FleetObject, robots: tuple[str, ...], arm: bool) -> World:
+def _world(model: mujoco.MjModel, target: FleetObject, robots: tuple[str, ...], arm: bool) -> World:
     def ids(kind: Any, names: Sequence[str]) -> list[int]:
         return [mujoco.mj_name2id(model, kind, name) for name in names]
 
@@ -218,7 +211,7 @@ def _world(model: mujoco.MjModel, thing: FleetObject, robots: tuple[str, ...], a
     (body,) = ids(mujoco.mjtObj.mjOBJ_BODY, [OBJECT])
     return World(
         model=model,
-        object=thing,
+        object=target,
         robots=robots,
         body=body,
         place=int(model.jnt_qposadr[free]),

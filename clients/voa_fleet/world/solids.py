@@ -14,7 +14,7 @@ _BITS: dict[Touches, int] = {"table": OBJECT_TABLE, "gripper": HAND_OBJECT, "bot
 
 
 def add_solid(body: Any, solid: Solid, friction: float) -> None:
-    """Add a solid to the object's body: it touches and weighs nothing, for the mesh gives the inertia."""
+    """Add a solid to the object's body: it collides and has no mass, because the mesh gives the inertia."""
     match solid:
         case Box():
             half = [edge / 2.0 for edge in solid.size]
@@ -28,7 +28,7 @@ def add_solid(body: Any, solid: Solid, friction: float) -> None:
 
 
 def _add_tube(body: Any, tube: Tube, friction: float) -> None:
-    """Boxes whose outsides touch the tube's outside in their middles."""
+    """Add boxes whose outer faces touch the tube's outside in their middles."""
     start, end = np.array(tube.start), np.array(tube.end)
     frame = along(end - start)
     middle = tube.radius - tube.wall / 2.0

@@ -1,7 +1,7 @@
 """An arm with the kinematics of a UR5e, from its public Denavit-Hartenberg parameters.
 
-Links are capsules that meet the lidar's rays and nothing else: that the arm hits the table or itself is not
-modelled. Masses are those of the data sheet; gravity is compensated, as the real controller does.
+Links are capsules that the lidar sees and that touch nothing: collisions of the arm with the table or itself are not
+modelled. Masses are those of the data sheet; gravity is compensated, as by the real controller.
 """
 
 import math
@@ -13,24 +13,24 @@ import mujoco
 from voa_fleet.world.groups import ARM_SEEN
 
 BASE = (-0.55, 0.0, 0.0)
-"""Where the arm stands: the object is near the world's origin."""
+"""Position of the arm's base, metres; the object is near the world's origin."""
 HOME = (math.pi, -2.0, 1.9, -1.47, -math.pi / 2.0, 0.0)
-"""Joint angles with the hand high over the table, out of the lidar's plane."""
+"""Joint angles at rest, radians: the hand is high over the table, out of the lidar's plane."""
 DAMPING = 2.0
-"""Of every joint, N m s."""
+"""Damping of every joint, N m s."""
 
 
 @dataclass(frozen=True)
 class Link:
-    """One row of the Denavit-Hartenberg table and what its joint can do.
+    """A row of the Denavit-Hartenberg table, and the limits of its joint.
 
     Attributes:
         a, d: metres.
         alpha: radians.
         mass: kg.
-        radius: of its capsule, metres.
-        kp, kv: of its position servo, N m and N m s per radian.
-        torque: the most that its motor gives, N m.
+        radius: of the link's capsule, metres.
+        kp, kv: gains of its position servo, N m and N m s per radian.
+        torque: limit of its motor, N m.
     """
 
     a: float
@@ -54,12 +54,12 @@ LINKS = (
 
 
 def joint_names() -> list[str]:
-    """Of the six joints, from the base."""
+    """Return the names of the six joints, from the base."""
     return [f"arm{index + 1}" for index in range(len(LINKS))]
 
 
 def add_arm(spec: mujoco.MjSpec) -> Any:
-    """Add the arm and its servos; returns the flange, a body whose z points out of the hand's mounting face."""
+    """Add the arm and its servos; returns the flange, a body whose z axis points out of the mounting face."""
     body = spec.worldbody.add_body(name="arm_base", pos=list(BASE))
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,

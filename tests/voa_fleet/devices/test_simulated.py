@@ -2,19 +2,18 @@
 
 import json
 import math
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-from voa_fleet.devices.clocks import VirtualClock
-from voa_fleet.devices.protocol import Arm, SensorRobot, device_of
+from voa_fleet.devices.protocol import Arm, SensorRobot
 from voa_fleet.devices.simulated import DRIVE_M_S, Scene, SimulatedArm, SimulatedSensorRobot, make_scene
-from voa_fleet.episodes.attempts import object_pose
 from voa_fleet.errors import UnknownName
+from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections, room
 from voa_fleet.world.lidar import lidar_geometry, true_ranges
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.ur5e import HOME
 from voa_msgs.geometry import PoseUncertainty
@@ -40,7 +39,7 @@ def test_the_simulated_devices_are_devices(scene: Scene) -> None:
 def test_a_robot_looks_from_where_it_was_sent(mug: FleetObject, scene: Scene) -> None:
     robot = SimulatedSensorRobot(scene, "two", PoseUncertainty(xy_m=0.01, yaw_rad=0.02))
     sensor = mug.scenario.sensors[3]
-    scene.put("U_135")
+    scene.put(scenario_pose(mug, "U_135"))
     robot.drive_to(sensor)
     believed = robot.pose()
     assert (believed.x, believed.y, believed.yaw_rad) == (sensor.x, sensor.y, sensor.yaw_rad)
@@ -81,8 +80,8 @@ def test_a_robot_drives_around_the_object(mug: FleetObject, clock: VirtualClock)
 
 
 def test_a_robot_does_not_know_its_error(mug: FleetObject, clock: VirtualClock) -> None:
-    flaws = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05)
-    robot = SimulatedSensorRobot(make_scene(mug, clock, 1, flaws), "robot")
+    imperfections = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05)
+    robot = SimulatedSensorRobot(make_scene(mug, clock, 1, imperfections), "robot")
     errors = []
     for _ in range(60):
         robot.drive_to(mug.scenario.sensors[0])
@@ -90,10 +89,10 @@ def test_a_robot_does_not_know_its_error(mug: FleetObject, clock: VirtualClock) 
     assert np.std(errors, axis=0) == pytest.approx([0.02, 0.05], rel=0.3)
 
 
-def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(scene: Scene) -> None:
+def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(mug: FleetObject, scene: Scene) -> None:
     arm = SimulatedArm(scene)
     assert arm.reachable() == ("TD0", "TD90", "OI90", "TDH0")
-    scene.put("U_90")
+    scene.put(scenario_pose(mug, "U_90"))
     failed = arm.attempt("TDH0")
     assert (failed.success, failed.detail) == (False, "nothing between the fingers")
     np.testing.assert_allclose(scene.data.qpos[scene.world.joints], HOME, rtol=0.0, atol=0.02)
@@ -102,9 +101,9 @@ def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(scene: Scene) -> N
     assert scene.world.object_pose(scene.data).position[2] > 0.1
 
 
-def test_a_failed_attempt_says_how_far_the_object_moved(things: dict[str, FleetObject], clock: VirtualClock) -> None:
-    scene = make_scene(things["block"], clock, 1, Imperfections())
-    scene.put("U_0")
+def test_a_failed_attempt_says_how_far_the_object_moved(targets: dict[str, FleetObject], clock: VirtualClock) -> None:
+    scene = make_scene(targets["block"], clock, 1, Imperfections())
+    scene.put(scenario_pose(targets["block"], "U_0"))
     outcome = SimulatedArm(scene).attempt("OI90")
     assert not outcome.success
     assert outcome.moved_m is not None
@@ -118,43 +117,25 @@ def test_a_grasp_or_robot_that_does_not_exist_is_refused(scene: Scene) -> None:
         SimulatedSensorRobot(scene, "three")
 
 
-def test_the_object_lies_where_the_noise_puts_it(mug: FleetObject, clock: VirtualClock) -> None:
-    scene = make_scene(mug, clock, 1, Imperfections(object_xy_m=0.01))
-    exact = np.array(object_pose(mug, "U_0").position)
-    places = []
-    for _ in range(50):
-        scene.put("U_0")
-        places.append(scene.world.object_pose(scene.data).position - exact)
-    assert np.std(places, axis=0)[:2] == pytest.approx([0.01, 0.01], rel=0.35)
+def test_a_robot_that_is_placed_has_the_errors_of_one_that_drives(mug: FleetObject, clock: VirtualClock) -> None:
+    imperfections, sensor = Imperfections(robot_xy_m=0.02, robot_yaw_rad=0.05), mug.scenario.sensors[2]
+    driven, placed = (SimulatedSensorRobot(make_scene(mug, clock, 1, imperfections), "robot") for _ in range(2))
+    driven.drive_to(sensor)
+    before = clock.now_s()
+    placed.stand_at(sensor)
+    assert clock.now_s() == before
+    assert (placed.true_pose, placed.pose()) == (driven.true_pose, driven.pose())
+    assert placed.take_scan() == driven.take_scan()
 
 
-def test_the_same_seed_tells_the_same_story(mug: FleetObject) -> None:
-    flaws = Imperfections.of_lds_01()
+def test_the_same_seed_gives_the_same_episode(mug: FleetObject) -> None:
+    imperfections = Imperfections.of_lds_01()
 
-    def story() -> str:
-        scene = make_scene(mug, VirtualClock(), 5, flaws)
+    def episode() -> str:
+        scene = make_scene(mug, VirtualClock(), 5, imperfections)
         robot, arm = SimulatedSensorRobot(scene, "robot"), SimulatedArm(scene)
-        scene.put("U_45")
+        scene.put(scenario_pose(mug, "U_45"))
         robot.drive_to(mug.scenario.sensors[2])
         return json.dumps([robot.take_scan().model_dump(), arm.attempt("TD90").detail])
 
-    assert story() == story()
-
-
-def test_a_device_of_one_s_own_is_found_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "my_lab_arm.py").write_text(
-        "class Mine:\n"
-        "    name = 'mine'\n"
-        "    def reachable(self): return ('TD0',)\n"
-        "    def attempt(self, grasp): raise NotImplementedError\n"
-        "def connect(): return Mine()\n",
-        encoding="utf-8",
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    device = device_of("my_lab_arm:connect")
-    assert isinstance(device, Arm)
-    assert not isinstance(device, SensorRobot)
-    with pytest.raises(UnknownName, match="no function of my_lab_arm 'start'; there are: Mine, connect"):
-        device_of("my_lab_arm:start")
-    with pytest.raises(UnknownName, match="no module 'my_lab_gripper'"):
-        device_of("my_lab_gripper:connect")
+    assert episode() == episode()

@@ -1,12 +1,24 @@
 """Policies: which look they choose, and that a seed decides."""
 
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from voa_fleet.episodes.policies import POLICIES, Choice, Policy, Situation, policy_named
-from voa_fleet.errors import UnknownName
+from voa_fleet.episodes.forecasts import Forecast
+from voa_fleet.episodes.policies import (
+    POLICIES,
+    Choice,
+    HighestVoa,
+    Situation,
+    description_of,
+    policy_named,
+    policy_names,
+)
+from voa_fleet.errors import InvalidPolicy, UnknownName
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import GraspNow, Look, Ranking
@@ -25,18 +37,31 @@ def ranking(advice: Look | GraspNow) -> Ranking:
     )
 
 
-def unasked() -> Ranking:
-    raise AssertionError("this policy asks nobody")
+def no_request(*_: object) -> Any:
+    raise AssertionError("this policy needs no request")
 
 
-def tour(policy: Policy, mug: FleetObject, looks: int) -> list[str | None]:
+def situation(
+    mug: FleetObject,
+    visited: tuple[str, ...],
+    robot: SensorPose,
+    rank: Callable[[], Ranking] = no_request,
+    forecast: Callable[[], Forecast] = no_request,
+    draw: Callable[[int], int] = no_request,
+) -> Situation:
+    belief = tuple([1.0 / len(mug.poses)] * len(mug.poses))
+    return Situation(tuple(mug.scenario.sensors), visited, robot, belief, rank, forecast, draw)
+
+
+def tour(name: str, mug: FleetObject, looks: int, seed: int = 0) -> list[str | None]:
     """The looks that a policy takes, the robot standing where it looked last."""
+    policy, rng = policy_named(name), np.random.default_rng(seed)
     places = {sensor.name: sensor for sensor in mug.scenario.sensors}
     robot = SensorPose(x=1.0, y=0.0, yaw_rad=0.0)
     visited: list[str] = []
     chosen: list[str | None] = []
     for _ in range(looks):
-        choice = policy.choose(Situation(tuple(mug.scenario.sensors), tuple(visited), robot, unasked))
+        choice = policy.choose(situation(mug, tuple(visited), robot, draw=lambda count: int(rng.integers(count))))
         chosen.append(choice.sensor)
         if choice.sensor is not None:
             visited.append(choice.sensor)
@@ -45,41 +70,100 @@ def tour(policy: Policy, mug: FleetObject, looks: int) -> list[str | None]:
 
 
 def test_voa_does_as_the_service_says(mug: FleetObject) -> None:
-    policy, robot = policy_named("voa", 0), SensorPose(x=1.0, y=0.0, yaw_rad=0.0)
+    policy, robot = policy_named("voa"), SensorPose(x=1.0, y=0.0, yaw_rad=0.0)
     look = Look(action="look", sensor="NNW", net_value=0.1)
     grasp = GraspNow(action="grasp", grasp="TD0", expected_score=0.9)
     said: Look | GraspNow
     for said, wanted in ((look, "NNW"), (grasp, None)):
-        situation = Situation(tuple(mug.scenario.sensors), ("NNW",), robot, partial(ranking, said))
-        assert policy.choose(situation) == Choice(wanted, ranking(said))
+        now = situation(mug, ("NNW",), robot, rank=partial(ranking, said))
+        assert policy.choose(now) == Choice(wanted, ranking(said))
 
 
 def test_nearest_goes_around(mug: FleetObject) -> None:
     # From the east; then always the next place, until there is none left.
     around = ["ENE", "ESE", "SSE", "SSW", "WSW", "WNW", "NNW", "NNE", None]
-    assert tour(policy_named("nearest", 0), mug, 9) == around
+    assert tour("nearest", mug, 9, 0) == around
 
 
 def test_random_visits_each_place_once_and_the_seed_decides(mug: FleetObject) -> None:
-    first = tour(policy_named("random", 5), mug, 9)
+    first = tour("random", mug, 9, 5)
     assert sorted(name for name in first if name is not None) == sorted(s.name for s in mug.scenario.sensors)
     assert first[-1] is None
-    assert tour(policy_named("random", 5), mug, 9) == first
-    assert any(tour(policy_named("random", seed), mug, 9) != first for seed in range(3))
+    assert tour("random", mug, 9, 5) == first
+    assert any(tour("random", mug, 9, seed) != first for seed in range(3))
 
 
 def test_random_favours_no_place(mug: FleetObject) -> None:
-    firsts = [tour(policy_named("random", seed), mug, 1)[0] for seed in range(400)]
+    firsts = [tour("random", mug, 1, seed)[0] for seed in range(400)]
     counts = np.array([firsts.count(sensor.name) for sensor in mug.scenario.sensors])
     assert counts.sum() == 400
     assert counts.min() > 25  # 50 each on average, standard deviation 6.6
 
 
 def test_none_grasps_at_once(mug: FleetObject) -> None:
-    assert tour(policy_named("none", 0), mug, 1) == [None]
+    assert tour("none", mug, 1, 0) == [None]
+
+
+def test_entropy_and_beams_look_where_the_forecast_says_each_place_once(mug: FleetObject) -> None:
+    places, poses = len(mug.scenario.sensors), len(mug.poses)
+    likelihoods, visible = np.full((places, poses, poses), 1.0 / poses), np.ones((places, poses))
+    likelihoods[4], visible[6] = np.eye(poses), 5.0
+    forecast, requests = Forecast(visible, likelihoods), []
+
+    def request() -> Forecast:
+        requests.append(1)
+        return forecast
+
+    robot = SensorPose(x=1.0, y=0.0, yaw_rad=0.0)
+    for name, first in (("entropy", "WSW"), ("beams", "SSE")):
+        policy = policy_named(name)
+        assert policy.choose(situation(mug, (), robot, forecast=request)) == Choice(first)
+        second = policy.choose(situation(mug, (first,), robot, forecast=request))
+        assert second == Choice(mug.scenario.sensors[0].name)  # all others are equal
+    assert len(requests) == 2
 
 
 def test_an_unknown_policy_lists_those_that_exist() -> None:
-    assert [policy_named(name, 0).name for name in POLICIES] == list(POLICIES)
-    with pytest.raises(UnknownName, match="no policy 'best'; there are: voa, random, nearest, none"):
-        policy_named("best", 0)
+    assert [policy_named(name).name for name in POLICIES] == list(POLICIES)
+    with pytest.raises(UnknownName, match="no policy 'best'; there are: voa, entropy, beams, nearest, random, none"):
+        policy_named("best")
+
+
+def installed(folder: Path, name: str, value: str, source: str) -> None:
+    """Lay down a package as an installer does: a module, and metadata with the entry point."""
+    (folder / f"{value.partition(':')[0]}.py").write_text(source, encoding="utf-8")
+    metadata = folder / f"{name}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf-8")
+    (metadata / "entry_points.txt").write_text(f"[voa.policies]\n{name} = {value}\n", encoding="utf-8")
+
+
+def test_a_policy_of_an_installed_package_is_listed_and_described(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = (
+        "from voa_fleet.episodes.policies import Choice\n"
+        "class Mine:\n"
+        "    'The second place.'\n"
+        "    name = 'mine'\n"
+        "    def choose(self, situation, /):\n"
+        "        return Choice(situation.sensors[1].name)\n"
+    )
+    installed(tmp_path, "mine", "policy_of_mine:Mine", source)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert policy_names() == [*POLICIES, "mine"]
+    assert description_of("mine") == "The second place"
+    assert description_of("none") == POLICIES["none"]
+    assert policy_named("mine").name == "mine"
+
+
+def test_a_package_that_offers_no_policy_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(tmp_path, "broken", "policy_that_breaks:make", "def make(): return 7\n")
+    installed(tmp_path, "absent", "policy_without:make", "")
+    installed(tmp_path, "voa", "policy_of_voa:make", "def make(): return 7\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(InvalidPolicy, match=r"'broken': expected that policy_that_breaks:make makes .* got int"):
+        policy_named("broken")
+    with pytest.raises(InvalidPolicy, match=r"'absent' \(policy_without:make\) cannot be loaded"):
+        policy_named("absent")
+    assert isinstance(policy_named("voa"), HighestVoa)  # a built-in policy is never replaced

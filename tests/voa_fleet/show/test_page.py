@@ -5,17 +5,29 @@ from pathlib import Path
 
 import pytest
 
-from voa_evaluation.figures import new_figure
-from voa_fleet.show.page import Section, contents, lines, notice, page, paragraph, picture, table
+from voa_fleet.show.figures import new_figure
+from voa_fleet.show.page import (
+    Block,
+    Command,
+    Folded,
+    Heading,
+    Items,
+    Lines,
+    Notice,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    page,
+)
 
 
-def html_of(*blocks: str) -> str:
-    section = Section("s", "T", blocks)
-    return page("a < b", [notice("beware & care"), contents([section])], [section])
+def html_of(*blocks: Block) -> str:
+    return page("a < b", [Notice("beware & care")], [Section("s", "T", blocks)], contents=True)
 
 
 def test_it_escapes_and_stands_alone() -> None:
-    html = html_of(paragraph("x & y"), table("c", ("<h>",), [["1"]]), lines(["<1>", "2"]))
+    html = html_of(Paragraph("x & y"), Table("c", ("<h>",), [["1"]]), Lines(["<1>", "2"]))
     assert "<title>a &lt; b</title>" in html
     assert "<p>x &amp; y</p>" in html
     assert "&lt;h&gt;</th>" in html
@@ -40,24 +52,24 @@ def test_it_escapes_and_stands_alone() -> None:
     ],
 )
 def test_columns_of_numbers_stand_to_the_right_and_text_to_the_left(cells: list[str], kind: str) -> None:
-    html = table("", ("name", "what"), [["row", cell] for cell in cells])
+    html = html_of(Table("", ("name", "what"), [["row", cell] for cell in cells]))
     assert f"<tr><th>name</th><th{kind}>what</th></tr>" in html
     assert [f"<td>row</td><td{kind}>{escape(cell)}</td>" in html for cell in cells] == [True] * len(cells)
     assert 'class="cards"' not in html
 
 
 def test_rows_with_sentences_are_cards_on_a_small_screen() -> None:
-    html = table("", ("na<me", "why"), [["row", "a sentence that is not to be squeezed to a word a line"]])
+    html = html_of(Table("", ("na<me", "why"), [["row", "a sentence that is not to be squeezed to a word a line"]]))
     assert '<table class="cards">' in html
     assert '<td data-head="na&lt;me">row</td><td class="long" data-head="why">a sentence' in html
-    assert 'content: attr(data-head) ": "' in html_of(html)
+    assert 'content: attr(data-head) ": "' in html
 
 
 def test_nothing_makes_a_small_screen_scroll_but_boxes_of_their_own(tmp_path: Path) -> None:
     small, large = tmp_path / "small.png", tmp_path / "large.png"
     for file, width in ((small, 4.0), (large, 12.0)):
         new_figure(width, 2.0).savefig(file, dpi=100)
-    html = html_of(table("c", ("h",), [["1"]]), picture(small, "s"), picture(large, "l"))
+    html = html_of(Table("c", ("h",), [["1"]]), Picture(small, "s"), Picture(large, "l"))
     assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in html
     assert "img { max-width: 100%; height: auto; }" in html
     assert ".wide { overflow-x: auto; }" in html
@@ -65,3 +77,18 @@ def test_nothing_makes_a_small_screen_scroll_but_boxes_of_their_own(tmp_path: Pa
     assert html.count("<img ") == html.count('<div class="wide"><img ') == 2
     assert 'width="400" height="200"' in html
     assert 'class="detailed" alt="l" width="1200"' in html
+
+
+def test_every_kind_of_block_is_rendered() -> None:
+    inner = Table("", ("n",), [["7"]])
+    blocks = Heading("h & h"), Command("voa <x>"), Items(["one", "<two>"]), Folded("more & more", [inner, inner])
+    html = html_of(*blocks)
+    assert "<h3>h &amp; h</h3>" in html
+    assert "<p><code>voa &lt;x&gt;</code></p>" in html
+    assert "<li>one</li>\n<li>&lt;two&gt;</li>" in html
+    details = html[html.index("<details>") : html.index("</details>")]
+    assert "<summary>more &amp; more</summary>" in details
+    assert details.count('<td class="number">7</td>') == 2
+    assert html == html_of(
+        Heading("h & h"), Command("voa <x>"), Items(["one", "<two>"]), Folded("more & more", [inner] * 2)
+    )

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from voa_fleet.episodes.attempts import object_pose
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.render import Frame, Renderer, View, open_video, write_picture
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import FleetObject
 from voa_fleet.world.scene import build_world
 
@@ -28,7 +28,7 @@ def test_the_object_is_in_the_picture_where_there_is_opengl(mug: FleetObject, tm
     near = View(target=(0.0, 0.0, 0.04), distance_m=0.5)
     try:
         with Renderer(world, 160, 120, near) as renderer:
-            world.put_object(data, object_pose(mug, "U_0"))
+            world.put_object(data, scenario_pose(mug, "U_0"))
             mujoco.mj_forward(world.model, data)
             there = renderer.frame(data)
             data.qpos[world.place] = 5.0

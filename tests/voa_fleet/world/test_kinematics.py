@@ -6,8 +6,9 @@ import pytest
 
 from voa_fleet.world.frames import Floats, tool_rotation
 from voa_fleet.world.kinematics import APPROACH_M, LIFT_M, GraspPlan, commands, joint_move, plan_grasp
+from voa_fleet.world.object_poses import ObjectPose
 from voa_fleet.world.objects import OBJECTS, FleetObject, GraspGeometry
-from voa_fleet.world.scene import ObjectPose, World, build_world
+from voa_fleet.world.scene import World, build_world
 
 
 def tools(world: World, joints: Floats) -> tuple[Floats, Floats]:
@@ -43,10 +44,10 @@ def test_the_tool_comes_straight_and_goes_straight_up(
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_every_grasp_of_every_object_is_within_reach(things: dict[str, FleetObject], name: str) -> None:
-    world = build_world(things[name])
-    for grasp in things[name].grasps:
-        assert plan_grasp(world, things[name].grasp(grasp)) is not None
+def test_every_grasp_of_every_object_is_within_reach(targets: dict[str, FleetObject], name: str) -> None:
+    world = build_world(targets[name])
+    for grasp in targets[name].grasps:
+        assert plan_grasp(world, targets[name].grasp(grasp)) is not None
 
 
 def test_joints_never_jump(mug_plans: dict[str, GraspPlan]) -> None:

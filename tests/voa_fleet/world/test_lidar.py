@@ -9,11 +9,11 @@ import pytest
 
 from tests.voa_assets.mugs import scenario_of
 from voa_assets import path
-from voa_fleet.episodes.attempts import object_pose
 from voa_fleet.errors import InvalidObject, UnknownName
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.imperfections import Clutter, Imperfections, room
-from voa_fleet.world.lidar import lidar_geometry, scan_message, true_ranges, with_faults
+from voa_fleet.world.lidar import lidar_geometry, scan_message, true_ranges, with_errors
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
 from voa_msgs.geometry import SensorPose
@@ -23,21 +23,21 @@ EAST = SensorPose(x=0.4, y=0.0, yaw_rad=math.pi)
 
 
 def look(world: World, pose: str, sensor: SensorPose) -> Floats:
-    thing = world.object
+    target = world.object
     data = mujoco.MjData(world.model)
-    world.put_object(data, object_pose(thing, pose))
+    world.put_object(data, scenario_pose(target, pose))
     mujoco.mj_kinematics(world.model, data)
-    return true_ranges(world, data, lidar_geometry(thing.scenario.lidar), sensor)
+    return true_ranges(world, data, lidar_geometry(target.scenario.lidar), sensor)
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_without_faults_a_scan_is_the_predicted_one(things: dict[str, FleetObject], name: str) -> None:
-    thing = things[name]
-    world = build_world(thing, arm=False, robots=("robot",))
+def test_without_faults_a_scan_is_the_predicted_one(targets: dict[str, FleetObject], name: str) -> None:
+    target = targets[name]
+    world = build_world(target, arm=False, robots=("robot",))
     core = scenario_of(path(f"{name}/scenario.json"))
     for sensor in core.sensors[::3]:
         predicted = core.predictor.predict(sensor).dense()
-        for row, pose in enumerate(thing.poses):
+        for row, pose in enumerate(target.poses):
             measured = look(world, pose, SensorPose(x=sensor.x, y=sensor.y, yaw_rad=sensor.yaw_rad))
             assert (np.isfinite(measured) == np.isfinite(predicted[row])).all()
             seen = np.isfinite(measured)
@@ -74,7 +74,7 @@ def test_the_height_of_the_sensor_counts(mug: FleetObject) -> None:
 def test_the_arm_is_seen_and_the_robot_is_not(mug: FleetObject) -> None:
     world = build_world(mug, robots=("robot",))
     data = mujoco.MjData(world.model)
-    world.put_object(data, object_pose(mug, "U_0"))
+    world.put_object(data, scenario_pose(mug, "U_0"))
     data.mocap_pos[world.mocaps[0]] = [-0.25, 0.0, 0.05]
     mujoco.mj_kinematics(world.model, data)
     ranges = true_ranges(world, data, lidar_geometry(mug.scenario.lidar), SensorPose(x=-0.25, y=0.0, yaw_rad=0.0))
@@ -84,13 +84,13 @@ def test_the_arm_is_seen_and_the_robot_is_not(mug: FleetObject) -> None:
 def test_faults_come_as_often_and_as_large_as_they_should(mug: FleetObject) -> None:
     lidar = lidar_geometry(mug.scenario.lidar)
     near, far = np.full(lidar.beams, 0.4), np.full(lidar.beams, 2.0)
-    flaws = Imperfections(range_noise_m=0.003, range_noise_ratio=0.03)
+    imperfections = Imperfections(range_noise_m=0.003, range_noise_ratio=0.03)
     rng = np.random.default_rng(0)
-    close = np.array([with_faults(near, lidar, flaws, rng) for _ in range(100)])
-    away = np.array([with_faults(far, lidar, flaws, rng) for _ in range(100)])
+    close = np.array([with_errors(near, lidar, imperfections, rng) for _ in range(100)])
+    away = np.array([with_errors(far, lidar, imperfections, rng) for _ in range(100)])
     assert close.std() == pytest.approx(0.003, rel=0.03)
     assert away.std() == pytest.approx(0.06, rel=0.03)
-    lossy = np.array([with_faults(near, lidar, Imperfections(beam_loss=0.1), rng) for _ in range(100)])
+    lossy = np.array([with_errors(near, lidar, Imperfections(beam_loss=0.1), rng) for _ in range(100)])
     assert (lossy == 0.0).mean() == pytest.approx(0.1, abs=0.01)
     assert (lossy[lossy > 0.0] == 0.4).all()
 
@@ -98,7 +98,7 @@ def test_faults_come_as_often_and_as_large_as_they_should(mug: FleetObject) -> N
 def test_a_lost_packet_takes_six_beams(mug: FleetObject) -> None:
     lidar = lidar_geometry(mug.scenario.lidar)
     rng = np.random.default_rng(0)
-    scans = [with_faults(np.full(360, 0.4), lidar, Imperfections(packet_loss=0.2), rng) for _ in range(50)]
+    scans = [with_errors(np.full(360, 0.4), lidar, Imperfections(packet_loss=0.2), rng) for _ in range(50)]
     packets = np.array(scans).reshape(50, 60, 6)
     lost = packets == 0.0
     assert (lost.all(axis=2) == lost.any(axis=2)).all()
@@ -109,23 +109,23 @@ def test_what_is_nothing_too_near_or_too_far_is_zero(mug: FleetObject) -> None:
     lidar = lidar_geometry(mug.scenario.lidar)
     ranges = np.full(360, 0.4)
     ranges[:3] = [np.inf, 0.1, 3.6]
-    measured = with_faults(ranges, lidar, Imperfections(), np.random.default_rng(0))
+    measured = with_errors(ranges, lidar, Imperfections(), np.random.default_rng(0))
     assert measured[:3].tolist() == [0.0, 0.0, 0.0]
     assert (measured[3:] == 0.4).all()
 
 
 def test_ranges_are_whole_millimetres_where_the_lidar_says_so(mug: FleetObject) -> None:
     lidar = lidar_geometry(mug.scenario.lidar)
-    flaws = Imperfections(range_noise_m=0.003, resolution_m=0.001)
-    measured = with_faults(np.full(360, 0.4), lidar, flaws, np.random.default_rng(0))
+    imperfections = Imperfections(range_noise_m=0.003, resolution_m=0.001)
+    measured = with_errors(np.full(360, 0.4), lidar, imperfections, np.random.default_rng(0))
     np.testing.assert_allclose(measured * 1e3, np.round(measured * 1e3), rtol=0.0, atol=1e-9)
     assert len(set(measured)) > 5
 
 
 def test_the_same_errors_befall_whatever_is_seen(mug: FleetObject) -> None:
-    lidar, flaws = lidar_geometry(mug.scenario.lidar), Imperfections.of_lds_01()
-    first = with_faults(np.full(360, 0.3), lidar, flaws, np.random.default_rng(4))
-    second = with_faults(np.full(360, 0.4), lidar, flaws, np.random.default_rng(4))
+    lidar, imperfections = lidar_geometry(mug.scenario.lidar), Imperfections.of_lds_01()
+    first = with_errors(np.full(360, 0.3), lidar, imperfections, np.random.default_rng(4))
+    second = with_errors(np.full(360, 0.4), lidar, imperfections, np.random.default_rng(4))
     assert ((first == 0.0) == (second == 0.0)).all()
     both = first > 0.0
     np.testing.assert_allclose(first[both] - 0.3, second[both] - 0.4, rtol=0.0, atol=1e-9)

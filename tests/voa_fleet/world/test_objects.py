@@ -25,18 +25,18 @@ def changed(folder: Path, file: str, **changes: Any) -> Path:
 
 @pytest.mark.parametrize("name", OBJECTS)
 def test_the_project_s_objects_are_read(name: str) -> None:
-    thing = named_object(name)
-    assert thing.name == name
-    assert set(thing.physics.grasps) == set(thing.grasps)
-    assert thing.mesh.faces.max() == len(thing.mesh.vertices) - 1
+    target = named_object(name)
+    assert target.name == name
+    assert set(target.physics.grasps) == set(target.grasps)
+    assert target.mesh.faces.max() == len(target.mesh.vertices) - 1
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_every_pose_points_up_as_its_way_to_rest_says(things: dict[str, FleetObject], name: str) -> None:
-    thing = things[name]
-    for rest in thing.physics.rests.values():
+def test_every_pose_points_up_as_its_way_to_rest_says(targets: dict[str, FleetObject], name: str) -> None:
+    target = targets[name]
+    for rest in target.physics.rests.values():
         for pose in rest.poses:
-            up = matrix_of(thing.pose(pose).quaternion_wxyz or [])[2]
+            up = matrix_of(target.pose(pose).quaternion_wxyz or [])[2]
             directions = [np.array(own) / np.linalg.norm(own) for own in rest.ups]
             assert min(angle_between(up, direction) for direction in directions) < 0.01
 

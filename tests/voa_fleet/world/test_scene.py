@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from voa_fleet.episodes.attempts import object_pose
 from voa_fleet.errors import UnstableSimulation
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.gripper import FINGER_M, PALM_M
 from voa_fleet.world.groups import OBJECT_SEEN, OBJECT_TOUCHED
 from voa_fleet.world.imperfections import room
+from voa_fleet.world.object_poses import scenario_pose
 from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
 from voa_fleet.world.ur5e import BASE
@@ -52,11 +52,11 @@ def test_the_tool_is_where_the_denavit_hartenberg_table_puts_it(mug_world: World
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_weighs_its_volume_times_its_density(things: dict[str, FleetObject], name: str) -> None:
-    thing = things[name]
-    world = build_world(thing, arm=False)
-    volume = trimesh.Trimesh(thing.mesh.vertices, thing.mesh.faces).volume
-    assert world.model.body_mass[world.body] == pytest.approx(volume * thing.physics.density_kg_m3, rel=1e-4)
+def test_an_object_weighs_its_volume_times_its_density(targets: dict[str, FleetObject], name: str) -> None:
+    target = targets[name]
+    world = build_world(target, arm=False)
+    volume = trimesh.Trimesh(target.mesh.vertices, target.mesh.faces).volume
+    assert world.model.body_mass[world.body] == pytest.approx(volume * target.physics.density_kg_m3, rel=1e-4)
 
 
 def rays_against(world: World, group: int, places: Floats, directions: Floats) -> Floats:
@@ -72,11 +72,11 @@ def rays_against(world: World, group: int, places: Floats, directions: Floats) -
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_the_solids_are_where_the_mesh_is(things: dict[str, FleetObject], name: str) -> None:
-    thing = things[name]
-    world = build_world(thing, arm=False)
+def test_the_solids_are_where_the_mesh_is(targets: dict[str, FleetObject], name: str) -> None:
+    target = targets[name]
+    world = build_world(target, arm=False)
     rng = np.random.default_rng(7)
-    corners = thing.mesh.vertices[rng.choice(thing.mesh.faces, 400)]
+    corners = target.mesh.vertices[rng.choice(target.mesh.faces, 400)]
     aims = np.einsum("kc,kcx->kx", rng.dirichlet([1.0, 1.0, 1.0], 400), corners)
     outward = rng.standard_normal((400, 3))
     places = 0.4 * outward / np.linalg.norm(outward, axis=1, keepdims=True)
@@ -92,11 +92,11 @@ def test_the_solids_are_where_the_mesh_is(things: dict[str, FleetObject], name: 
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_that_rests_keeps_still(things: dict[str, FleetObject], name: str) -> None:
-    thing = things[name]
-    world = build_world(thing)
+def test_an_object_that_rests_keeps_still(targets: dict[str, FleetObject], name: str) -> None:
+    target = targets[name]
+    world = build_world(target)
     data = mujoco.MjData(world.model)
-    start = object_pose(thing, thing.poses[0])
+    start = scenario_pose(target, target.poses[0])
     world.put_object(data, start)
     world.step(data, 500)
     assert np.abs(np.array(world.object_pose(data).position) - start.position).max() < 1e-3
@@ -106,7 +106,7 @@ def test_an_explosion_is_an_error_and_no_result(mug: FleetObject) -> None:
     world = build_world(mug, arm=False)
     data = mujoco.MjData(world.model)
     data.qvel[:] = 1e12
-    with pytest.raises(UnstableSimulation, match="mug exploded"):
+    with pytest.raises(UnstableSimulation, match="mug became unstable"):
         world.step(data, 5)
 
 

@@ -1,0 +1,1 @@
+"""Reports of evaluations: CSV files, pictures, and the sections of the HTML page."""

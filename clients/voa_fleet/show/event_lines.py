@@ -1,0 +1,97 @@
+"""Events of an episode as lines of text."""
+
+from rich.markup import escape
+
+from voa_client.formatting import no_look, share, signed, signed_apart
+from voa_fleet.episodes.events import (
+    GraspEnded,
+    GraspStarted,
+    LookChosen,
+    LookTaken,
+    OutcomeReported,
+    RobotArrived,
+    SessionOpened,
+    Step,
+)
+from voa_fleet.episodes.looks import TakenLook
+from voa_msgs.sessions import Session
+
+_FEW = 3
+"""Poses or looks that a line names."""
+
+
+def event_line(step: Step) -> str:
+    """Describe a step of a pair in one line of plain text."""
+    match step:
+        case SessionOpened(session=session):
+            line = f"session {session.id}: {belief_summary(session)}; {best_grasp_summary(session)}"
+        case LookChosen():
+            line = _choice(step)
+        case RobotArrived(sensor=sensor, pose=pose):
+            line = f"the robot stands at {sensor}, x {pose.x:.3f} m, y {pose.y:.3f} m"
+        case LookTaken(look=look):
+            line = f"looked from {look.sensor}: {_update(look)}{belief_summary(look.after)}; "
+            line += best_grasp_summary(look.after)
+        case GraspStarted(grasp=None):
+            line = "no grasp within reach is expected to succeed: the arm stays where it is"
+        case GraspStarted(grasp=grasp, expected_score=score):
+            line = f"the arm tries {grasp}, expected to succeed with {share(score)}"
+        case GraspEnded(outcome=outcome):
+            how = f": {outcome.detail}" if outcome.detail else ""
+            line = f"{outcome.grasp} {'succeeded' if outcome.success else 'FAILED'}{how}"
+        case OutcomeReported(after=None):
+            line = "outcome not reported: the attempt has moved the object, and the belief is about its old place"
+        case OutcomeReported(after=after):
+            accepted = after is not None and after.update.accepted
+            line = f"outcome reported: the belief {'has changed' if accepted else 'stays unchanged'}"
+    return line
+
+
+def _choice(chosen: LookChosen) -> str:
+    ranking = chosen.ranking
+    if ranking is None or not ranking.ranking:
+        if chosen.sensor is not None:
+            return f"look from {chosen.sensor} next"
+        return "the looks are used up: grasp" if chosen.used_up else "no more looks: grasp"
+    if chosen.sensor is None and not chosen.used_up:
+        return f"{no_look(ranking, chosen.min_gain)}: grasp"
+    first, *others = ranking.ranking[:_FEW]
+    worth = f"{first.sensor} is worth {signed_apart(first.net_value, chosen.min_gain)}"
+    if chosen.sensor is None:
+        return f"the looks are used up ({worth}): grasp"
+    rest = "".join(f", {o.sensor} {'as much' if o.ties_with_first else signed(o.net_value)}" for o in others)
+    return f"look from {chosen.sensor} next ({worth}{rest})"
+
+
+def _update(look: TakenLook) -> str:
+    if look.update is None:
+        return "not accepted; "
+    if not look.update.accepted:
+        return f"not accepted ({look.update.reason}); "
+    fit = look.update.fit_hit_rmsd_mm
+    return "" if fit is None else f"best fit {fit:.1f} mm; "
+
+
+def belief_summary(session: Session) -> str:
+    """Name the three likeliest poses of a session with their probabilities, or say that all are equally likely."""
+    likeliest = sorted(zip(session.belief, session.poses, strict=True), key=lambda pair: -pair[0])
+    if likeliest[0][0] - likeliest[-1][0] < 1e-9:
+        return f"{len(likeliest)} poses, all {share(likeliest[0][0])}"
+    return ", ".join(f"{pose} {share(held)}" for held, pose in likeliest[:_FEW])
+
+
+def best_grasp_summary(session: Session) -> str:
+    """Name the best grasp of a session and its expected score."""
+    return f"best grasp {session.best_grasp or 'none'}, {share(session.expected_score)}"
+
+
+def marked_line(step: Step) -> str:
+    """Describe a step in one line with rich markup, in which decisions and outcomes are bold."""
+    line = escape(event_line(step))
+    match step:
+        case GraspEnded(outcome=outcome):
+            return f"[bold {'green' if outcome.success else 'red'}]{line}[/]"
+        case LookChosen() | GraspStarted():
+            return f"[bold]{line}[/bold]"
+        case _:
+            return line
