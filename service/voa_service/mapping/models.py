@@ -8,6 +8,7 @@ import numpy as np
 import structlog
 
 from voa_core.cutting import Contours, cut_poses
+from voa_core.errors import VoaError
 from voa_core.lidars import SensorConfiguration
 from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
 from voa_core.mistakes.heights import Mesh
@@ -147,7 +148,7 @@ class Models:
         def make() -> _Mistakes:
             try:
                 return _Mistakes(self.find_mistakes(id_, QUICK))
-            except UnknownReference:  # its update rule is not installed any more: it can be read all the same
+            except VoaError:  # its update rule is not installed any more: it can be read all the same
                 return _Mistakes(())
             except Failure:
                 raise
