@@ -11,6 +11,7 @@ import structlog
 from threadpoolctl import threadpool_limits
 
 from voa_assets import lidar_presets
+from voa_connections.settings import MEBIBYTE
 from voa_msgs.lidars import LidarPreset
 from voa_service.guard import guarded
 from voa_service.mapping.models import Models
@@ -25,7 +26,7 @@ from voa_service.runtime.memory import MemoryBudget, available_memory, budget, p
 from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.services import Services
-from voa_service.settings import MEBIBYTE, Settings
+from voa_service.settings import Settings
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.following import versions_since
 from voa_service.usecases.health import HealthCheck

@@ -4,7 +4,6 @@ import argparse
 import asyncio
 import gc
 import os
-import resource
 import signal
 import socket
 import sys
@@ -22,8 +21,7 @@ from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
-from voa_service.http.connections.supervisor import ConnectionSupervisor
-from voa_service.http.server import Server
+from voa_service.http.server import Server, supervised
 from voa_service.runtime import logs
 from voa_service.runtime.stopping import Deadline
 from voa_service.settings import Settings, ZenohSettings
@@ -95,8 +93,7 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
         deadline = stack.enter_context(Deadline(settings.stop_seconds))
         services = stack.enter_context(bootstrap.services(settings))
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
-        files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        connections = ConnectionSupervisor(settings.connections, services.metrics, files)
+        connections = supervised(settings.connections, services.metrics)
         config = uvicorn.Config(
             create_app(services, connections.budget),
             http=cast(type[asyncio.Protocol], connections.protocol),  # called, never subclassed

@@ -19,9 +19,9 @@ from pydantic import (
 )
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from voa_connections.settings import MEBIBYTE, ConnectionSettings
 from voa_msgs.keys import ROOT, check_root
 
-MEBIBYTE = 2**20
 MOST_FLOAT64_WEIGHTS = 240_000_000
 """Product of sensor configurations and squared poses up to which rankings use float64: weights of 1.9 GB."""
 PrecisionSetting = Literal["auto", "float64", "float32"]
@@ -47,28 +47,6 @@ class Limits(BaseModel):
     """Texts, lists, objects and escapes in a JSON body, counted by their marks: they take many times their bytes."""
     history_bytes: PositiveInt = 8_000_000
     """Bytes of requests, reports and beliefs in a page of a history; a page has at least one version."""
-
-
-class ConnectionSettings(BaseModel):
-    """Limits on connections, headers, slow bodies and slow readers: `VOA_CONNECTIONS__MOST=300` and so on."""
-
-    model_config = ConfigDict(frozen=True)
-
-    most: PositiveInt = 1_000
-    """Connections at a time; fewer where the process may open fewer files (RLIMIT_NOFILE less 256)."""
-    header_bytes: PositiveInt = 65_536
-    """Bytes of a request line and its headers together; a larger request is answered 431."""
-    headers: PositiveInt = 100
-    """Number of headers of a request; a request with more is answered 431."""
-    header_seconds: PositiveFloat = 10.0
-    """Time from the first byte of a request to the end of its headers; a slower request is answered 408."""
-    progress_seconds: PositiveFloat = 20.0
-    """Time in which `progress_bytes` more of a body must arrive (else 408), or of a response be read (else it ends)."""
-    progress_bytes: PositiveInt = 16_384
-    """Bytes that must be sent or read within `progress_seconds`; the last part may have fewer."""
-    in_flight_mebibytes: PositiveInt = 128
-    """Memory for request bodies, beyond the first 64 kB of each (a body that exceeds it is answered 503), and as much
-    again for responses that wait to be read."""
 
 
 def _endpoint(endpoint: str) -> str:

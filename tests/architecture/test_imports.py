@@ -125,6 +125,15 @@ PACKAGES = {
         "numpy",
         only_in={"mapbox_earcut": "polygons.py"},
     ),
+    "voa_connections": _package(
+        "service/voa_connections",
+        STDLIB,
+        *PYDANTIC,
+        "starlette",
+        "structlog",
+        "uvicorn",
+        only_in={"httptools": "connection.py"},
+    ),
     "voa_store": _package(
         "service/voa_store",
         STDLIB,
@@ -138,6 +147,7 @@ PACKAGES = {
     "voa_service": _package(
         "service/voa_service",
         STDLIB,
+        "voa_connections",
         "voa_core",
         "voa_meshes",
         "voa_msgs",
@@ -155,7 +165,6 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
-        only_in={"httptools": "connection.py"},
     ),
 }
 SHADOWED = {

@@ -1,11 +1,13 @@
 """HTTP in front of the use cases: resources, problem documents, limits on bodies, and who may call.
 
+The bytes of a connection are parsed, counted and timed by `voa_connections` before they become a request.
+
 A request passes the parts in this order:
 
 | file or folder | purpose                                                                            |
 |----------------|------------------------------------------------------------------------------------|
 | `server`       | uvicorn's server, which stops in bounded time                                      |
-| `connections/` | parses the bytes of a connection; refuses or ends slow and superfluous connections |
+| `refusals`     | problem documents of connections and requests that `voa_connections` refuses       |
 | `app`          | builds the application: the middleware and the routes, in their order              |
 | `middleware`   | request ids and the access log, limits on bodies, the version of the messages      |
 | `access`       | refuses unknown host names, and calls from web pages of other sites                |

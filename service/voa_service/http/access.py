@@ -4,8 +4,8 @@ import ipaddress
 
 from starlette.datastructures import Headers
 
+from voa_connections.asgi import Asgi, Receive, Scope, Send
 from voa_service.failures import Failure, Forbidden, MisdirectedRequest
-from voa_service.http.asgi import Asgi, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 
 HEALTH = ("/livez", "/readyz", "/metrics")

@@ -5,13 +5,14 @@ from importlib.metadata import version
 from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
+from voa_connections.in_flight import ByteBudget, BytesInFlight
+from voa_connections.settings import MEBIBYTE, ConnectionSettings
 from voa_service.http import openapi, problems
 from voa_service.http.access import Access
-from voa_service.http.connections.in_flight import ByteBudget, BytesInFlight
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
+from voa_service.http.refusals import refusal_response
 from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
 from voa_service.services import Services
-from voa_service.settings import MEBIBYTE, ConnectionSettings
 
 _DESCRIPTION = (
     "Where should the lidar look before the arm grasps? Keeps a belief over the poses of an object, updates it from "
@@ -42,7 +43,7 @@ def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
     openapi.install(app, services.limits)
     app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
-    app.add_middleware(BytesInFlight, budget=budget)
+    app.add_middleware(BytesInFlight, budget=budget, respond=refusal_response)
     app.add_middleware(Access, names=services.names)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app

@@ -9,10 +9,10 @@ import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import TooLarge, wire_failure
 from voa_service.http.access import HEALTH
-from voa_service.http.asgi import Asgi, Message, Receive, Scope, Send
 from voa_service.http.problems import problem_response
 from voa_service.runtime.logs import is_wanted
 from voa_service.runtime.metrics import Metrics

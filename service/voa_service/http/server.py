@@ -1,19 +1,33 @@
 """The HTTP server process: uvicorn's, with a stop in bounded time."""
 
 import asyncio
+import resource
 import socket
 from types import FrameType
 
 import uvicorn
 
-from voa_service.http.connections.supervisor import ConnectionSupervisor
+from voa_connections.settings import ConnectionSettings
+from voa_connections.supervisor import ConnectionSupervisor
+from voa_service.http.refusals import refusal_response
 from voa_service.runtime.changes import Changes
+from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.stopping import Deadline
 
 _ANSWERED_BY = 0.4
 """Share of the time to stop after which requests that are still under way are answered 503."""
 _DRAINED_BY = 0.5
 """Share of the time to stop after which the HTTP server waits for no request any more."""
+
+
+def supervised(settings: ConnectionSettings, metrics: Metrics) -> ConnectionSupervisor:
+    """Make the supervisor of the server's connections, with its metrics."""
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    connections = ConnectionSupervisor(settings, files, refusal_response, metrics.connection)
+    held = "Bytes of large request bodies in memory."
+    metrics.gauge("voa_http_connections", "HTTP connections that are open.", lambda: connections.connections)
+    metrics.gauge("voa_http_bytes_in_flight", held, lambda: connections.budget.held)
+    return connections
 
 
 class Server(uvicorn.Server):

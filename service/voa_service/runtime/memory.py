@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from voa_connections.settings import MEBIBYTE
 from voa_msgs.problems import Memory
-from voa_service.settings import MEBIBYTE, Settings
+from voa_service.settings import Settings
 
 Source = Literal["setting", "cgroup", "machine"]
 

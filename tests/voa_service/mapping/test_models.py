@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from tests.support.serving import LIDAR, Json, box_obj, changed, data_scenario, mesh_scenario, serving
+from voa_connections.settings import MEBIBYTE
 from voa_core.assistance import value_of_assistance
 from voa_core.lidars import SensorConfiguration
 from voa_core.weights import wanted
 from voa_service.bootstrap import services
 from voa_service.mapping.models import Models, Precision
 from voa_service.runtime.cache import Cache
-from voa_service.settings import MEBIBYTE, PrecisionSetting, Settings
+from voa_service.settings import PrecisionSetting, Settings
 
 POSES, SENSORS, BEAMS = 200, 4, 12
 

@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from tests.support.serving import serving
+from voa_connections.settings import MEBIBYTE
 from voa_service.runtime.memory import MESH_NEEDS_MEBIBYTES, AvailableMemory, MemoryBudget, available_memory, budget
-from voa_service.settings import MEBIBYTE, Settings
+from voa_service.settings import Settings
 
 
 def machine(root: Path, cgroup: str | None = None, **limits: str) -> Path:

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 
 from starlette.exceptions import HTTPException
+from starlette.responses import Response
 
-from voa_service.http.asgi import Asgi, Message, Receive, Scope, Send
-from voa_service.http.connections import refusals
-from voa_service.http.connections.refusals import Refusal
-from voa_service.http.problems import problem_response
+from voa_connections import refusals
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
+from voa_connections.refusals import Refusal
+from voa_connections.responses import Respond
 
 FREE_BYTES = 65_536
 """First bytes of each body that are not counted, so that scans are accepted however many large bodies there are."""
@@ -46,11 +47,13 @@ class BytesInFlight:
     Args:
         app: the application behind this middleware.
         budget: of the process.
+        respond: makes the response of a refusal.
     """
 
-    def __init__(self, app: Asgi, budget: ByteBudget) -> None:
+    def __init__(self, app: Asgi, budget: ByteBudget, respond: Respond) -> None:
         self._app = app
         self._budget = budget
+        self._respond = respond
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request."""
@@ -86,4 +89,5 @@ class BytesInFlight:
         finally:
             self._budget.give(held)
         if refused and not begun:
-            await problem_response(self._budget.refusal.failure())(scope, receive, send)
+            response = self._respond(self._budget.refusal)
+            await Response(response.body, response.status, response.headers)(scope, receive, send)

@@ -3,9 +3,9 @@
 import pytest
 from structlog.testing import capture_logs
 
-from tests.voa_service.http.connections.wires import Host, settled, story
-from voa_service.http.connections.supervisor import SPARE, most_connections
-from voa_service.settings import ConnectionSettings
+from tests.voa_connections.wires import Host, settled, story
+from voa_connections.settings import ConnectionSettings
+from voa_connections.supervisor import SPARE, most_connections
 
 GET = b"GET /livez HTTP/1.1\r\nHost: here\r\n\r\n"
 HELD = GET.replace(b"/livez", b"/held")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.voa_service.http.connections.wires import Host, settled, story
-from voa_service.http.connections.connection import Stage
+from tests.voa_connections.wires import Host, settled, story
+from voa_connections.connection import Stage
 
 GET = b"GET /livez HTTP/1.1\r\nHost: here\r\n\r\n"
 

@@ -8,12 +8,13 @@ from typing import Any
 import uvicorn
 from uvicorn.server import ServerState
 
-from voa_service.http.asgi import Receive, Scope, Send
-from voa_service.http.connections.connection import Connection
-from voa_service.http.connections.in_flight import BytesInFlight
-from voa_service.http.connections.supervisor import ConnectionSupervisor
+from voa_connections.asgi import Receive, Scope, Send
+from voa_connections.connection import Connection
+from voa_connections.in_flight import BytesInFlight
+from voa_connections.settings import ConnectionSettings
+from voa_connections.supervisor import ConnectionSupervisor
+from voa_service.http.refusals import refusal_response
 from voa_service.runtime.metrics import Metrics
-from voa_service.settings import ConnectionSettings
 
 
 class Wire(asyncio.Transport):
@@ -100,11 +101,11 @@ class Host:
     def __init__(self, files: int = 10_000, **settings: Any) -> None:
         self.settings = ConnectionSettings(**settings)
         self.metrics = Metrics()
-        self.supervisor = ConnectionSupervisor(self.settings, self.metrics, files)
+        self.supervisor = ConnectionSupervisor(self.settings, files, refusal_response, self.metrics.connection)
         self.application = Application()
         self._state = ServerState()
         self._config = uvicorn.Config(
-            BytesInFlight(self.application, self.supervisor.budget),
+            BytesInFlight(self.application, self.supervisor.budget, refusal_response),
             http=Connection,
             ws="none",
             log_config=None,

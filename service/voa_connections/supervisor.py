@@ -6,12 +6,12 @@ from functools import partial
 
 import structlog
 
-from voa_service.http.connections import refusals
-from voa_service.http.connections.connection import Connection, Stage
-from voa_service.http.connections.in_flight import ByteBudget
-from voa_service.http.connections.refusals import Refusal
-from voa_service.runtime.metrics import Metrics
-from voa_service.settings import MEBIBYTE, ConnectionSettings
+from voa_connections import refusals
+from voa_connections.connection import Connection, Stage
+from voa_connections.in_flight import ByteBudget
+from voa_connections.refusals import Refusal
+from voa_connections.responses import Respond
+from voa_connections.settings import MEBIBYTE, ConnectionSettings
 
 RESERVED_FILES = 256
 """Files of the process that are kept for the database, Zenoh, mesh readers and followers, and not for connections."""
@@ -32,13 +32,17 @@ class ConnectionSupervisor:
 
     Args:
         settings: bounds on connections.
-        metrics: counts refusals by reason.
         files: number of files that the process may open (RLIMIT_NOFILE).
+        respond: makes the response of a refusal.
+        on_refusal: called with the reason of each refusal, for metrics.
     """
 
-    def __init__(self, settings: ConnectionSettings, metrics: Metrics, files: int) -> None:
+    def __init__(
+        self, settings: ConnectionSettings, files: int, respond: Respond, on_refusal: Callable[[str], None]
+    ) -> None:
         self._settings = settings
-        self._metrics = metrics
+        self._on_refusal = on_refusal
+        self.respond = respond
         self._most = most_connections(settings, files)
         self._unsent = settings.in_flight_mebibytes * MEBIBYTE
         self.budget = ByteBudget(self._unsent, self.count)
@@ -48,8 +52,11 @@ class ConnectionSupervisor:
         self._seen: dict[str, float] = {}
         self._next_check: asyncio.TimerHandle | None = None
         self.too_many = refusals.too_many_connections(self._most)
-        metrics.gauge("voa_http_connections", "HTTP connections that are open.", lambda: len(self._open))
-        metrics.gauge("voa_http_bytes_in_flight", "Bytes of large request bodies in memory.", lambda: self.budget.held)
+
+    @property
+    def connections(self) -> int:
+        """Number of connections that are open."""
+        return len(self._open)
 
     @property
     def protocol(self) -> Callable[..., Connection]:
@@ -86,7 +93,7 @@ class ConnectionSupervisor:
 
     def count(self, refusal: Refusal) -> None:
         """Count a refusal; log it if it is the first of its reason, or the first after a minute without one."""
-        self._metrics.connection(refusal.reason)
+        self._on_refusal(refusal.reason)
         now = asyncio.get_running_loop().time()
         if now - self._seen.get(refusal.reason, -_QUIET_SECONDS) >= _QUIET_SECONDS:
             structlog.get_logger("voa").warning(

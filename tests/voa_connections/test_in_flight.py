@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.voa_service.http.connections.wires import Host, settled, story
-from voa_service.http.connections.in_flight import FREE_BYTES, ByteBudget
+from tests.voa_connections.wires import Host, settled, story
+from voa_connections.in_flight import FREE_BYTES, ByteBudget
 
 MEBIBYTE = 2**20
 

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 import httptools
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
-from voa_service.http.connections import refusals
-from voa_service.http.connections.refusals import Refusal
-from voa_service.settings import ConnectionSettings
+from voa_connections import refusals
+from voa_connections.refusals import Refusal
+from voa_connections.responses import http_bytes
+from voa_connections.settings import ConnectionSettings
 
 if TYPE_CHECKING:
-    from voa_service.http.connections.supervisor import ConnectionSupervisor
+    from voa_connections.supervisor import ConnectionSupervisor
 
 _MOST_PIPELINED = 16
 _RESET = struct.pack("ii", 1, 0)  # SO_LINGER: on, for no time
@@ -169,14 +170,14 @@ class Connection(HttpToolsProtocol):
         if self.stage is Stage.CLOSING or self.transport.is_closing():
             self._abort()
             return
-        answerable = refusal.kind is not None and self._can_answer()
+        answerable = refusal.answer is not None and self._can_answer()
         if self._unanswered and not self.cycle.response_complete:
             self.cycle.disconnected = True
             self.cycle.message_event.set()
         if not answerable:
             self._abort()
             return
-        self.transport.write(refusals.response(refusal))
+        self.transport.write(http_bytes(self._supervisor.respond(refusal)))
         self._enter(Stage.CLOSING)
         # The peer may still be sending: if its bytes were not read, the response could be lost with the connection.
         self.flow.resume_reading()
