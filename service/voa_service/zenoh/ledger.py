@@ -10,9 +10,9 @@ are no stops (modes `every` and `on_request`), a look is identified by its diges
 from collections import deque
 
 from voa_msgs.sessions import ScanRequest
+from voa_ros.stops import SameStop
 from voa_ros.taken import Taken, robot_of
 from voa_service.usecases.sessions import Sessions
-from voa_service.zenoh.stops import SameStop
 
 _NEWEST = 50
 """Number of newest versions of a session that are searched for looks of a robot when the robot joins the session."""

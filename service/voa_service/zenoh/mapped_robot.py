@@ -12,6 +12,7 @@ from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
 from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
 from voa_ros.robots import AttachmentPlace, RobotMapping
+from voa_ros.stops import SameStop, same_stop
 from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
@@ -21,7 +22,6 @@ from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
 from voa_service.zenoh.samples import Sample
-from voa_service.zenoh.stops import SameStop, same_stop
 
 FOLLOW_SECONDS = 1.0
 """Polling interval for changes of the mapping file, and of the session of a robot, in seconds."""
