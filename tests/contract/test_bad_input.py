@@ -590,11 +590,11 @@ SESSIONS = [
     Case("session: a robot twice", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "free"]},
          says="'free' 2 times"),
     Case("session: an unknown robot", "/v1/sessions", {"scenario": "{data}", "robots": ["free", "nobody"]}, 422,
-         UNKNOWN, "the mapping has 'fixed', 'free'"),
+         UNKNOWN, "the mapped robots are 'fixed', 'free'"),
     Case("session: a robot of another scenario", "/v1/sessions", {"scenario": "{mesh}", "robots": ["free"]}, 409,
          CONFLICT, "is mapped to scenario"),
     Case("session: a robot whose mapping names a session", "/v1/sessions", {"scenario": "{data}", "robots": ["fixed"]},
-         409, CONFLICT, "write `scenario` there"),
+         409, CONFLICT, "write `scenario` instead of `session`"),
 ]  # fmt: skip
 
 CLAIM = "/v1/robots/free/session"
@@ -607,9 +607,9 @@ CLAIMS = [
     Case("claim: a session on another scenario", CLAIM, {"session": "{mesh_session}"}, 409, CONFLICT,
          "is mapped to scenario", "PUT"),
     Case("claim: where the mapping names a session", "/v1/robots/fixed/session", {"session": "{data_session}"}, 409,
-         CONFLICT, "write `scenario` there", "PUT"),
+         CONFLICT, "write `scenario` instead of `session`", "PUT"),
     Case("claim: nobody's, where the mapping names a session", "/v1/robots/fixed/session", {"session": None}, 409,
-         CONFLICT, "write `scenario` there", "PUT"),
+         CONFLICT, "write `scenario` instead of `session`", "PUT"),
     Case("claim: no session", CLAIM, {}, says="session", method="PUT"),
     Case("claim: a number", CLAIM, {"session": 1}, says="string", method="PUT"),
     Case("claim: an empty name", CLAIM, {"session": ""}, says="session", method="PUT"),

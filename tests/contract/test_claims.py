@@ -194,10 +194,10 @@ def test_a_process_without_a_mapping_says_so(own: Service) -> None:
     scenario = own.create(data_scenario())
     answer = own.http.post("/v1/sessions", json={"scenario": scenario, "robots": [ROBOT]})
     assert answer.status_code == 422
-    assert "this process maps none, see `voa serve --robots FILE`" in answer.json()["detail"]
+    assert "this process maps no robots, see `voa serve --robots FILE`" in answer.json()["detail"]
     answer = own.http.put(f"/v1/robots/{ROBOT}/session", json={"session": None})
     assert answer.status_code == 404
-    assert "this process maps none" in answer.json()["detail"]
+    assert "this process maps no robots" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize("prior", [None, [0.2, 0.3, 0.5]])

@@ -10,5 +10,5 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """One step forward; there is none back: what was answered stays readable."""
+    """Migrate to this revision; there is no way back, because stored responses must stay readable."""
     ${upgrades if upgrades else "pass"}

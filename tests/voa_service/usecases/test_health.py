@@ -6,9 +6,10 @@ from typing import Any, cast
 import pytest
 
 from tests.support.waiting import wait_for
-from voa_service.failures import Failure, NotReady
+from voa_service.failures import Failure
 from voa_service.ports import Store
 from voa_service.usecases.health import StoreCheck
+from voa_store.errors import Unavailable
 
 
 class Scripted:
@@ -46,7 +47,7 @@ def test_a_store_that_works_is_tried_once_a_second_at_most() -> None:
 @pytest.mark.parametrize(
     ("error", "says"),
     [
-        (NotReady("database or disk is full"), "disk is full"),
+        (Unavailable("database or disk is full"), "disk is full"),
         (OSError("the secret of the house"), "the store does not answer: OSError"),
     ],
 )
@@ -67,7 +68,7 @@ def test_a_failure_of_another_call_has_it_tried_at_once() -> None:
     store = Scripted()
     check = store.check()
     check.check()
-    store.troubles, store.error = 1, NotReady("gone")
+    store.troubles, store.error = 1, Unavailable("gone")
     with pytest.raises(Failure, match="gone"):
         check.check()
 
