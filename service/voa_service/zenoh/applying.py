@@ -31,6 +31,7 @@ class DueLook:
     since: int
 
 
+@guarded()
 def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
     """Apply a look to its session, unless another replica has applied it.
 
