@@ -1,4 +1,4 @@
-"""One example of every request, for the OpenAPI document and for whoever reads this."""
+"""Examples of the requests, which together are one story: the OpenAPI document shows them, and a test sends them."""
 
 from typing import Any
 
@@ -37,5 +37,5 @@ RANKING: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **VOA}
 
 
 def exemplified(example: dict[str, Any]) -> ConfigDict:
-    """The `model_config` of a message that shows an example."""
+    """Make the `model_config` of a message whose JSON schema shows `example`."""
     return ConfigDict(json_schema_extra={"examples": [example]})

@@ -124,13 +124,13 @@ def test_a_byte_order_mark_is_skipped() -> None:
         (b"", "not JSON: Expecting value in line 1, column 1"),
         (b"{", "not JSON: Expecting property name"),
         (b'{"belief": [0.5,}', "not JSON: "),
-        (b"\xff\xfe{\x00", "not JSON in UTF-8: found byte 0xff at 0"),
+        (b"\xff\xfe{\x00", "not UTF-8: byte 0xff at position 0"),
         (b"[" * 100_000, "nested too deep"),
         (b'{"belief": ' + b"1" * 5_000 + b"}", ""),
         (b"[]", "expected an object with fields, got a list"),
         (b"null", "expected an object with fields, got null"),
         (b'{"belief": "half"}', "belief: "),
-        (b"{}", "belief: expected, but it is not there"),
+        (b"{}", "belief: this field is required"),
     ],
 )
 def test_what_is_no_such_message_is_said_in_one_line(content: bytes, says: str) -> None:

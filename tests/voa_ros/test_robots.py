@@ -106,7 +106,7 @@ def test_a_file_may_map_nothing_or_many() -> None:
     [
         ('session = "4f1c"', "", "robot 'tb3_1': expected exactly one of 'session' and 'scenario'"),
         ("session", 'scenario = "a"\nsession', "robot 'tb3_1': expected exactly one of 'session' and 'scenario'"),
-        ('name = "tb3_1"', "", "robot no. 1: name: expected, but it is not there"),
+        ('name = "tb3_1"', "", "robot no. 1: name: this field is required"),
         ('name = "tb3_1"', 'name = "tb3/1"', "robot 'tb3/1': name: String should match"),
         ('namespace = "lab/tb3_1"', 'namespace = "a b"', "robot 'tb3_1': namespace: expected a topic like"),
         ('"front/scan"', '""', "robot 'tb3_1': scan: expected a topic like 'tb3_1/scan'"),
