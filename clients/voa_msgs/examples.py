@@ -4,7 +4,8 @@ from typing import Any
 
 from pydantic import ConfigDict
 
-SCENARIO_ID = "7c1f5e1c3b0d4c5e9a1f0b2d3c4e5f60718293a4b5c6d7e8f90a1b2c3d4e5f60"
+SCENARIO_ID = "5fe7c9a8fa7f5925903b3c2bb13427ff9e104ca58f33226f973c04d6daae96ab"
+"""Identifier that the service gives to `SCENARIO`."""
 BEAMS = [0.201, 0.198, None, 0.199, None, 0.0, 0.205, None]
 
 SCENARIO: dict[str, Any] = {

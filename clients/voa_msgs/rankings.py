@@ -70,7 +70,7 @@ class RankedSensor(Message):
     cost: float
     """Cost of the look, in units of success probability."""
     net_value: float
-    """Net value: `voa` - `cost`; the ranking is sorted by it."""
+    """Net value, in success probability: `voa` - `cost`; the ranking is sorted by it."""
     expected_score_after: float
     """Expected probability of a successful grasp after the look, 0 to 1."""
     ties_with_first: bool
