@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.contract.test_bad_input import check_problem
+from tests.contract.bad_input.base import check_problem
 from tests.support.serving import Service, box_obj, serving
 from tests.voa_meshes.files import POINTS, ascii_ply, binary_stl, obj
 from voa_service.settings import Limits

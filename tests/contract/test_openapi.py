@@ -55,7 +55,8 @@ def test_every_operation_has_an_id_and_a_summary_of_its_own(document: Json) -> N
 def test_summaries_are_sentences_that_a_stranger_understands(document: Json) -> None:
     for path, method, operation in operations(document):
         summary = operation["summary"]
-        assert 4 <= len(summary.split()) and len(summary) <= 100, (path, method, summary)
+        assert len(summary.split()) >= 4, (path, method, summary)
+        assert len(summary) <= 100, (path, method, summary)
         assert not summary.endswith("."), (path, method, summary)
         assert not LEANING.match(summary), (path, method, summary)
         assert summary != operation.get("description"), (path, method, summary)
@@ -67,7 +68,8 @@ def test_every_operation_is_listed_under_exactly_one_described_tag(document: Jso
         assert len(operation["tags"]) == 1, (path, method)
     assert {operation["tags"][0] for _, _, operation in operations(document)} == set(described)
     for text in described.values():
-        assert text.endswith(".") and len(text.split()) > 5, text
+        assert text.endswith("."), text
+        assert len(text.split()) > 5, text
 
 
 def test_every_parameter_and_every_success_is_described(document: Json) -> None:
