@@ -118,7 +118,7 @@ def expressions(topic: str, domain: int = 0) -> tuple[str, ...]:
     return topic, f"{domain}/{topic}/*/*"
 
 
-def met(topic: str, key: str, domain: int = 0) -> TopicKey | None:
+def match_key(topic: str, key: str, domain: int = 0) -> TopicKey | None:
     """Read the key of a sample on a topic; None: it is of another topic, such as one below it, or another domain."""
     try:
         told = parse_key(key)

@@ -12,11 +12,11 @@ from random import Random
 
 from voa_ros.cdr import MOST_BEAMS, encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.grids import BeamGrid, upside_down
-from voa_ros.mapped import MappedLooks, Received, UnusableMessage
+from voa_ros.looks import GatheredLook
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.motions import Motion, composed, inverse, wrapped
+from voa_ros.pipeline import LookPipeline, Received, UnusableMessage
 from voa_ros.robots import load
-from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 NOWHERE_ELSE = Motion(0.0, 0.0, 0.0)
@@ -181,23 +181,23 @@ def with_amcl(own: ParkingRobot, received: Callable[[Received], Received] = lamb
 
 def mapped(
     place: str = 'from = "odometry"', more: str = "", look: str = "", most_beams: int = MOST_BEAMS
-) -> MappedLooks:
+) -> LookPipeline:
     """Looks of a robot whose mapping says this of its place, of itself and of its looks."""
     (mapping,) = load(f'[[robot]]\nname = "tb3_1"\nsession = "s"\n{more}\n[robot.look]\n{look}\n[robot.place]\n{place}')
-    return MappedLooks(mapping, GRID, most_beams)
+    return LookPipeline(mapping, GRID, most_beams)
 
 
 @dataclass
 class Outcome:
     """Results of the messages of a robot."""
 
-    looks: list[Taken] = field(default_factory=list)
+    looks: list[GatheredLook] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     waiting: list[str] = field(default_factory=list)
     """Conditions that were waited for, each change of them."""
 
 
-def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) -> Outcome:
+def play(looks: LookPipeline, messages: Iterator[Received] | Sequence[Received]) -> Outcome:
     """Send messages to a mapped robot's looks."""
     came = Outcome()
     for message in messages:
@@ -206,7 +206,7 @@ def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) 
         except UnusableMessage as error:
             came.refused.append(str(error))
         else:
-            if isinstance(found, Taken):
+            if isinstance(found, GatheredLook):
                 came.looks.append(found)
         now = looks.waiting_for or ""
         if came.waiting[-1:] != [now]:

@@ -3,19 +3,8 @@ import math
 import pytest
 
 from voa_msgs.geometry import PoseUncertainty
-from voa_ros.robots import (
-    AmclPlace,
-    AttachmentPlace,
-    InvalidRobots,
-    LookRule,
-    Mount,
-    OdometryPlace,
-    PlanarPose,
-    RobotMapping,
-    SensorPlace,
-    Subscription,
-    load,
-)
+from voa_ros.robot_places import AmclPlace, AttachmentPlace, Mount, OdometryPlace, PlanarPose, SensorPlace
+from voa_ros.robots import InvalidRobots, LookRule, RobotMapping, Subscription, load
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 FULL = """
@@ -137,7 +126,7 @@ def test_a_file_may_map_nothing_or_many() -> None:
         ("[[robot]]", "[[robot]", "expected TOML: "),
         ("scan =", "place = 3\nscan =", "expected TOML: "),
         (FULL, "robot = [3]", "robot no. 1: expected a table"),
-        (FULL, FULL + FULL, "robot: 'tb3_1' twice: expected each name once"),
+        (FULL, FULL + FULL, "robot: the name 'tb3_1' is given twice: expected a different name for each robot"),
     ],
 )
 def test_a_mistake_is_told_by_robot_and_field(old: str, new: str, line: str) -> None:

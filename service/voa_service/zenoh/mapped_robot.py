@@ -10,9 +10,10 @@ import time
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
-from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
-from voa_ros.robots import AttachmentPlace, RobotMapping
-from voa_ros.taken import Taken
+from voa_ros.looks import GatheredLook
+from voa_ros.pipeline import ContradictoryHeader, LookPipeline, Received, UnusableMessage
+from voa_ros.robot_places import AttachmentPlace
+from voa_ros.robots import RobotMapping
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
 from voa_service.rpc.methods import attachment_of
@@ -37,7 +38,7 @@ class MappedRobot:
         self.mapping = mapping
         self.name = mapping.name
         self._services = services
-        self._looks: MappedLooks | None = None
+        self._looks: LookPipeline | None = None
         self._session: str | None = None
         self._scenario: str | None = None
         self._ledger: LookLedger | None = None
@@ -106,14 +107,14 @@ class MappedRobot:
                 raise BeamGridMismatch(str(error)) from error
             except UnusableMessage as error:
                 raise InvalidRequest(str(error)) from error
-            if isinstance(found, Taken):
+            if isinstance(found, GatheredLook):
                 return self._due(found)
             self._learn_of_the_stop(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
 
-    def _due(self, taken: Taken) -> DueLook | None:
+    def _due(self, taken: GatheredLook) -> DueLook | None:
         """Give out a look; None: another replica's look of this stop came first, while the robot's session changed.
 
         Raises:
@@ -137,10 +138,10 @@ class MappedRobot:
         ledger.take(taken)
         return DueLook(self.name, taken, ledger, ledger.version)
 
-    def _is_taken(self, newest: ScanRequest | None, taken: Taken) -> bool:
+    def _is_taken(self, newest: ScanRequest | None, taken: GatheredLook) -> bool:
         return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
 
-    def _learn_of_the_stop(self, looks: MappedLooks) -> None:
+    def _learn_of_the_stop(self, looks: LookPipeline) -> None:
         """Once in each stop: take note of a look that others took of it, perhaps."""
         rule = self.mapping.look
         if rule.mode == "every" or looks.standing < min(_SHOWS_STOP, rule.scans - 1):
@@ -165,7 +166,7 @@ class MappedRobot:
             raise not_found("session yet on scenario", self.mapping.scenario or "")
         return session
 
-    def _following(self, received: MessageType) -> MappedLooks | None:
+    def _following(self, received: MessageType) -> LookPipeline | None:
         """The looks, for the session that is the robot's, which is asked once in a while.
 
         None for a pose of a robot whose scenario or session is not there: its scans say so.
@@ -187,7 +188,7 @@ class MappedRobot:
             raise self._absent.with_traceback(None)
         return None
 
-    def _looks_or_fail(self) -> MappedLooks:
+    def _looks_or_fail(self) -> LookPipeline:
         if self._looks is None:
             raise not_found("scenario", self._scenario or "")
         return self._looks
@@ -227,7 +228,7 @@ class MappedRobot:
         grid = model.scenario.lidar.grid
         self._scenario = scenario
         beams = BeamGrid(grid.beams, grid.angle_min, grid.angle_increment)
-        self._looks = MappedLooks(self.mapping, beams, self._services.limits.beams)
+        self._looks = LookPipeline(self.mapping, beams, self._services.limits.beams)
         self._same_stop = same_stop(self.mapping.look, beams)
         if self._requested:
             self._requested = False

@@ -14,15 +14,16 @@ from voa_msgs.warnings import ProbableMistake
 from voa_ros.cdr import MOST_BEAMS, InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.frames import FrameFilter
 from voa_ros.grids import BeamGrid, upside_down, without_measured_limits
-from voa_ros.looks import PARKED, LookTaker
+from voa_ros.localisation import localisation, middle_s
+from voa_ros.look_taker import PARKED, LookTaker
+from voa_ros.looks import GatheredLook, Waiting, Where
 from voa_ros.messages import LaserScan, Stamp, header_contradiction
-from voa_ros.places import localisation, middle_s
 from voa_ros.repeats import Repeats, payload_digest
-from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace
-from voa_ros.taken import Taken, Waiting, Where
+from voa_ros.robot_places import AttachmentPlace, SensorPlace
+from voa_ros.robots import RobotMapping
+from voa_ros.segments import SegmentJoiner
 from voa_ros.topics import LASER_SCAN, ODOMETRY, MessageType
 from voa_ros.tracks import NoPose
-from voa_ros.turns import TurnGatherer
 
 _MOST_PUBLISHERS = 4
 """As many may bring the same scan of one robot."""
@@ -59,7 +60,7 @@ class Received:
     attached: Attachment | None = None
 
 
-class MappedLooks:
+class LookPipeline:
     """Turns the messages of one mapped robot into looks."""
 
     def __init__(self, mapping: RobotMapping, grid: BeamGrid, most_beams: int = MOST_BEAMS) -> None:
@@ -76,7 +77,7 @@ class MappedLooks:
         self._localisation = localisation(mapping)
         self._frames = FrameFilter(mapping.frame_id)
         self._repeats = Repeats()
-        self._turns = TurnGatherer[Received](grid)
+        self._turns = SegmentJoiner[Received](grid)
         self._taker = LookTaker(mapping.name, mapping.look, grid)
         self._newest: Stamp | None = None
         self._frozen = 0
@@ -130,7 +131,7 @@ class MappedLooks:
             self._taker.request()
         self._waiting_for = self._taker.waiting_for
 
-    def receive(self, message: Received) -> Taken | Waiting | None:
+    def receive(self, message: Received) -> GatheredLook | Waiting | None:
         """Take a message, in the order in which they come.
 
         Returns:
@@ -144,7 +145,7 @@ class MappedLooks:
         except InvalidCdr as error:
             raise UnreadableMessage(str(error)) from error
 
-    def _receive(self, message: Received) -> Taken | Waiting | None:
+    def _receive(self, message: Received) -> GatheredLook | Waiting | None:
         if message.type == LASER_SCAN:
             return self._receive_scan(message)
         if self._localisation is not None and message.type == ODOMETRY:
@@ -153,7 +154,7 @@ class MappedLooks:
             self._localisation.receive_amcl(decode_pose(message.payload), message.received_s)
         return None
 
-    def _receive_scan(self, message: Received) -> Taken | Waiting:
+    def _receive_scan(self, message: Received) -> GatheredLook | Waiting:
         self._waiting_for = "a scan that can be used"
         scan = decode_laser_scan(message.payload, self._most_beams)
         wrong = header_contradiction(scan)

@@ -18,7 +18,8 @@ from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
 from voa_ros.clocks import ClockOffset
 from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance
 from voa_ros.motions import composed, inverse, wrapped
-from voa_ros.robots import AmclPlace, Mount, OdometryPlace, PlanarPose, RobotMapping
+from voa_ros.robot_places import AmclPlace, Mount, OdometryPlace, PlanarPose
+from voa_ros.robots import RobotMapping
 from voa_ros.tracks import NoPose, PoseTrack, RobotPose
 
 JUMP_M = 0.1

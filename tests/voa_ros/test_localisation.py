@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 
 from tests.voa_ros.ros_messages import COORDINATES, COVARIANCES, STAMPS, odometry, scan, scans
 from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
+from voa_ros.localisation import Localisation, lidar_pose, localisation, middle_s, robot_pose
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.motions import Motion, composed, inverse, wrapped
-from voa_ros.places import Localisation, lidar_pose, localisation, middle_s, robot_pose
-from voa_ros.robots import AmclPlace, Mount, PlanarPose, load
+from voa_ros.robot_places import AmclPlace, Mount, PlanarPose
+from voa_ros.robots import load
 from voa_ros.tracks import NoPose, PoseTrack, RobotPose
 
 YAWS = st.floats(-100.0, 100.0)

@@ -23,8 +23,8 @@ from tests.voa_ros.parking import (
     true,
     with_amcl,
 )
-from voa_ros.mapped import Received
 from voa_ros.motions import Motion
+from voa_ros.pipeline import Received
 from voa_ros.topics import LASER_SCAN
 
 ORIGIN = Motion(0.3, -0.2, 0.7)

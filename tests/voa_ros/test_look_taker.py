@@ -16,10 +16,10 @@ from voa_msgs.base import Message
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import ScanRequest
 from voa_ros.grids import BeamGrid
-from voa_ros.looks import PARKED, LookTaker
+from voa_ros.look_taker import PARKED, LookTaker
+from voa_ros.looks import GatheredLook, Waiting, Where, robot_of
 from voa_ros.messages import LaserScan, Stamp
 from voa_ros.robots import LookRule
-from voa_ros.taken import Taken, Waiting, Where, robot_of
 from voa_ros.tracks import NoPose
 
 INF, NAN = math.inf, math.nan
@@ -56,7 +56,7 @@ class Robot:
     lost: float = 0.05
     chance: Random = field(default_factory=lambda: Random(7))  # noqa: S311  # noise, not a secret
     turns: Iterator[int] = field(default_factory=lambda: count(1))
-    looks: list[Taken] = field(default_factory=list)
+    looks: list[GatheredLook] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
 
     def measured(self, ranges: Iterable[float]) -> tuple[float, ...]:
@@ -69,12 +69,12 @@ class Robot:
     def scan(self, ranges: Iterable[float]) -> LaserScan:
         return scan(*self.measured(ranges), at=0.2 * next(self.turns), increment=math.tau / BEAMS)
 
-    def turn(self, where: Where | NoPose, ranges: Iterable[float] | None = None) -> Taken | Waiting:
+    def turn(self, where: Where | NoPose, ranges: Iterable[float] | None = None) -> GatheredLook | Waiting:
         return self.send(self.scan(room() if ranges is None else ranges), where)
 
-    def send(self, told: LaserScan, where: Where | NoPose) -> Taken | Waiting:
+    def send(self, told: LaserScan, where: Where | NoPose) -> GatheredLook | Waiting:
         answer = self.taker.receive(told, where)
-        if isinstance(answer, Taken):
+        if isinstance(answer, GatheredLook):
             self.looks.append(answer)
         else:
             self.reasons.append(answer.reason)

@@ -27,7 +27,7 @@ M = TypeVar("M")
 
 
 @dataclass(frozen=True)
-class Turn(Generic[M]):
+class JoinedScan(Generic[M]):
     """A whole turn of a lidar.
 
     Attributes:
@@ -46,7 +46,7 @@ class _Segment(Generic[M]):
     received_s: float
 
 
-class TurnGatherer(Generic[M]):
+class SegmentJoiner(Generic[M]):
     """Joins the segments of a turn; scans that cover the whole turn pass at once."""
 
     def __init__(self, grid: BeamGrid) -> None:
@@ -66,7 +66,7 @@ class TurnGatherer(Generic[M]):
         """Segments of the turn that is not complete yet."""
         return len(self._segments)
 
-    def receive(self, scan: LaserScan, message: M, received_s: float) -> Turn[M] | None:
+    def receive(self, scan: LaserScan, message: M, received_s: float) -> JoinedScan[M] | None:
         """Take the next scan; returns a whole turn where there is one now, else None.
 
         The very first segment is passed on as if it were a turn: only the next one shows that it was a segment. A lidar
@@ -81,7 +81,7 @@ class TurnGatherer(Generic[M]):
         self._in_segments = before is not None and self._is_segment(scan, before)
         if not self._in_segments:
             self._segments.clear()
-            return Turn(scan, message)
+            return JoinedScan(scan, message)
         segment = _Segment(scan, message, received_s)
         if self._segments and received_s - self._segments[-1].received_s > LONGEST_TURN_S:
             self._segments.clear()
@@ -101,12 +101,12 @@ class TurnGatherer(Generic[M]):
         partial = _shared_rad(grid_of(scan), self._grid) < PARTIAL_SHARE * self._grid.span_rad
         return partial and _overlap(scan, before) < (_AGAIN if self._in_segments else _DISJOINT)
 
-    def _joined(self) -> Turn[M]:
+    def _joined(self) -> JoinedScan[M]:
         scans = [segment.scan for segment in self._segments]
         whole = scans[0]
         if len(scans) > 1:
             whole = replace(on_grid(scans, self._grid), scan_time=_duration_s(scans))
-        return Turn(whole, self._segments[-1].message)
+        return JoinedScan(whole, self._segments[-1].message)
 
 
 def _duration_s(segments: Sequence[LaserScan]) -> float:

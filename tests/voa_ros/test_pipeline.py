@@ -22,11 +22,11 @@ from tests.voa_ros.parking import (
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.keys import Attachment
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_odometry
-from voa_ros.looks import PARKED
-from voa_ros.mapped import Received, UnusableMessage
+from voa_ros.look_taker import PARKED
+from voa_ros.looks import GatheredLook
 from voa_ros.messages import LaserScan, Odometry, Pose, Stamp
 from voa_ros.motions import Motion, composed
-from voa_ros.taken import Taken
+from voa_ros.pipeline import Received, UnusableMessage
 from voa_ros.topics import LASER_SCAN, ODOMETRY
 
 # --- places
@@ -105,7 +105,7 @@ def test_an_attachment_stays_with_its_scan_where_the_lidar_sees_a_quarter_turn()
             Stamp(number + 1), "f", 0.0, 1.5, GRID.angle_increment, 0.0, 0.1, 0.1, 8.0, (1.0 + number,) * quarter
         )
         answer = looks.receive(Received(LASER_SCAN, encode_laser_scan(told), float(number), Attachment(sensor=name)))
-        if isinstance(answer, Taken):
+        if isinstance(answer, GatheredLook):
             found.append((answer.request.sensor, answer.request.scan.ranges[0]))
     assert found == [("A", 1.0), ("B", 2.0), ("C", 3.0), ("D", 4.0)]
 
@@ -269,7 +269,7 @@ def test_looks_that_are_not_accepted_are_taken_again_and_counted_once() -> None:
             found = looks.receive(message)
         except UnusableMessage:
             continue
-        if isinstance(found, Taken):
+        if isinstance(found, GatheredLook):
             tries += 1
             if tries % 2:
                 looks.rejected("no_beams", found.request)
