@@ -1,46 +1,48 @@
-"""When the scans of a robot are a look.
+"""Decide when the scans of a robot become a look.
 
-A lidar turns five times a second. A robot that is parked for a minute sends 300 scans that all say the same thing, with
-the same errors of its pose and of the surface. A belief that took each of them for new evidence would be certain, and
-perhaps wrong, within a second. So scans are gathered into *looks*, one update of the belief each:
+A lidar turns five times a second. A robot that is parked for a minute sends 300 scans with the same errors of its pose
+and of the surface. A belief that took each of them for new evidence would be certain, and perhaps wrong, within a
+second. So the revolutions are gathered into *looks*, each of which updates the belief once. The mode of a robot decides
+when:
 
-`every`: each scan is a look. For a robot that never stops, or a sensor that sends a scan only when it means one.
+`every`: each scan is a look. For a robot that never stops, or a sensor that publishes a scan only on purpose.
 
-`stationary`: the robot stops, and the per-beam median of `scans` revolutions is the look; then nothing more until it
-has moved on. One stop, one look.
+`stationary`: the robot stops, and the per-beam median of `scans` revolutions is the look; there is no other look until
+it has moved on. Each stop gives one look.
 
-`on_request`: nothing until `request()`; then the median of the next `scans` revolutions for which it stands still.
+`on_request`: there is no look until `request()`; then the median of the next `scans` revolutions for which the robot
+stands still.
 
-Whether it stands still, and whether it has moved on, is decided by what is known of its place:
+The place of the robot decides if it stands still, and if it has moved on:
 
-- A measured pose (odometry, AMCL, an attachment's pose): it stands still while it is less than `still_xy_m` and
-  `still_yaw_rad` from the revolution before *and* from the first of the stop, so that slow creeping ends a stop too.
-  It has moved on when three revolutions in a row are farther than `moved_xy_m` or `moved_yaw_rad` from where the look
-  was taken: one pose that is off makes no second look.
-- A sensor configuration's name: there is no pose to go by, but the scene itself (`voa_ros.scenes`). A median over the
-  beams takes no notice of somebody who walks by, as long as he hides less than half of what is seen; nor of lost
-  packets and beams that answer now and then. It has moved on when as many revolutions in a row as a look has, five at
-  least, differ from the look by *twice* what two scans of one scene may. Another name is another place at once. What
-  this cannot see: a move of a centimetre or two, and one that ends where it began before so many revolutions are over.
+- With a measured pose (odometry, AMCL, or a pose in the attachment), it stands still while it is less than `still_xy_m`
+  and `still_yaw_rad` from the previous revolution *and* from the first one of the stop, so that slow creeping ends a
+  stop too. It has moved on when three successive revolutions are farther than `moved_xy_m` or `moved_yaw_rad` from the
+  place of the look: one wrong pose does not cause a second look.
+- With the name of a sensor configuration there is no pose, and the scans themselves are compared (`voa_ros.scenes`).
+  Their median difference is insensitive to a person who walks by, as long as less than half of the scene is hidden, and
+  to lost packets and beams that return intermittently. The robot has moved on when as many successive revolutions as a
+  look has, at least five, differ from the look by *twice* the tolerance for one scene. Another name is another place at
+  once. This cannot detect a move of a centimetre or two, nor one that ends where it began before so many revolutions.
 
 The beams of the revolutions may differ in number and angles; they are then brought onto the grid of the scenario's
-lidar. Scans without a pose count neither way.
+lidar. A scan without a pose neither continues nor ends a stop.
 
-**A look that was not accepted** (all beams missing, the object not seen, no pose that fits) does not use up the stop,
-or the request: `rejected()` lets the next revolutions make another.
+**A look that was not accepted** (all beams missing, the object not seen, no pose that fits) does not use up the stop or
+the request: after `rejected()`, the next revolutions make another look.
 
-**After a restart** the robot may still be parked where its look was taken. `resume()` takes the newest look that the
-session's history has of this robot, and a robot found at that place, or seeing that scene, has had its look of this
-stop. Other processes receive the same scans: give `resume()` every look of this robot that the session gets, whoever
+**After a restart** the robot may still be parked at the place of its look. `resume()` gets the newest look of this
+robot from the session's history; a robot at that place, or with that scene, has had the look of this stop. Other
+processes receive the same scans: pass every look of this robot that the session gets to `resume()`, whichever process
 took it.
 
-Nothing here knows a clock: what counts is revolutions.
+This module uses no clock: only revolutions are counted.
 """
 
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.sessions import ScanRequest
 from voa_ros.grids import BeamGrid, aligned
-from voa_ros.looks import Revolution, GatheredLook, Waiting, Where, look_of
+from voa_ros.looks import GatheredLook, Revolution, Waiting, Where, look_of
 from voa_ros.messages import LaserScan
 from voa_ros.motions import within
 from voa_ros.robots import LookRule
@@ -49,24 +51,26 @@ from voa_ros.scenes import CLEARLY, scene_difference
 from voa_ros.tracks import NoPose
 
 AWAY_BY_POSE = 3
+"""Successive revolutions, by measured pose, after which a robot has moved on."""
 AWAY_BY_SCENE = 5
-"""Revolutions in a row until a robot has moved on."""
+"""Fewest successive revolutions, by comparison of scans, after which a robot has moved on."""
 PARKED = 10
-"""Looks in a row from one place, in mode `every`, that show a parked robot."""
+"""Successive looks from one place, in mode `every`, that show a parked robot."""
 
 MOVE_ON = "the robot to move on: this stop's look is taken"
+"""Condition for the next look after the look of a stop."""
 
 
 class LookTaker:
-    """Gathers the revolutions of one robot into looks."""
+    """State machine that gathers the revolutions of one robot into looks."""
 
     def __init__(self, robot: str, rule: LookRule, grid: BeamGrid) -> None:
-        """Begin with no revolution.
+        """Start with no revolution.
 
         Args:
-            robot: its name, which its looks carry.
-            rule: when scans are a look.
-            grid: beams of the scenario's lidar, for revolutions whose beams differ.
+            robot: name of the robot, which its looks contain.
+            rule: rule by which scans become looks.
+            grid: grid of the scenario's lidar, for revolutions whose beams differ.
         """
         self._robot = robot
         self._rule = rule
@@ -87,24 +91,24 @@ class LookTaker:
 
     @property
     def requested(self) -> bool:
-        """Whether a look was requested and not taken yet."""
+        """True if a look was requested and not taken yet."""
         return self._requested
 
     @property
     def standing(self) -> int:
-        """Revolutions of the present stop so far."""
+        """Number of revolutions of the present stop so far."""
         return len(self._stop)
 
     @property
     def parked(self) -> bool:
-        """Whether each scan is a look while the robot does not move: the belief grows falsely certain."""
+        """True if each scan is a look while the robot does not move, so that the belief becomes falsely certain."""
         return self._parked >= PARKED
 
     def request(self) -> None:
-        """Ask for a look of the next revolutions for which the robot stands still.
+        """Request a look from the next revolutions for which the robot stands still.
 
         Raises:
-            ValueError: looks are not taken on request.
+            ValueError: the mode of the robot is not `on_request`.
         """
         if self._rule.mode != "on_request":
             raise ValueError(f"expected a robot in mode 'on_request', {self._robot!r} is in mode {self._rule.mode!r}")
@@ -114,10 +118,10 @@ class LookTaker:
         self._waiting_for = "the robot to stop"
 
     def resume(self, request: ScanRequest) -> None:
-        """Take note of a look of this robot that the session has: the newest, taken by this process or another.
+        """Register the newest look of this robot in the session, whether this process took it or another.
 
-        A robot that is still there has had its look of this stop. (It matters in mode `stationary` alone.) Taking note
-        of one look twice changes nothing.
+        A robot that is still at its place has had the look of this stop. (This matters in mode `stationary` only.)
+        Registering a look twice changes nothing.
         """
         if request != self._resumed:
             self._note(request)
@@ -130,12 +134,12 @@ class LookTaker:
             self._away = 0
 
     def rejected(self, reason: str, request: ScanRequest | None = None) -> None:
-        """Let the next revolutions make another look: the last one was not accepted.
+        """Let the next revolutions make another look, because the last one was not accepted.
 
         Args:
-            reason: in a few words, for `waiting_for`.
-            request: the look; None: the newest. The answer may come when the robot has moved on, or has had another
-                look; nothing changes then.
+            reason: reason in a few words, for `waiting_for`.
+            request: look that was not accepted; None: the newest. If the robot has moved on or has had another look in
+                the meantime, nothing changes.
         """
         stationary = self._rule.mode == "stationary"
         if stationary and (self._taken is None or (request is not None and request != self._resumed)):
@@ -151,11 +155,14 @@ class LookTaker:
             self._wait(self._progress())
 
     def receive(self, scan: LaserScan, where: Where | NoPose) -> GatheredLook | Waiting:
-        """Take a revolution, in the order in which they come.
+        """Add a revolution, in the order of arrival.
 
         Args:
-            scan: the revolution.
-            where: the lidar's pose in the middle of it, or the sensor configuration where it stands.
+            scan: scan of the revolution.
+            where: pose of the lidar in the middle of it, or the name of the sensor configuration; NoPose: unknown.
+
+        Returns:
+            A look, or the condition for the next look that is not met yet.
         """
         if isinstance(where, NoPose):
             return self._wait(f"the lidar's pose: {where.reason}")
@@ -176,14 +183,14 @@ class LookTaker:
         return Waiting(reason)
 
     def _count_parked(self, revolution: Revolution) -> None:
-        """Count the looks from one place, in mode `every`."""
+        """Count the successive looks from one place, in mode `every`."""
         still = self._taken is not None and self._stands(revolution, self._taken)
         self._parked = self._parked + 1 if still else 1
         if not still:
             self._taken = revolution
 
     def _moved_on(self, revolution: Revolution, taken: Revolution) -> bool:
-        """Count the revolutions away from the look, and forget the look when they are enough."""
+        """Count the successive revolutions away from the look; return True, and forget the look, when they suffice."""
         away, enough = self._is_away(revolution, taken)
         self._away = self._away + 1 if away else 0
         if self._away < enough:
@@ -195,7 +202,7 @@ class LookTaker:
         return True
 
     def _is_away(self, revolution: Revolution, taken: Revolution) -> tuple[bool, int]:
-        """Whether a revolution is not where the look was taken, and how many such in a row are a move."""
+        """Return True if a revolution is away from the place of the look, and how many successive ones are a move."""
         match revolution.where, taken.where:
             case UncertainSensorPose() as here, UncertainSensorPose() as there:
                 return not within(here, there, self._rule.moved_xy_m, self._rule.moved_yaw_rad), AWAY_BY_POSE
@@ -212,14 +219,14 @@ class LookTaker:
         if len(self._stop) < self._rule.scans:
             return self._wait(self._progress())
         look = look_of(self._robot, self._stop, self._grid)
-        self._note(look.request)  # also where it equals the look before: without stamps and noise it may
+        self._note(look.request)  # even if it equals the previous look, as it may without stamps and noise
         self._stop.clear()
         self._requested = False
         self._wait("a request" if self._rule.mode == "on_request" else MOVE_ON)
         return look
 
     def _progress(self) -> str:
-        """How far the look of this stop is, and why the one before it does not count."""
+        """Describe the progress of the look of this stop, and why the previous look does not count."""
         standing, again = len(self._stop), f"; the last look was not accepted ({self._rejected})"
         reached = f"standing still: {standing} of {self._rule.scans} revolutions"
         return (reached if standing > 1 else "the robot to stop") if self._rejected is None else reached + again

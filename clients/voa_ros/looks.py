@@ -1,4 +1,4 @@
-"""A look: the median of some revolutions at the mean of their places, as an update of a belief."""
+"""Look of a robot: the median of several revolutions at the mean of their poses, as an update of a belief."""
 
 import hashlib
 import statistics
@@ -15,16 +15,16 @@ from voa_ros.motions import wrapped
 from voa_ros.scans import median_scan, scan_message, stamp_json
 
 Where = UncertainSensorPose | str
-"""A pose of the lidar in the world, or the name of one of the scenario's sensor configurations."""
+"""Pose of the lidar in the world, or the name of a sensor configuration of the scenario."""
 
 
 @dataclass(frozen=True)
 class GatheredLook:
-    """A look.
+    """Look that was gathered from the revolutions of a robot.
 
     Attributes:
-        digest: of its times and ranges, hexadecimal; the same wherever the same revolutions are received.
-        request: the update. Its scan's `stamp` is `{"robot", "from", "to", "scans", "frame_id"}`.
+        digest: digest of its times and ranges, hexadecimal; equal for all that receive the same revolutions.
+        request: request to update a belief; the `stamp` of its scan is `{"robot", "from", "to", "scans", "frame_id"}`.
     """
 
     digest: str
@@ -33,45 +33,47 @@ class GatheredLook:
 
 @dataclass(frozen=True)
 class Waiting:
-    """No look yet, and the condition that is not met."""
+    """Result where there is no look yet, with the condition that is not met, in words."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Revolution:
-    """A whole turn of the lidar, and where it was taken."""
+    """Scan of one revolution, and the place from which it was taken."""
 
     scan: LaserScan
     where: Where
 
 
-def look_name(robot: str, session: str, number: int, taken: GatheredLook) -> str:
-    """Name of a robot's look, the idempotency key of its update; times and ranges may come again, numbers do not.
+def look_name(robot: str, session: str, number: int, look: GatheredLook) -> str:
+    """Return the name of a look, which is the idempotency key of its update.
+
+    The number is part of the name, because equal times and ranges may occur again.
 
     Args:
-        robot: name in the mapping.
-        session: that the look is for.
-        number: one more than the looks of this robot that the session has accepted.
-        taken: the look.
+        robot: name of the robot in the mapping.
+        session: identifier of the session to which the look is applied.
+        number: number of looks of this robot that the session has accepted, plus one.
+        look: the look.
     """
-    return f"{robot}:{session}:{number}:{taken.digest}"
+    return f"{robot}:{session}:{number}:{look.digest}"
 
 
 def robot_of(request: ScanRequest) -> str | None:
-    """Name of the robot whose look a session's history holds; None where it is not one that was taken here."""
+    """Return the name of the robot whose look a request of a session's history is; None: it is no look of a robot."""
     stamp = request.scan.stamp
     robot = stamp.get("robot") if isinstance(stamp, dict) else None
     return robot if isinstance(robot, str) else None
 
 
 def look_of(robot: str, revolutions: Sequence[Revolution], grid: BeamGrid) -> GatheredLook:
-    """Make a look of revolutions.
+    """Make a look from revolutions.
 
     Args:
         robot: name of the robot.
-        revolutions: at least one, from places that lie close together.
-        grid: beams of the scenario's lidar, for revolutions whose beams differ.
+        revolutions: at least one, from places that are close together.
+        grid: grid of the scenario's lidar, for revolutions whose beams differ.
     """
     scans = [revolution.scan for revolution in revolutions]
     first, last = scans[0].stamp, scans[-1].stamp
@@ -95,7 +97,7 @@ def look_of(robot: str, revolutions: Sequence[Revolution], grid: BeamGrid) -> Ga
 
 
 def _middle(places: Sequence[Where]) -> Where:
-    """The mean of poses that lie close together; of a name, the name."""
+    """Mean of poses that are close together; a name of a sensor configuration is returned unchanged."""
     first = places[0]
     poses = [place for place in places if isinstance(place, UncertainSensorPose)]
     if isinstance(first, str) or len(poses) == 1:

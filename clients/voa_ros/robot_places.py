@@ -85,8 +85,8 @@ class AmclPlace(Message):
     """Source of poses: AMCL's pose in a map, carried forward by odometry.
 
     AMCL publishes only after the robot has moved by its `update_min_d` (0.25 m). With AMCL's newest pose alone, a robot
-    that creeps would seem to stand still, and the pose of a parked robot would be old. So each pose of AMCL corrects the
-    odometry instead.
+    that creeps would seem to stand still, and the pose of a parked robot would be old. So each pose of AMCL corrects
+    the odometry instead.
     """
 
     source: Literal["amcl"] = Field(alias="from")

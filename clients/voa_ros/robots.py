@@ -74,9 +74,9 @@ class LookRule(Message):
     scans: Annotated[int, Ge(1), Le(MOST_SCANS)] = 10
     """Number of revolutions in one look; in mode `every` it is 1."""
     still_xy_m: Tolerance = 0.005
-    """Largest move, metres, from one revolution to the next and since the first of the stop, of a robot that stands."""
+    """Largest move, metres, since the previous and since the first revolution of a stop, of a robot that stands."""
     still_yaw_rad: Tolerance = math.radians(0.5)
-    """Largest turn, radians, from one revolution to the next and since the first of the stop, of a robot that stands."""
+    """Largest turn, radians, since the previous and since the first revolution of a stop, of a robot that stands."""
     moved_xy_m: Tolerance = 0.02
     """Distance, metres, from the place of the last look beyond which the robot has moved on."""
     moved_yaw_rad: Tolerance = math.radians(2.0)

@@ -249,7 +249,7 @@ def test_amcl_that_is_gone_is_not_carried_without_end() -> None:
     own.odometry(odometry(0.0, 0.0, 0.0, at=1.0))
     own.amcl(amcl(3.0, 0.0, 0.0, at=1.0))
     own.odometry(odometry(0.6, 0.0, 0.0, at=1.1))
-    assert reason(own.at(1.1)) == "AMCL's newest pose is 0.6 m back by odometry: expected at most 0.5 m"
+    assert reason(own.at(1.1)) == "the robot has driven 0.6 m since AMCL's newest pose: expected at most 0.5 m"
 
 
 def test_a_latched_amcl_pose_is_where_the_robot_is_now() -> None:

@@ -94,7 +94,7 @@ def test_attachments_say_the_place() -> None:
 def test_an_attachment_that_says_nothing_is_refused() -> None:
     came = play(mapped('from = "attachment"'), ParkingRobot(stops=STOPS[:1]).messages())
     assert came.looks == []
-    assert set(came.refused) == {"it is not known where the lidar was: the attachment of the scan does not say"}
+    assert set(came.refused) == {"it is not known where the lidar was: the attachment of the scan does not state it"}
 
 
 def test_an_attachment_stays_with_its_scan_where_the_lidar_sees_a_quarter_turn() -> None:
@@ -222,7 +222,7 @@ def test_segments_say_how_many_there_are() -> None:
     looks = mapped('from = "sensor"\nsensor = "E"')
     sent = [message for message in ParkingRobot(layout="segments").messages() if message.type == LASER_SCAN]
     play(looks, sent[:5])
-    assert looks.waiting_for == "a whole turn of the lidar: segments of it so far: 4"
+    assert looks.waiting_for == "a whole revolution of the lidar: 4 segments received so far"
 
 
 def test_every_scan_of_a_parked_robot_is_warned_of() -> None:

@@ -168,7 +168,7 @@ def test_a_parked_robot_whose_every_scan_is_a_look_is_warned_of() -> None:
     found = list(check_robots(Robots(items=[report]), NOW))
     assert [finding.check for finding in found] == ["robot r1", "robot r1: every-while-parked"]
     assert found[1].state == "warning"
-    assert "the belief grows falsely certain" in found[1].seen
+    assert "the belief becomes falsely certain" in found[1].seen
     assert "stationary" in found[1].advice
 
 
