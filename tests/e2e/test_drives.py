@@ -110,7 +110,7 @@ def test_a_look_that_is_not_accepted_does_not_use_up_the_stop(bench: Bench, caps
         return replace(scan, ranges=(0.0,) * len(scan.ranges)) if number < 10 else scan
 
     drive = Drive(around(1), standing_s=8.0)
-    refused = bench.bus.hear(bench.bus.keys.refused("*", "*"))
+    refused = bench.bus.subscribe(bench.bus.keys.refused("*", "*"))
     puts = published(drive, DRIVERS["lds-01"], 5.0, change=spinning_up)
     report, looks = both(bench, capsys, "lds-01", puts)
     assert at_the_stops(looks, drive)

@@ -27,7 +27,7 @@ SECONDS = 60.0
 
 
 class Bench:
-    """A service on a router whose mapping can be changed, and a stranger that publishes."""
+    """Service on a router, with a mapping that tests change, and a session that publishes as robots do."""
 
     def __init__(self, lab: Lab, bus: Stranger, folder: Path) -> None:
         self.lab = lab
@@ -48,7 +48,7 @@ class Bench:
         return answer.json()
 
     def scenario(self, preset: str, **changes: Any) -> str:
-        """Store the scenario of the box."""
+        """Store the scenario of the box and return its identifier."""
         if self._object is None:
             files = {"file": ("box.obj", box().encode())}
             self._object = httpx2.post(f"{self.lab.url}/v1/objects", files=files, timeout=SECONDS).json()["id"]
@@ -72,27 +72,27 @@ class Bench:
         topics = (SCAN,) if place else (SCAN, ODOM)
         for topic in [f"{name}/{topic}" for name in names for topic in topics]:
             with self.bus.session.declare_publisher(topic) as publisher:
-                # The stub says bool; it is an object whose `matching` tells.
+                # The stub says bool; it is an object with the attribute `matching`.
                 wait_for(lambda own=publisher: own.matching_status.matching, "the topic to be subscribed to")  # type: ignore[misc]
         wait_for(lambda: all(self.report(name) for name in names), "the mapping")
         return names
 
     def report(self, name: str) -> Any:
-        found = [each for each in self.get("/v1/robots")["items"] if (each["robot"], each["source"]) == (name, "ros2")]
-        return found[0] if found else None
+        reports = self.get("/v1/robots")["items"]
+        return next((each for each in reports if (each["robot"], each["source"]) == (name, "ros2")), None)
 
     def put(self, key: str, payload: bytes) -> None:
-        """Publish faster than any robot, and wait rather than drop."""
+        """Publish a message, and wait instead of dropping it."""
         self.bus.session.put(key, payload, congestion_control=CongestionControl.BLOCK)
 
     def live(self, name: str, puts: list[Put]) -> Any:
-        """Publish as a bridge does, as fast as that goes; returns the report when every scan has been worked on."""
+        """Publish as a bridge does, as fast as possible; returns the report after the last scan was processed."""
         for put in puts:
             self.put(f"{name}/{put.topic}", put.payload)
         return self.worked_on(name, puts)
 
     def in_time(self, robots: dict[str, list[Put]]) -> None:
-        """Publish what several robots say, at the times at which it arrives."""
+        """Publish the messages of several robots at their times of arrival."""
         puts = sorted(
             ((put, name) for name, of_robot in robots.items() for put in of_robot), key=lambda each: each[0].at_s
         )
@@ -102,13 +102,13 @@ class Bench:
             self.put(f"{name}/{put.topic}", put.payload)
 
     def worked_on(self, name: str, puts: list[Put]) -> Any:
-        """The robot's report when every scan has been worked on."""
+        """Wait until every scan was processed, and return the report about the robot."""
         scans = sum(put.type == LASER_SCAN for put in puts)
         wait_for(lambda: self.report(name)["scans"] == scans, f"{scans} scans of {name}", SECONDS)
         return self.report(name)
 
     def replayed(self, capsys: pytest.CaptureFixture[str], name: str, puts: list[Put], scenario_id: str) -> list[Any]:
-        """Replay what a robot published, with the mapping in force; returns the looks of its session."""
+        """Replay what a robot published, with the present mapping; returns the looks of its session."""
         own = [put._replace(topic=f"{name}/{put.topic}") for put in puts]
         path = record(self.folder / f"drive-{next(self._names)}.mcap", own)
         options = ["--scenario", scenario_id, "--robots", str(self.mapping), "--url", self.lab.url, "--json"]
@@ -119,7 +119,7 @@ class Bench:
         return self.looks(session)
 
     def looks(self, session: str) -> list[Any]:
-        """The looks in a session's history."""
+        """List the looks in the history of a session."""
         items = self.get(f"/v1/sessions/{session}/history?limit=100")["items"]
         return [entry for entry in items if entry["kind"] == "scan"]
 
@@ -136,7 +136,7 @@ def benches(folder: Path, own_router: Router) -> Iterator[Bench]:
 
 
 def seen(looks: list[Any]) -> list[Any]:
-    """Ranges of each look, and the place it was taken from."""
+    """Ranges of each look, and the pose from which it was taken."""
     requests = [ScanRequest.model_validate(entry["request"]) for entry in looks]
     return [(each.scan.ranges, each.scan.no_return, each.sensor_pose) for each in requests]
 
@@ -157,7 +157,7 @@ def both_on(
     look: str = "",
     place: str = "",
 ) -> tuple[Any, list[Any]]:
-    """Do as `both` does, on a scenario that is stored."""
+    """Publish live, and replay, on a stored scenario; asserts equal looks, and returns the report and the looks."""
     session = bench.post("/v1/sessions", {"scenario": scenario_id})["id"]
     name = bench.robot(session, more, look, place)
     report = bench.live(name, puts)
@@ -173,7 +173,7 @@ def finds_the_box(bench: Bench, session: str, yaw: str = "A") -> bool:
 
 
 def at_the_stops(looks: list[Any], drive: Drive) -> bool:
-    """Whether there is one look for each stop, taken there."""
+    """True if there is exactly one look for each stop, taken at its place."""
     places = [entry["request"]["sensor_pose"] for entry in looks]
     return len(places) == len(drive.stops) and all(
         math.hypot(place["x"] - x, place["y"] - y) < 0.01 for place, (x, y, _) in zip(places, drive.stops, strict=True)
