@@ -83,16 +83,16 @@ def test_executed_value_and_a_sensor_belief_agree_with_the_twin(service: Service
     assert service.post("/v1/rankings", body | {"sensor_belief": BELIEF})["ranking"] != answer["ranking"]
 
 
-def test_outcomes_are_listed_only_when_asked_for(service: Service, data_id: str) -> None:
+def test_outcomes_are_listed_only_when_requested(service: Service, data_id: str) -> None:
     session = service.open(data_id, prior=BELIEF)
-    quiet, told = (service.get(f"/v1/sessions/{session}/voa{query}") for query in ("", "?outcomes=true"))
-    assert all("outcomes" not in look for look in quiet["ranking"])
-    for look in told["ranking"]:
+    without, with_outcomes = (service.get(f"/v1/sessions/{session}/voa{query}") for query in ("", "?outcomes=true"))
+    assert all("outcomes" not in look for look in without["ranking"])
+    for look in with_outcomes["ranking"]:
         assert [outcome["pose"] for outcome in look["outcomes"]] == list(POSES)
         assert [outcome["probability"] for outcome in look["outcomes"]] == pytest.approx(BELIEF)
         after = math.fsum(outcome["probability"] * outcome["expected_score"] for outcome in look["outcomes"])
         assert after == pytest.approx(look["expected_score_after"])
-        assert look["voa"] == pytest.approx(after - told["expected_score_before"])
+        assert look["voa"] == pytest.approx(after - with_outcomes["expected_score_before"])
 
 
 def test_costs_count_and_the_recommendation_follows_them(service: Service) -> None:

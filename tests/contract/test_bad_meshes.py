@@ -192,7 +192,7 @@ def test_a_form_that_is_none_gets_its_problem(
     assert service.stored() == before
 
 
-def test_a_misspelt_form_field_is_told_with_the_fields_there_are(service: Service) -> None:
+def test_a_misspelt_form_field_is_refused_with_the_known_fields(service: Service) -> None:
     answer = service.http.post("/v1/objects", files={"file": ("box.obj", BOX)}, data={"scales": "0.001"})
     assert answer.json()["detail"] == "body.scales: no such field: expected one of file, name, scale, up"
 

@@ -1,4 +1,4 @@
-"""What is bad over HTTP is bad by name too: the same requests as calls, the same problems, nothing changed."""
+"""Bad input by method name instead of HTTP: the same problems for the cases of bad input, and no change."""
 
 import json
 import re

@@ -74,10 +74,10 @@ def test_predictions_are_their_message_with_or_without_a_body(service: Service, 
     path = f"/v1/scenarios/{data_id}/predictions"
     answers = [service.http.post(path), service.http.post(path, json={}), service.http.post(path, json=None)]
     assert [answer.status_code for answer in answers] == [200, 200, 200]
-    told = [Predictions.model_validate_json(answer.content) for answer in answers]
-    assert told[0] == told[1] == told[2]
-    assert (told[0].sensors, told[0].poses) == (["Q1", "Q2"], list(POSES))
-    assert told[0].ranges == [[PREDICTIONS[sensor][pose] for pose in POSES] for sensor in ("Q1", "Q2")]
+    predicted = [Predictions.model_validate_json(answer.content) for answer in answers]
+    assert predicted[0] == predicted[1] == predicted[2]
+    assert (predicted[0].sensors, predicted[0].poses) == (["Q1", "Q2"], list(POSES))
+    assert predicted[0].ranges == [[PREDICTIONS[sensor][pose] for pose in POSES] for sensor in ("Q1", "Q2")]
 
 
 def test_a_request_id_is_given_back_if_it_is_sane_and_made_up_if_not(service: Service) -> None:
@@ -89,13 +89,13 @@ def test_a_request_id_is_given_back_if_it_is_sane_and_made_up_if_not(service: Se
 
 def test_lists_go_on_where_the_page_before_ended(service: Service, data_id: str) -> None:
     opened = [service.open(data_id) for _ in range(5)]
-    found: list[str] = []
+    listed: list[str] = []
     query = "limit=2"
     while query:
         page = service.get(f"/v1/sessions?{query}")
         assert len(page["items"]) <= 2
-        found += [item["id"] for item in page["items"]]
+        listed += [item["id"] for item in page["items"]]
         query = f"limit=2&after={page['next']}" if page["next"] else ""
-    assert found[-5:] == opened
-    assert len(set(found)) == len(found)
+    assert listed[-5:] == opened
+    assert len(set(listed)) == len(listed)
     assert "belief" not in service.get("/v1/sessions")["items"][0]

@@ -10,13 +10,13 @@ EAST = {"x": 0.3, "y": 0.0, "yaw_rad": math.pi}
 
 
 def test_a_mesh_is_predicted_as_the_ray_caster_sees_it(service: Service, mesh_id: str) -> None:
-    told = service.post(f"/v1/scenarios/{mesh_id}/predictions", {"sensors": ["E", EAST | {"height_m": 0.9}]})
-    assert told["sensors"] == ["E", "1"]
-    assert told["poses"] == ["A", "B"]
-    assert told["ranges"][0][0][0] == pytest.approx(0.28)  # the box is 0.04 deep along x
-    assert told["ranges"][0][1][0] == pytest.approx(0.27)  # and 0.06 along y
-    assert told["ranges"][0][0][180] is None
-    assert all(value is None for pose in told["ranges"][1] for value in pose)  # over the box
+    predicted = service.post(f"/v1/scenarios/{mesh_id}/predictions", {"sensors": ["E", EAST | {"height_m": 0.9}]})
+    assert predicted["sensors"] == ["E", "1"]
+    assert predicted["poses"] == ["A", "B"]
+    assert predicted["ranges"][0][0][0] == pytest.approx(0.28)  # the box is 0.04 deep along x
+    assert predicted["ranges"][0][1][0] == pytest.approx(0.27)  # and 0.06 along y
+    assert predicted["ranges"][0][0][180] is None
+    assert all(value is None for pose in predicted["ranges"][1] for value in pose)  # over the box
 
 
 def test_predictions_ignore_the_workspace_and_updates_do_not(service: Service) -> None:
@@ -90,10 +90,10 @@ def test_an_uncertain_sensor_pose_says_less_than_a_sure_one(service: Service, me
 def test_listed_sensors_use_the_data_and_other_poses_the_mesh(service: Service) -> None:
     flat: list[float | None] = [0.5] + [None] * 359
     scenario = service.create(mesh_scenario(service.upload(box_obj()), predictions={"E": {"A": flat, "B": flat}}))
-    told = service.post(f"/v1/scenarios/{scenario}/predictions", {"sensors": ["E", "N", EAST]})
-    assert told["ranges"][0] == [flat, flat]
-    assert told["ranges"][1][0][0] == pytest.approx(0.27)
-    assert told["ranges"][2][0][0] == pytest.approx(0.28)
+    predicted = service.post(f"/v1/scenarios/{scenario}/predictions", {"sensors": ["E", "N", EAST]})
+    assert predicted["ranges"][0] == [flat, flat]
+    assert predicted["ranges"][1][0][0] == pytest.approx(0.27)
+    assert predicted["ranges"][2][0][0] == pytest.approx(0.28)
 
 
 def test_a_pose_model_prior_moves_the_belief(service: Service, mesh_id: str) -> None:

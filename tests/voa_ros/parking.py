@@ -32,7 +32,7 @@ PARKED_S = 4.0
 DRIVING_S = 3.0
 LEG_S = PARKED_S + DRIVING_S
 START_S = 1_000.0
-"""By the robot's clock, and by the one that messages arrive by."""
+"""Time by the robot's clock and by the clock of the receiver, seconds."""
 PARKED_AT_S = START_S + 2 * LEG_S + 0.5
 """Half a second into the third stop."""
 DRIVING_AT_S = START_S + 2 * LEG_S - 1.52
@@ -107,10 +107,10 @@ class ParkingRobot:
         for step in range(round((self.end_s - START_S) * 20.0)):
             now_s = START_S + step / 20.0
             pose = composed(inverse(self.odometry_frame), self.base(now_s))
-            told = Odometry(
+            odometry = Odometry(
                 Stamp.of(self.odometry_clock(now_s)), "odom", "base", Pose.planar(pose.x, pose.y, pose.yaw_rad)
             )
-            yield Received(ODOMETRY, encode_odometry(told), now_s + LATENCY_S)
+            yield Received(ODOMETRY, encode_odometry(odometry), now_s + LATENCY_S)
 
     def amcl(self) -> Iterator[Received]:
         """Poses of an AMCL whose map is the world: one each quarter metre, a little late."""
@@ -120,10 +120,10 @@ class ParkingRobot:
             pose = self.base(now_s)
             if last is None or math.hypot(pose.x - last.x, pose.y - last.y) > 0.25:
                 last = pose
-                told = PoseWithCovariance(
+                amcl = PoseWithCovariance(
                     Stamp.of(self.scan_clock(now_s)), "map", Pose.planar(pose.x, pose.y, pose.yaw_rad)
                 )
-                yield Received(POSE_WITH_COVARIANCE_STAMPED, encode_pose(told), now_s + 0.1)
+                yield Received(POSE_WITH_COVARIANCE_STAMPED, encode_pose(amcl), now_s + 0.1)
 
     def _scans(self) -> Iterator[Received]:
         for seen in _seen(self.hz, self.layout, self.lidar, tuple(self.stops)):
@@ -202,12 +202,12 @@ def play(looks: LookPipeline, messages: Iterator[Received] | Sequence[Received])
     came = Outcome()
     for message in messages:
         try:
-            found = looks.receive(message)
+            result = looks.receive(message)
         except UnusableMessage as error:
             came.refused.append(str(error))
         else:
-            if isinstance(found, GatheredLook):
-                came.looks.append(found)
+            if isinstance(result, GatheredLook):
+                came.looks.append(result)
         now = looks.waiting_for or ""
         if came.waiting[-1:] != [now]:
             came.waiting.append(now)
@@ -216,9 +216,9 @@ def play(looks: LookPipeline, messages: Iterator[Received] | Sequence[Received])
 
 def check_places(came: Outcome, places: Sequence[Motion]) -> None:
     """Each stop of the lidar has one look, within a centimetre and a degree of it."""
-    found = [look.request.sensor_pose for look in came.looks]
-    assert len(found) == len(places), [pose and (pose.x, pose.y) for pose in found]
-    for pose, place in zip(found, places, strict=True):
+    poses = [look.request.sensor_pose for look in came.looks]
+    assert len(poses) == len(places), [pose and (pose.x, pose.y) for pose in poses]
+    for pose, place in zip(poses, places, strict=True):
         assert pose is not None
         assert math.hypot(pose.x - place.x, pose.y - place.y) < 0.01, (pose, place)
         assert abs(wrapped(pose.yaw_rad - place.yaw_rad)) < math.radians(1.0), (pose, place)

@@ -33,7 +33,7 @@ def at(x: float = 0.0, y: float = 0.0, yaw_rad: float = 0.0) -> UncertainSensorP
 
 
 def room(x: float = 0.0, y: float = 0.0, turned: int = 0) -> list[float]:
-    """What a lidar sees in a room of 3 m by 2 m with a box in it, from a place within."""
+    """Ranges of a lidar at a place in a room of 3 m by 2 m with a box."""
     ranges = []
     for beam in range(BEAMS):
         angle = math.tau * (beam + turned) / BEAMS
@@ -72,8 +72,8 @@ class Robot:
     def turn(self, where: Where | NoPose, ranges: Iterable[float] | None = None) -> GatheredLook | Waiting:
         return self.send(self.scan(room() if ranges is None else ranges), where)
 
-    def send(self, told: LaserScan, where: Where | NoPose) -> GatheredLook | Waiting:
-        answer = self.taker.receive(told, where)
+    def send(self, measured: LaserScan, where: Where | NoPose) -> GatheredLook | Waiting:
+        answer = self.taker.receive(measured, where)
         if isinstance(answer, GatheredLook):
             self.looks.append(answer)
         else:
@@ -152,7 +152,7 @@ def test_creeping_away_from_a_look_ends_its_stop() -> None:
         own.turn(at(x=0.0005 * step))  # 2 mm from the first to the last revolution of a look
     taken = [look.request.sensor_pose.x for look in own.looks if look.request.sensor_pose]
     assert len(taken) == 5
-    assert all(later - earlier > 0.02 for earlier, later in pairwise(taken))
+    assert all(second - first > 0.02 for first, second in pairwise(taken))
 
 
 def test_one_pose_that_is_off_makes_no_second_look() -> None:
@@ -165,8 +165,8 @@ def test_one_pose_that_is_off_makes_no_second_look() -> None:
 def test_what_is_waited_for_is_said() -> None:
     own = robot()
     assert own.taker.waiting_for == "a scan"
-    own.turn(NoPose("no odometry was heard yet"))
-    assert last_reason(own) == "the lidar's pose: no odometry was heard yet"
+    own.turn(NoPose("no odometry was received yet"))
+    assert last_reason(own) == "the lidar's pose: no odometry was received yet"
     for _ in range(SCANS - 1):
         own.turn(at())
     assert own.reasons[1:] == ["the robot to stop", *(f"standing still: {n} of {SCANS} revolutions" for n in (2, 3, 4))]
@@ -188,8 +188,8 @@ def irregular(own: Robot, chance: Random) -> LaserScan:
     increment = math.tau / beams
     first = chance.uniform(-0.5, 0.5) * increment
     ranges = [1.0 + 0.5 * math.cos(first + beam * increment) for beam in range(beams)]
-    told = scan(*own.measured(ranges), at=0.2 * next(own.turns), increment=increment)
-    return replace(told, angle_min=first, angle_max=first + (beams - 1) * increment)
+    measured = scan(*own.measured(ranges), at=0.2 * next(own.turns), increment=increment)
+    return replace(measured, angle_min=first, angle_max=first + (beams - 1) * increment)
 
 
 @pytest.mark.parametrize("where", [at(), "E"])
@@ -207,8 +207,8 @@ def test_beams_that_differ_from_turn_to_turn_are_a_look_on_the_scenarios_grid(wh
 
 def test_a_common_grid_is_kept() -> None:
     own = robot()
-    told = [replace(own.scan([1.0] * 50), angle_min=0.3) for _ in range(SCANS)]
-    for each in told:
+    measured = [replace(own.scan([1.0] * 50), angle_min=0.3) for _ in range(SCANS)]
+    for each in measured:
         own.send(each, at())
     (look,) = own.looks
     taken = look.request.scan
@@ -278,9 +278,9 @@ def test_a_look_is_the_median_at_the_mean_pose() -> None:
 def test_two_processes_give_a_look_one_name() -> None:
     one, other = robot(), robot()
     for _ in range(SCANS):
-        told = one.scan(room())
-        one.send(told, at())
-        other.send(told, at())
+        measured = one.scan(room())
+        one.send(measured, at())
+        other.send(measured, at())
     assert one.looks == other.looks
     assert len(one.looks) == 1
 
@@ -294,12 +294,12 @@ def test_a_robot_without_a_clock_names_looks_by_what_they_saw() -> None:
 
 
 @given(scans(), st.sampled_from(["every", "stationary", "on_request"]), st.sampled_from(["E", at()]))
-def test_any_scan_can_be_part_of_a_look(told: LaserScan, mode: str, where: Where) -> None:
+def test_any_scan_can_be_part_of_a_look(measured: LaserScan, mode: str, where: Where) -> None:
     own = robot(mode, scans=2)
     if mode == "on_request":
         own.taker.request()
     for sec in range(1, 4):
-        own.send(replace(told, stamp=Stamp(sec)), where)
+        own.send(replace(measured, stamp=Stamp(sec)), where)
     for look in own.looks:
         assert len(look.digest) <= 255
         assert ScanRequest.model_validate_json(look.request.model_dump_json()) == look.request
@@ -479,13 +479,13 @@ def test_an_answer_about_an_earlier_look_takes_no_look_twice() -> None:
 def test_a_look_that_equals_the_one_before_uses_up_its_stop_too(where: Where) -> None:
     """Without stamps and noise, a robot that comes back sees to the last bit what it saw before."""
     own = robot()
-    told = scan(*room(), increment=math.tau / BEAMS)
+    measured = scan(*room(), increment=math.tau / BEAMS)
     for stop in range(3):
         for _ in range(5 * SCANS):
-            own.send(told, where)
+            own.send(measured, where)
         assert len(own.looks) == stop + 1
         for _ in range(3):
-            own.send(told, at(5.0))
+            own.send(measured, at(5.0))
     assert own.looks[0] == own.looks[1] == own.looks[2]
 
 
@@ -507,13 +507,13 @@ def test_a_parked_robot_whose_every_scan_is_a_look_is_noticed(where: Where) -> N
 
 
 @pytest.mark.parametrize("where", [at(1.0, 2.0, 3.0), "E"])
-def test_a_robot_found_where_it_looked_has_had_its_look(where: Where) -> None:
+def test_a_robot_that_is_still_where_it_looked_has_had_its_look(where: Where) -> None:
     before = robot()
     for _ in range(20):
         before.turn(where)
-    told = ScanRequest.model_validate_json(before.looks[0].request.model_dump_json())
+    stored = ScanRequest.model_validate_json(before.looks[0].request.model_dump_json())
     after = robot()
-    after.taker.resume(told)
+    after.taker.resume(stored)
     for _ in range(100):
         after.turn(where)
     assert after.looks == []
@@ -521,7 +521,7 @@ def test_a_robot_found_where_it_looked_has_had_its_look(where: Where) -> None:
 
 
 @pytest.mark.parametrize(("where", "elsewhere"), [(at(1.0), at(2.0)), ("E", "N"), ("E", at()), (at(), "E")])
-def test_a_robot_found_elsewhere_looks(where: Where, elsewhere: Where) -> None:
+def test_a_robot_that_is_elsewhere_looks(where: Where, elsewhere: Where) -> None:
     before, after = robot(), robot()
     for _ in range(20):
         before.turn(where)
@@ -531,7 +531,7 @@ def test_a_robot_found_elsewhere_looks(where: Where, elsewhere: Where) -> None:
     assert len(after.looks) == 1
 
 
-def test_a_robot_found_before_another_scene_looks() -> None:
+def test_a_robot_that_is_before_another_scene_looks() -> None:
     before, after = robot(), robot()
     for _ in range(20):
         before.turn("E")
@@ -545,16 +545,16 @@ def test_the_look_of_another_process_is_this_stops_look() -> None:
     one, other = robot(), robot()
     one.turn(at())  # the other joins a revolution later
     for _ in range(SCANS - 1):
-        told = one.scan(room())
-        one.send(told, at())
-        other.send(told, at())
+        measured = one.scan(room())
+        one.send(measured, at())
+        other.send(measured, at())
     other.taker.resume(one.looks[0].request)
     for _ in range(20):
         other.turn(at())
     assert other.looks == []
 
 
-def test_to_be_told_of_a_look_again_changes_nothing() -> None:
+def test_to_resume_from_a_look_again_changes_nothing() -> None:
     own = robot()
     for _ in range(20):
         own.turn(at())

@@ -129,11 +129,11 @@ def test_a_file_may_map_nothing_or_many() -> None:
         (FULL, FULL + FULL, "robot: the name 'tb3_1' is given twice: expected a different name for each robot"),
     ],
 )
-def test_a_mistake_is_told_by_robot_and_field(old: str, new: str, line: str) -> None:
+def test_a_mistake_is_reported_by_robot_and_field(old: str, new: str, line: str) -> None:
     assert old in FULL
     with pytest.raises(InvalidRobots) as refused:
         load(FULL.replace(old, new, 1))
-    assert any(line in told for told in str(refused.value).splitlines()), str(refused.value)
+    assert any(line in reported for reported in str(refused.value).splitlines()), str(refused.value)
 
 
 def test_a_name_that_ros_could_not_have_needs_a_namespace() -> None:

@@ -39,7 +39,7 @@ def test_the_hashes_are_those_that_rosbags_computes(type_: MessageType) -> None:
 
 
 @given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232))
-def test_a_topic_is_met_in_all_its_forms_and_found_in_each(topic: str, type_: MessageType, domain: int) -> None:
+def test_the_expressions_of_a_topic_match_all_its_forms(topic: str, type_: MessageType, domain: int) -> None:
     bridge, rmw = expressions(topic, domain)
     humble = f"{domain}/{topic}/{type_.dds_name}/TypeHashNotSupported"
     assert bridge == topic
@@ -69,14 +69,14 @@ def test_a_key_of_rmw_zenoh_as_it_was_seen() -> None:
 
 
 def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> None:
-    told = match_key("scan", "0/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab")
-    assert told == TopicKey("scan", "sensor_msgs/msg/PointCloud2", 0)
+    parsed = match_key("scan", "0/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab")
+    assert parsed == TopicKey("scan", "sensor_msgs/msg/PointCloud2", 0)
     for key in ("tb3_1/scan/front/filtered", "0/front/scan/sensor_msgs::msg::dds_::LaserScan_/x", "a/scan/b c/d"):
         assert match_key("scan", key) is None
 
 
 @pytest.mark.parametrize(
-    ("told", "name"),
+    ("text", "name"),
     [
         ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/LaserScan"),
         ("sensor_msgs/LaserScan", "sensor_msgs/msg/LaserScan"),
@@ -85,8 +85,8 @@ def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> N
         ("charset=utf-8", None),
     ],
 )
-def test_a_type_has_one_name_however_it_is_told(told: str, name: str | None) -> None:
-    assert type_name(told) == name
+def test_a_type_has_one_name_in_every_form(text: str, name: str | None) -> None:
+    assert type_name(text) == name
 
 
 @pytest.mark.parametrize(

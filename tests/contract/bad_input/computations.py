@@ -22,7 +22,7 @@ from tests.support.serving import Json
 
 
 def beliefs(path: str, body: Json, method: str = "POST") -> Iterator[Case]:
-    """What is wrong with a belief, wherever one is sent."""
+    """Cases of bad beliefs for a path and the body around them."""
     for name, belief, says in (
         ("of another length", [0.5, 0.5], "3"),
         ("that sums to 0", [0.0, 0.0, 0.0], "within 1e-6 of 1"),
@@ -44,14 +44,14 @@ def beliefs(path: str, body: Json, method: str = "POST") -> Iterator[Case]:
 
 
 def stateless(path: str, body: Json) -> Iterator[Case]:
-    """What is wrong with a computation for the belief in the request."""
+    """Cases of bad requests with the belief in the request."""
     yield from beliefs(path, body)
     yield Case(f"{path}: an unknown scenario", path, body | {"scenario": "nothing"}, 422, UNKNOWN, "POST /v1/scenarios")
     yield Case(f"{path}: half a surrogate pair as scenario", path, body | {"scenario": "\ud800"}, says="unicode")
 
 
 def rankings(path: str, body: Json) -> Iterator[Case]:
-    """What is wrong with a ranking, of a session or of a belief."""
+    """Cases of bad rankings, of a session or of a belief."""
     place = {"x": 0.0, "y": 0.0, "yaw_rad": 0.0}
     for name, more, kind, says in (
         ("an empty list of sensors", {"sensors": []}, INVALID, "sensors"),

@@ -13,7 +13,7 @@ HEADERS = [
     Case("If-Match of 30 digits", SCANS, scan_of(GOOD), 412, "stale-version", "v1",
          headers={"if-match": '"v' + "9" * 30 + '"'}),
     Case("a page of another site that deletes", SESSION, None, 403, "forbidden", "another site", "DELETE", CROSS),
-    Case("a page of another site that asks for a look", "/v1/robots/free/look", None, 403, "forbidden", "another site",
+    Case("a page of another site that requests a look", "/v1/robots/free/look", None, 403, "forbidden", "another site",
          headers=CROSS),
     Case("a page of another site that reads", SESSION, None, 403, "forbidden", "another site", "GET", CROSS),
     Case("a page of another site that scans", SCANS, scan_of(GOOD), 403, "forbidden", "another site", headers=CROSS),
