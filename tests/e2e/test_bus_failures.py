@@ -193,9 +193,7 @@ def test_two_replicas_take_every_scan_once_also_when_one_is_killed(postgres: Ser
         counts = applied()
         assert set(counts.values()) == {1}
         assert {stamp for stamp in counts if "put" in stamp} == {json.dumps(["put", n]) for n in range(PUTS)}
-        assert {stamp for stamp in counts if "call" in stamp} == {
-            json.dumps(["call", n]) for n in range(ACKNOWLEDGED)
-        }
+        assert {stamp for stamp in counts if "call" in stamp} == {json.dumps(["call", n]) for n in range(ACKNOWLEDGED)}
         published = Counter((sample.key, sample.attachment) for sample in published_samples)
         assert set(published.values()) == {1}, "a version was published twice"
         assert count_replies(robot, sessions[0]) == 1

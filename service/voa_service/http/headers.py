@@ -7,13 +7,13 @@ from fastapi import Header
 
 IfMatch = Annotated[
     str | None,
-    Header(alias="If-Match", description='Only if the session is at this version, `"v<version>"`.', examples=['"v3"']),
+    Header(alias="If-Match", description='Version that the session must have, as `"v<version>"`.', examples=['"v3"']),
 ]
 Key = Annotated[
     str | None,
     Header(
         alias="Idempotency-Key",
-        description="The caller's name for this call: sent again, it gets the first answer and changes nothing.",
+        description="Idempotency key: a request that is repeated with it gets the first response and changes nothing.",
         min_length=1,
         max_length=255,
     ),

@@ -73,7 +73,7 @@ def routes(services: Services) -> APIRouter:
         """List the stored meshes, oldest first.
 
         With `sha256`, the list has the mesh that an upload of that file with the same `scale` and `up` produced, or no
-        item where there was no such upload: a client can thereby avoid to upload a large file again. In a URL the `+`
+        item where there was no such upload: a client can thereby avoid uploading a large file again. In a URL the `+`
         of `up` is written `%2B`.
         """
         return await answer(services.reads, lambda: objects.list(limit, after, sha256, type, scale, up))
