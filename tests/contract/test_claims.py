@@ -167,7 +167,7 @@ def test_a_claim_at_one_replica_holds_at_the_other(tmp_path: Path) -> None:
         assert other.open(scenario, robots=[ROBOT]) == reported(one)[ROBOT]
 
 
-def test_a_client_claims_and_is_told_what_contradicts_it(own: Service, scenario: str) -> None:
+def test_a_client_claims_and_gets_the_contradiction(own: Service, scenario: str) -> None:
     with Client(HttpTransport("http://127.0.0.1", own.http._transport)) as client:
         first, _ = own.open(scenario), own.open(scenario)
         assert client.claim_robot(ROBOT, first).session == first

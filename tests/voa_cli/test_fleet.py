@@ -20,7 +20,8 @@ from voa_cli.main import main
 from voa_client import Client
 from voa_fleet.devices.clocks import Clock
 from voa_fleet.devices.simulated import Scene, Watch
-from voa_ros.robots import OdometryPlace, load
+from voa_ros.robot_places import OdometryPlace
+from voa_ros.robots import load
 
 
 def reports(capfd: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:

@@ -21,10 +21,11 @@ from voa_recordings.files.message import RecordedMessage, UnreadableRecording
 from voa_recordings.files.reading import Recording
 from voa_recordings.limits import most_beams
 from voa_ros.grids import BeamGrid
-from voa_ros.mapped import MappedLooks, Received, UnreadableMessage, UnusableMessage
-from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
-from voa_ros.taken import Taken, look_name
-from voa_ros.topics import LASER_SCAN, MessageType, met
+from voa_ros.looks import GatheredLook, look_name
+from voa_ros.pipeline import LookPipeline, Received, UnreadableMessage, UnusableMessage
+from voa_ros.robot_places import AttachmentPlace, SensorPlace
+from voa_ros.robots import InvalidRobots, RobotMapping, load
+from voa_ros.topics import LASER_SCAN, MessageType, match_key
 
 _OF_ITS_OWN = "replay"
 
@@ -58,7 +59,7 @@ class Replayed:
         self.session = session
         self.scans = 0
         self.unreadable: str | None = None
-        self._looks = MappedLooks(mapping, _grid(scenario), most)
+        self._looks = LookPipeline(mapping, _grid(scenario), most)
         self._accepted = 0
 
     @property
@@ -71,7 +72,7 @@ class Replayed:
         """Probable mistakes in how the robot is used."""
         return self._looks.warnings
 
-    def receive(self, message: RecordedMessage) -> Taken | None:
+    def receive(self, message: RecordedMessage) -> GatheredLook | None:
         """Take a message that may be this robot's; returns a look if there is one now."""
         type_ = self._type_of(message)
         if type_ is None:
@@ -87,13 +88,13 @@ class Replayed:
             self.scans += type_ == LASER_SCAN and not isinstance(error, UnreadableMessage)
             return None
         self.scans += type_ == LASER_SCAN
-        return taken if isinstance(taken, Taken) else None
+        return taken if isinstance(taken, GatheredLook) else None
 
     def _type_of(self, message: RecordedMessage) -> MessageType | None:
         """The type of the mapped topic that a message is on; None: it is on none, or of another domain."""
         for subscription in self.mapping.subscriptions:
             key = message.key or message.topic.removeprefix("/")  # of rmw_zenoh, with the domain, where it was kept
-            if met(subscription.topic, key, self.mapping.domain) is not None:
+            if match_key(subscription.topic, key, self.mapping.domain) is not None:
                 return subscription.type
         return None
 
@@ -106,7 +107,7 @@ class Replayed:
         else:
             self._accepted += 1
 
-    def name(self, taken: Taken) -> str:
+    def name(self, taken: GatheredLook) -> str:
         """Name of its next look."""
         return look_name(self.mapping.name, self.session, self._accepted + 1, taken)
 
@@ -183,7 +184,7 @@ def _no_scans(robots: list[Replayed], recording: Recording) -> str:
     return f"no {LASER_SCAN.name} on {topics}{recording.found}{why}"
 
 
-def _look(client: Client, robot: Replayed, taken: Taken) -> Look:
+def _look(client: Client, robot: Replayed, taken: GatheredLook) -> Look:
     name = robot.mapping.name
     try:
         answer = client.apply_scan(robot.session, taken.request, key=robot.name(taken))
