@@ -1,7 +1,9 @@
-"""The messages on the wire: one schema for every transport, used by the service and its clients.
+"""Messages on the wire: one schema for HTTP and Zenoh, used by the service and its clients.
 
-Requests refuse what they do not know; a client reads answers with `extra="ignore"`, so that an old robot can
-talk to a new service. Units are SI and stand in the field names. Depends on pydantic alone.
+The service refuses requests with unknown fields. Clients ignore unknown fields of responses, so that an old robot can
+talk to a new service. All units are SI. The docstring of a field is its description in the OpenAPI document. Depends on
+pydantic alone.
 """
 
 WIRE_VERSION = 1
+"""Version of the messages: it grows when a change would make a client and a service misunderstand each other."""

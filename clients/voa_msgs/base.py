@@ -1,4 +1,4 @@
-"""What all messages share: strictness, names, vectors, and marks for the limits that a service sets."""
+"""Base class of all messages, and the types of their fields: names, numbers within limits, vectors, distributions."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -13,7 +13,11 @@ from voa_msgs.bounds import LimitedBy, OneMistake
 
 
 class Message(BaseModel):
-    """Strict (no number from a string or a bool), closed, immutable; NaN and infinity are refused."""
+    """Base class of all messages.
+
+    A message is immutable and strict: it refuses unknown fields, NaN and infinity, and numbers given as strings or
+    booleans. The docstring of a field becomes its description in the JSON schema.
+    """
 
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
@@ -21,12 +25,15 @@ class Message(BaseModel):
 
 
 MOST_NESTED = 64
+"""Most levels of lists and objects in the user's own JSON."""
 MOST_FREE_VALUES = 100_000
+"""Most values in one piece of the user's own JSON."""
 MOST_FREE_CHARACTERS = 1_000_000
+"""Most characters, keys included, in one piece of the user's own JSON."""
 
 
-def _kept(value: Any) -> Any:
-    """Refuse free values that cannot be kept and given back: nested without end, too large, not Unicode, not finite."""
+def _checked_free(value: Any) -> Any:
+    """Return the user's own JSON unchanged; refuse it if it is nested too deep, too large, not text or not finite."""
     level = [value]
     values = characters = 0
     for _ in range(MOST_NESTED + 1):
@@ -36,11 +43,13 @@ def _kept(value: Any) -> Any:
         characters += sum(map(len, texts))
         if values > MOST_FREE_VALUES or characters > MOST_FREE_CHARACTERS:
             most = f"{MOST_FREE_VALUES} values and {MOST_FREE_CHARACTERS} characters"
-            raise ValueError(f"expected at most {most} in one place: keep the rest elsewhere, and its name here")
+            raise ValueError(
+                f"expected at most {most}: store larger data elsewhere, and put only a reference to it here"
+            )
         if any(isinstance(item, float) and not math.isfinite(item) for item in level):
             raise PydanticKnownError("finite_number")
         if any("\ud800" <= character <= "\udfff" for text in texts if not text.isascii() for character in text):
-            raise ValueError("expected Unicode text, got half of a surrogate pair")
+            raise ValueError("expected Unicode text, got a surrogate without its partner")
         nested = [item for item in level if isinstance(item, list | dict)]
         if not nested:
             return value
@@ -53,33 +62,43 @@ def _children(nested: Iterable[list[Any] | dict[str, Any]]) -> Iterator[Any]:
         yield from item.values() if isinstance(item, dict) else item
 
 
-Free = Annotated[JsonValue, BeforeValidator(_kept)]
-"""The user's own JSON, at most `MOST_NESTED` levels deep and `MOST_FREE_VALUES` values large; kept and returned."""
+Free = Annotated[JsonValue, BeforeValidator(_checked_free)]
+"""Any JSON of the user's own; the service stores it and returns it unchanged.
+
+At most `MOST_NESTED` levels deep, `MOST_FREE_VALUES` values and `MOST_FREE_CHARACTERS` characters large.
+"""
 
 Name = Annotated[str, StringConstraints(min_length=1, max_length=128, pattern=r"^[^\x00]*$")]
-"""Any text without a NUL, which PostgreSQL could not keep."""
+"""Text of 1 to 128 characters without NUL, which PostgreSQL cannot store."""
 Id = Name
-"""A name that the service gave."""
+"""Identifier that the service gave to an object, a scenario or a session."""
 MOST = 1e6
-"""No length, angle or parameter of a lab is larger; beyond it squares and products stop being numbers."""
+"""Largest length, angle or parameter that a message may have, so that squares and products stay finite."""
 LEAST = 1e-9
-"""Nor is one that must be above 0 smaller."""
+"""Smallest value of a parameter that must be above 0."""
 Real = Annotated[float, Ge(-MOST), Le(MOST)]
+"""Any finite number within `MOST` of 0."""
 NotNegative = Annotated[float, Ge(0.0), Le(MOST)]
+"""Number from 0 to `MOST`."""
 Positive = Annotated[float, Ge(LEAST), Le(MOST)]
+"""Number from `LEAST` to `MOST`."""
 Point2 = Annotated[list[Real], OneMistake(), Len(2, 2)]
+"""Two numbers: x, y."""
 Point3 = Annotated[list[Real], OneMistake(), Len(3, 3)]
+"""Three numbers: x, y, z."""
 Quaternion = Annotated[list[Real], OneMistake(), Len(4, 4)]
+"""Four numbers: w, x, y, z."""
 Range = Annotated[float, Ge(0.0)] | None
-"""A range in metres. In scans null means missing; in predictions it means no-return."""
+"""Range in metres, or null: in a scan a missing beam, in a prediction a no-return."""
 
 Ranges = Annotated[list[Range], Len(1), LimitedBy("beams")]
+"""Ranges of all beams, metres; one value per beam."""
 Distribution = Annotated[list[NotNegative], Len(1), LimitedBy("poses")]
-"""Probabilities over the scenario's poses, in its order: finite, at least 0, summing to 1 within 1e-6."""
+"""Probabilities of the poses of a scenario, in its order: finite, at least 0, with a sum of 1 within 1e-6."""
 
 
 class Page(Message):
-    """One page of a list; its `items` are of the list's kind."""
+    """Page of a list: its items, and the cursor of the next page."""
 
     next: str | None
-    """Opaque: hand it back as `after` for the next page; null on the last one."""
+    """Cursor of the next page: send it as `after`; null on the last page."""

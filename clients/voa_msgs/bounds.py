@@ -1,7 +1,7 @@
-"""Bounds on what a message holds, and on how many of its mistakes are collected.
+"""Limits on the size of a message, and on how many of its mistakes are collected.
 
-A list is measured against its limit before any item is looked at, and reading stops at the first `MOST_ERRORS`
-mistakes: a megabyte of wrong items costs no more than twenty.
+The length of a list is compared with its limit before any item is read, and reading stops after `MOST_ERRORS` mistakes:
+a megabyte of wrong items costs no more time than twenty.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,6 +13,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 MOST_ERRORS = 20
+"""Most mistakes that one error lists."""
 _LONG = 1_000
 _SHARED = 256
 _FLOATS = [float(number) for number in range(_SHARED)]
@@ -23,30 +24,31 @@ _Read = Callable[[Any, _Handler], Any]
 
 @dataclass(frozen=True)
 class LimitedBy:
-    """Marks a list or mapping whose length, or a count that, a setting of the service limits.
+    """Mark for a list, a mapping or a count that a setting of the service limits.
 
-    The service hands its limits over as the context of a validation (an object with an attribute `limit`) and states
-    them as `maxItems`, `maxProperties` or `maximum` in its OpenAPI document. Without a context there is no limit, but
-    still no more than `MOST_ERRORS` mistakes.
+    The service passes its limits as the context of a validation (an object with the attribute that `limit` names), and
+    states them as `maxItems`, `maxProperties` or `maximum` in its OpenAPI document. Without a context there is no
+    limit, but never more than `MOST_ERRORS` mistakes are collected.
     """
 
     limit: str
+    """Name of the setting: `beams`, `poses`, `grasps` or `sensors`."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Measure first, then read item by item."""
+        """Build a validator that compares the length with the limit first, then reads item by item."""
         return _wrapped(handler(source), self.limit)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Name the limit in the schema; the service puts its number beside."""
+        """Put the name of the limit into the JSON schema, for the service to replace by its number."""
         return handler(schema) | {"x-limit": self.limit}
 
 
 @dataclass(frozen=True)
 class OneMistake:
-    """Marks a short list of fixed length that is read no further than its first wrong item."""
+    """Mark for a short list of fixed length: reading stops at its first wrong item."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Stop at the first wrong item."""
+        """Build a validator that stops at the first wrong item."""
         return _fail_fast(handler(source))
 
 
@@ -60,7 +62,7 @@ def _wrapped(schema: CoreSchema, limit: str) -> CoreSchema:
 
 
 def _limited(limit: str, read: _Read, value: Any, handler: _Handler, info: ValidationInfo) -> Any:
-    """Read a list, mapping or count that is no larger than the context's `limit`."""
+    """Read a list, mapping or count; refuse one that is larger than the context's `limit`."""
     most = getattr(info.context, limit, None)
     size = len(value) if isinstance(value, list | dict) else value
     if most is not None and isinstance(size, int) and size > most:
@@ -76,35 +78,35 @@ def _items(value: Any, handler: _Handler) -> Any:
     """Read a list with a handler that stops at the first wrong item; collect the first mistakes."""
     if not isinstance(value, list):
         return handler(value)
-    found: list[InitErrorDetails] = []
+    mistakes: list[InitErrorDetails] = []
     start = 0
-    while len(found) < MOST_ERRORS:
+    while len(mistakes) < MOST_ERRORS:
         try:
             read = handler(value[start:] if start else value)
         except ValidationError as error:
-            mistakes = list(_mistakes(error, start))
-            if not mistakes[0]["loc"]:  # about the list itself
+            of_item = list(_mistakes(error, start))
+            if not of_item[0]["loc"]:  # about the list itself
                 raise
-            found += mistakes
-            start = int(mistakes[0]["loc"][0]) + 1
+            mistakes += of_item
+            start = int(of_item[0]["loc"][0]) + 1
             if start < len(value):
                 continue
         else:
-            if not found:
+            if not mistakes:
                 return read
         break
-    raise _error(found)
+    raise _error(mistakes)
 
 
 def _numbers(value: Any, handler: _Handler) -> Any:
-    """Read a list of floats; whole numbers below `_SHARED` that stand for some are one object each, not one a place."""
+    """Read a list of floats; equal whole numbers below `_SHARED` share one float object, which saves memory."""
     if isinstance(value, list) and len(value) > _LONG:
         value = [_FLOATS[item] if type(item) is int and 0 <= item < _SHARED else item for item in value]
     return _items(value, handler)
 
 
 def _is_of_floats(schema: Any) -> bool:
-    """Tell whether a schema is of a list of numbers, or null."""
+    """True if a schema is of a list of floats, or of floats and nulls."""
     item = schema.get("items_schema", {}) if schema["type"] == "list" else {}
     return (item.get("schema", item) if item.get("type") == "nullable" else item).get("type") == "float"
 
@@ -113,17 +115,17 @@ def _entries(value: Any, handler: _Handler) -> Any:
     """Read a mapping entry by entry; collect the first mistakes."""
     if not isinstance(value, dict):
         return handler(value)
-    found: list[InitErrorDetails] = []
+    mistakes: list[InitErrorDetails] = []
     read: dict[str, Any] = {}
     for key, item in value.items():
         try:
             read.update(handler({key: item}))
         except ValidationError as error:
-            found += _mistakes(error, 0)
-            if len(found) >= MOST_ERRORS:
+            mistakes += _mistakes(error, 0)
+            if len(mistakes) >= MOST_ERRORS:
                 break
-    if found:
-        raise _error(found)
+    if mistakes:
+        raise _error(mistakes)
     return read
 
 
@@ -131,7 +133,7 @@ _READ: dict[str, _Read] = {"list": _items, "dict": _entries}
 
 
 def _mistakes(error: ValidationError, start: int) -> Iterator[InitErrorDetails]:
-    """Give an error's mistakes anew, their item counted from `start`."""
+    """Convert the mistakes of an error to new ones whose item numbers are counted from `start`."""
     for each in error.errors(include_url=False):
         loc = each["loc"]
         moved = (loc[0] + start, *loc[1:]) if loc and isinstance(loc[0], int) else loc
@@ -139,5 +141,5 @@ def _mistakes(error: ValidationError, start: int) -> Iterator[InitErrorDetails]:
         yield InitErrorDetails(type=kind, loc=moved, input=each["input"])
 
 
-def _error(found: list[InitErrorDetails]) -> ValidationError:
-    return ValidationError.from_exception_data("items", found[:MOST_ERRORS])
+def _error(mistakes: list[InitErrorDetails]) -> ValidationError:
+    return ValidationError.from_exception_data("items", mistakes[:MOST_ERRORS])

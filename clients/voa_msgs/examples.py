@@ -1,10 +1,11 @@
-"""One example of every request, for the OpenAPI document and for whoever reads this."""
+"""Examples of the requests, which together are one story: the OpenAPI document shows them, and a test sends them."""
 
 from typing import Any
 
 from pydantic import ConfigDict
 
-SCENARIO_ID = "7c1f5e1c3b0d4c5e9a1f0b2d3c4e5f60718293a4b5c6d7e8f90a1b2c3d4e5f60"
+SCENARIO_ID = "5fe7c9a8fa7f5925903b3c2bb13427ff9e104ca58f33226f973c04d6daae96ab"
+"""Identifier that the service gives to `SCENARIO`."""
 BEAMS = [0.201, 0.198, None, 0.199, None, 0.0, 0.205, None]
 
 SCENARIO: dict[str, Any] = {
@@ -37,5 +38,5 @@ RANKING: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **VOA}
 
 
 def exemplified(example: dict[str, Any]) -> ConfigDict:
-    """The `model_config` of a message that shows an example."""
+    """Make the `model_config` of a message whose JSON schema shows `example`."""
     return ConfigDict(json_schema_extra={"examples": [example]})

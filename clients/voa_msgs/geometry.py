@@ -1,4 +1,4 @@
-"""Where sensors stand."""
+"""Sensor poses: in a scenario, in a ranking request, and with a scan."""
 
 from typing import Annotated, Any
 
@@ -8,33 +8,36 @@ from voa_msgs.base import Free, Message, Name, NotNegative, Real
 
 
 class SensorPose(Message):
-    """The lidar's own pose in the world frame (z up, the table at z = 0)."""
+    """Pose of the lidar itself (not of its robot) in the world frame: z up, the table at z = 0."""
 
     x: Real
-    """Metres."""
+    """X coordinate of the lidar, metres."""
     y: Real
-    """Metres."""
+    """Y coordinate of the lidar, metres."""
     yaw_rad: Real
-    """Direction of beam angle 0, counter-clockwise from the world's +x."""
+    """Yaw of the lidar, radians: direction of beam angle 0, counter-clockwise from the world's +x."""
     height_m: Real | None = None
-    """Height of the scan plane over the table; null: the lidar's."""
+    """Height of the scan plane above the table, metres; null: the height of the scenario's lidar."""
 
 
 class SensorConfiguration(SensorPose):
-    """A place from which the lidar can look."""
+    """Sensor configuration: a named pose from which the lidar can look."""
 
     name: Name
+    """Name of the sensor configuration, unique in the scenario."""
     cost: NotNegative = 0.0
-    """What it costs to look from here, in success probability."""
+    """Cost of a look from here, in units of success probability; it is subtracted from the VOA."""
     data: Free = None
-    """The user's own; kept and returned."""
+    """Any JSON of the user's own; the service stores it and returns it unchanged."""
 
 
 class CandidateSensor(SensorPose):
-    """A sensor pose to be ranked; without a name it is called by its index, "0", "1", ..."""
+    """Sensor pose to be ranked that the scenario does not list."""
 
     name: Name | None = None
+    """Name of the sensor pose in the response; null: its index in the request, "0", "1", ..."""
     cost: NotNegative = 0.0
+    """Cost of a look from here, in units of success probability; it is subtracted from the VOA."""
 
 
 def _form(sensor: Any) -> str:
@@ -42,17 +45,20 @@ def _form(sensor: Any) -> str:
 
 
 Candidate = Annotated[Annotated[Name, Tag("name")] | Annotated[CandidateSensor, Tag("pose")], Discriminator(_form)]
-"""The name of one of the scenario's configurations, or any sensor pose."""
+"""Name of a sensor configuration of the scenario, or any sensor pose."""
 
 
 class PoseUncertainty(Message):
-    """Standard deviations of a sensor pose that is only roughly known."""
+    """Standard deviations of a sensor pose that is not exactly known."""
 
     xy_m: NotNegative = 0.0
+    """Standard deviation of x, and of y, metres."""
     yaw_rad: NotNegative = 0.0
+    """Standard deviation of the yaw, radians."""
 
 
 class UncertainSensorPose(SensorPose):
-    """A sensor pose, as well as it is known."""
+    """Sensor pose with its uncertainty."""
 
     std: PoseUncertainty | None = None
+    """Standard deviations of the pose; null: the pose is exactly known."""

@@ -1,8 +1,8 @@
-"""How the service and its clients join Zenoh: the settings of a session, as data.
+"""Settings of the Zenoh sessions that the service and its clients open.
 
-Client mode, for everybody: sessions in peer mode behind one router do not hear each other, clients hear all. A
-client's session is opened where a router answers, and from then on joins again by itself. Nobody is searched for:
-no multicast, no gossip. Shared memory is off: under load its watchdog drops messages without a word.
+All of them use client mode: peers behind one router do not receive each other's messages, clients receive all.
+Opening a session needs a router that answers; later the session reconnects by itself. Multicast and gossip scouting are
+off, and so is shared memory, whose watchdog drops messages without notice under load.
 """
 
 from collections.abc import Sequence
@@ -14,13 +14,13 @@ _AGAIN_MS = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_fact
 def session_config(
     endpoints: Sequence[str], user: str | None = None, password: str | None = None, open_ms: int = 0
 ) -> dict[str, Any]:
-    """Entries of a Zenoh configuration, by path; each value is to be inserted as JSON.
+    """Build the entries of a Zenoh configuration, by path; each value is to be inserted as JSON.
 
     Args:
-        endpoints: of routers, `tcp/192.168.0.2:7447`; the first that answers is taken.
-        user: for the router's user/password authentication.
-        password: the same.
-        open_ms: how long opening waits for a router; 0: one try.
+        endpoints: endpoints of routers, such as `tcp/192.168.0.2:7447`; the first that answers is used.
+        user: user name, where the router authenticates by user and password.
+        password: password of that user.
+        open_ms: milliseconds for which opening the session waits for a router; 0: one try.
     """
     entries: dict[str, Any] = {
         "mode": "client",

@@ -1,4 +1,4 @@
-"""Meshes and how they rest."""
+"""Objects: uploaded meshes, and the poses in which they rest on a table."""
 
 import base64
 import binascii
@@ -13,7 +13,7 @@ from voa_msgs.warnings import ProbableMistake
 
 
 class _Base64(EncoderProtocol):
-    """Base64 (RFC 4648); what is none is refused, not skipped."""
+    """Base64 (RFC 4648) that refuses other characters instead of skipping them."""
 
     @classmethod
     def decode(cls, data: bytes) -> bytes:
@@ -32,65 +32,74 @@ class _Base64(EncoderProtocol):
 
 
 UpAxis = Literal["+Y", "+Z"]
-"""The axis of a mesh file that points up; stored meshes have z up."""
+"""Axis of a mesh file that points up; stored meshes have z up."""
 
 
 MeshType = Literal["obj", "stl", "ply", "glb"]
-"""The ending of a mesh file's name, in lower case."""
+"""Type of a mesh file: the ending of its name, in lower case."""
 
 Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
-"""A digest in lower-case hexadecimal digits."""
+"""SHA-256 digest in 64 lower-case hexadecimal digits."""
 
 
 class ObjectUpload(Message):
-    """A mesh file where there are no forms (Zenoh)."""
+    """Upload of a mesh file in JSON, for Zenoh, which has no multipart forms."""
 
     filename: Name
-    """Its ending says which type it is: obj, stl, ply or glb."""
+    """Name of the file; its ending says the type: obj, stl, ply or glb."""
     file: Annotated[bytes, EncodedBytes(encoder=_Base64), Field(strict=False)]
-    """The content, in base64."""
+    """Content of the file, in base64."""
     name: Name | None = None
-    """Null: the file's."""
+    """Name of the object; null: the name of the file."""
     scale: Positive = 1.0
     """Metres per unit of the file."""
     up: UpAxis | None = None
-    """Null: +Y for GLB, as its standard says, and +Z for the others. +Y is turned to z."""
+    """Axis of the file that points up, which is turned to z; null: +Y for GLB, as its standard says, else +Z."""
 
 
 class Object(Message):
-    """A stored mesh."""
+    """Stored mesh of an object."""
 
     id: str
-    """Digest of vertices and faces after scale, with z up."""
+    """Identifier: a digest of the vertices and faces, scaled to metres and with z up."""
     name: str
+    """Name that was given at the upload, else the name of the file."""
     extents: Point3
-    """Size of the bounding box in the mesh's own frame, metres."""
+    """Size of the bounding box along x, y and z of the mesh's own frame, metres."""
     faces: int
+    """Number of triangles."""
     watertight: bool
+    """True if the triangles enclose a volume without holes."""
     up: UpAxis = "+Z"
-    """The axis of the uploaded file that became z."""
+    """Axis of the uploaded file that points up, and became z."""
     sha256: str | None = None
-    """Digest of the uploaded file's bytes, where a list was asked for the mesh of that file; null everywhere else."""
+    """SHA-256 of the bytes of the uploaded file, in a list that was filtered by it; null everywhere else."""
     warnings: list[ProbableMistake] = Field(default=[])
+    """Probable mistakes in the mesh, such as a size that suggests millimetres; empty: none."""
     created_at: datetime
+    """Time of the first upload of this mesh, UTC."""
 
 
 class ObjectPage(Page):
-    """Stored meshes, oldest first."""
+    """Page of the list of stored meshes."""
 
     items: list[Object]
+    """Meshes, oldest first."""
 
 
 class StablePose(Message):
-    """One way in which the object can rest on the table."""
+    """Stable pose: a way in which the object rests on the table."""
 
     position: Point3
-    """Of the object's frame, metres; the centre of mass is above the world's origin."""
+    """Position of the object's frame, metres; the centre of mass is above the world's origin."""
     quaternion_wxyz: Quaternion
+    """Orientation of the object's frame in the world, as a unit quaternion w, x, y, z."""
     probability: float
+    """Estimated probability that the object, dropped at random, comes to rest in this way."""
 
 
 class StablePoses(Message):
-    """The physically distinct ways to rest, most probable first."""
+    """Stable poses of an object on a table."""
 
     items: list[StablePose]
+    """Physically distinct stable poses, the most probable first."""

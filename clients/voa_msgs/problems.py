@@ -1,4 +1,4 @@
-"""Errors on the wire: RFC 9457 problem documents; and how the service is."""
+"""Problem documents (RFC 9457), and the health of the service."""
 
 from datetime import datetime
 from typing import Annotated, Literal
@@ -9,66 +9,74 @@ from voa_msgs.base import Message
 
 
 class ProblemField(Message):
-    """One field that is not as expected."""
+    """Mistake in a field of a request."""
 
     field: str
-    """Where it stands, as a path: `body.poses.0.name`."""
+    """Path of the field, such as `body.poses.0.name`."""
     problem: str
+    """Text that says what was expected of the field."""
 
 
 class Problem(Message):
-    """What went wrong, and what to do."""
+    """Problem document of RFC 9457: why a request was refused, and what to do."""
 
     type: Annotated[str, Field(examples=["urn:voa:problem:not-found"])]
-    """`urn:voa:problem:<kind>`: the name to program against."""
+    """Kind of the problem, `urn:voa:problem:<kind>`: the field for programs to compare."""
     title: str
+    """Kind of the problem in words, the same for all problems of a kind."""
     status: int
+    """Status of the HTTP response."""
     detail: str
+    """Text for people: what was expected, what was received, and what to do."""
     request_id: str | None = None
-    """As in the service's log."""
+    """Identifier of the request in the log of the service."""
     errors: list[ProblemField] | None = None
-    """Field by field, where a body is not as expected."""
+    """Mistakes of an invalid request, field by field; null for other problems."""
     version: int | None = None
-    """The session's version, where the request asked for another."""
+    """Current version of the session, where `If-Match` named another; null for other problems."""
     retry_after_s: float | None = None
-    """When to try again, where that makes sense."""
+    """Seconds to wait before the request is repeated; null where repeating it does not help."""
     known: list[str] | None = None
-    """The names that exist, where one does not."""
+    """Names that exist, at most 100, where the request names one that does not; null for other problems."""
 
 
 class Memory(Message):
-    """Upper bounds of what each part of the service may hold, in MiB, and what there is for their sum."""
+    """Memory limits of the parts of the service, MiB, and the memory that is available to all of them."""
 
     total_mebibytes: int
-    """Memory that the service may use."""
+    """Memory that is available to the service, MiB."""
     source: Literal["setting", "cgroup", "machine"]
-    """Who says so: `VOA_MEMORY_MEBIBYTES`, the limit of its container or unit, or the machine."""
+    """Origin of `total_mebibytes`: `VOA_MEMORY_MEBIBYTES`, the limit of the container or unit, or the machine."""
     sum_mebibytes: int
+    """Sum of the limits of all parts, MiB."""
     process_mebibytes: int
-    """The process itself."""
+    """Memory of the idle process, MiB."""
     cache_mebibytes: int
-    """Cuts, predictions and weights that are kept."""
+    """Most memory of cached cuts, predictions and weights, MiB."""
     workers_mebibytes: int
-    """Threads that rank, each in its largest block of weights."""
+    """Most memory of the threads that compute rankings, each with its largest block of weights, MiB."""
     meshes_mebibytes: int
-    """Processes that read mesh files."""
+    """Most memory of the processes that read mesh files, MiB."""
     bodies_mebibytes: int
-    """Requests that are received, parsed and validated."""
+    """Most memory of the requests that are being received and validated, MiB."""
 
 
 class Health(Message):
-    """Whether the process is alive, or ready to serve."""
+    """Health of a process of the service."""
 
     status: str
+    """Status: `alive` from `/livez`, `ready` from `/readyz`."""
     version: str | None = None
-    """Of the software."""
+    """Version of the software; null from `/livez`."""
     wire_version: int | None = None
-    """Of the messages."""
+    """Version of the messages; null from `/livez`."""
     replica: str | None = None
-    """The name of this process."""
+    """Name of this process, unique among the replicas; null from `/livez`."""
     zenoh: Literal["off", "connecting", "connected"] | None = None
+    """State of the connection to a Zenoh router; null from `/livez`."""
     database: str | None = None
-    """The database's software and its version ("SQLite 3.53.4"); null from a service that does not say."""
+    """Name and version of the database software ("SQLite 3.53.4"); null where it is not reported."""
     now: datetime | None = None
-    """The service's clock."""
+    """Time by the clock of the service, UTC; null from `/livez`."""
     memory: Memory | None = None
+    """Memory limits of the service; null from `/livez`."""

@@ -1,7 +1,7 @@
-"""Messages from JSON, and what is wrong with one: a line that says where, what was expected, and what to write.
+"""Read messages from JSON, and describe their mistakes: the field, what was expected, and what to write instead.
 
-Every entrypoint, client and reader of a file turns pydantic's errors into words here, so that a mistake reads the same
-wherever it is made.
+The service, its clients and the readers of files all describe pydantic's errors by this module, so that a mistake has
+one description.
 """
 
 import json
@@ -16,21 +16,22 @@ Loc = Sequence[int | str]
 M = TypeVar("M", bound=BaseModel)
 
 NO_SUCH_NUMBER = (
-    "JSON has no NaN or Infinity: in a scan write null for a beam that says nothing, and the index of one that hit "
-    "nothing in `no_return`; in predictions, null for no return"
+    "JSON has no NaN or Infinity: in a scan write null for a missing beam, and put the index of a beam with nothing in "
+    "range into `no_return`; in predictions write null for a no-return"
 )
+"""Advice for a NaN or an infinity in a message."""
 _NO_NUMBER = re.compile(r"[+-]?(nan|inf)", re.IGNORECASE)
 
 
 class InvalidMessage(ValueError):
-    """Bytes that are not the message they should be; says what is wrong in one line."""
+    """Error for bytes that are not the expected message; its text describes the mistake in one line."""
 
 
 def read_message(kind: type[M], content: bytes) -> M:
     """Read a message from JSON in UTF-8; a byte order mark in front is skipped.
 
     Raises:
-        InvalidMessage: it is not JSON, or not such a message.
+        InvalidMessage: the bytes are not JSON, or not a message of this kind.
     """
     try:
         return kind.model_validate_json(json_text(content))
@@ -41,71 +42,74 @@ def read_message(kind: type[M], content: bytes) -> M:
 
 
 def read_json(content: bytes) -> Any:
-    """Read any JSON value, NaN and Infinity included; raises InvalidMessage."""
+    """Read any JSON value, NaN and Infinity included; raises InvalidMessage where the bytes are not JSON."""
     text = json_text(content)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
-        where = f"line {error.lineno}, column {error.colno}"
-        raise InvalidMessage(f"not JSON: {json_problem(error.msg, text, error.pos)} in {where}") from error
+        position = f"line {error.lineno}, column {error.colno}"
+        raise InvalidMessage(f"not JSON: {json_problem(error.msg, text, error.pos)} in {position}") from error
     except (ValueError, RecursionError) as error:  # a number of thousands of digits; nested without end
-        raise InvalidMessage("not JSON that can be read: a number is too long, or it is nested too deep") from error
+        raise InvalidMessage(
+            "JSON that cannot be read: a number is too long, or the values are nested too deep"
+        ) from error
 
 
 def json_text(content: bytes) -> str:
-    """Decode UTF-8 without its byte order mark; raises InvalidMessage."""
+    """Decode UTF-8 and remove its byte order mark; raises InvalidMessage where the bytes are not UTF-8."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        found = f"byte 0x{content[error.start]:02x} at {error.start}"
-        raise InvalidMessage(f"not JSON in UTF-8: found {found}; save it as UTF-8") from error
+        raise InvalidMessage(
+            f"not UTF-8: byte 0x{content[error.start]:02x} at position {error.start}; save the text as UTF-8"
+        ) from error
 
 
 def json_problem(what: str, text: str, at: int) -> str:
-    """Say what a JSON parser found wrong at a character, with what to write where that is no number of JSON's."""
+    """Describe an error of a JSON parser at position `at` of `text`, with advice for NaN and Infinity."""
     return f"{what} ({NO_SUCH_NUMBER})" if _NO_NUMBER.match(text, at) else what
 
 
 def in_one_line(kind: type[BaseModel], error: ValidationError) -> str:
-    """Say where a message is wrong: the first mistake, and how many more there are."""
+    """Describe an error in one line: the first mistake, and how many more there are."""
     return headline([(dotted(each["loc"]), problem(kind, each)) for each in by_weight(error.errors(include_url=False))])
 
 
 def headline(mistakes: Sequence[tuple[str, str]]) -> str:
-    """Tell the first of some mistakes (field, problem), and how many more there are."""
+    """Describe the first of several mistakes (field, problem), and state how many more there are."""
     field, what = mistakes[0]
     more = f" (and {len(mistakes) - 1} more)" if len(mistakes) > 1 else ""
     return f"{field}: {what}{more}" if field else what + more
 
 
 def by_weight(errors: Iterable[Any]) -> list[Any]:
-    """Sort errors: misspelt fields first, since each may be why another one is missing."""
+    """Sort errors with unknown fields first: a misspelt field often explains why another field is missing."""
     return sorted(errors, key=lambda error: error["type"] != "extra_forbidden")
 
 
 def dotted(loc: Loc) -> str:
-    """Write where an error is as a path such as `poses.0.name`."""
+    """Write the location of an error as a path such as `poses.0.name`."""
     return ".".join(map(str, loc))
 
 
 def problem(kind: Any, error: Mapping[str, Any]) -> str:
-    """Say what one of pydantic's errors is.
+    """Describe one of pydantic's errors.
 
     Args:
-        kind: the type that was read.
-        error: as `ValidationError.errors` lists them; its `loc` begins in `kind`.
+        kind: type of the message.
+        error: item of `ValidationError.errors`, whose `loc` begins at the fields of `kind`.
     """
     match error["type"]:
         case "extra_forbidden":
             known = fields_at(kind, error["loc"][:-1])
             return "no such field" + (f": expected one of {', '.join(known)}" if known else "")
         case "missing":
-            return "expected, but it is not there"
+            return "this field is required"
         case "finite_number":
-            found = f", got {error['input']}" if isinstance(error["input"], float) else ""
-            return f"expected a finite number{found}; {NO_SUCH_NUMBER}"
+            got = f", got {error['input']}" if isinstance(error["input"], float) else ""
+            return f"expected a finite number{got}; {NO_SUCH_NUMBER}"
         case "value_error" if str(error["msg"]).endswith("Expected UploadFile, received: <class 'str'>"):
-            return "expected a file, with a name whose ending says its type"
+            return "expected a file whose name ends with its type, such as mug.stl"
         case "model_type" | "model_attributes_type":
             return f"expected an object with fields, got {_called(error['input'])}"
         case _:
@@ -113,7 +117,7 @@ def problem(kind: Any, error: Mapping[str, Any]) -> str:
 
 
 def fields_at(kind: Any, loc: Loc) -> list[str]:
-    """List the fields that a message has at a place, by the names that they have in JSON."""
+    """List the fields of the message at a location inside `kind`, by their names in JSON."""
     kinds = [kind]
     for part in loc:
         kinds = [inner for each in kinds for inner in within(each, part)]
@@ -122,7 +126,7 @@ def fields_at(kind: Any, loc: Loc) -> list[str]:
 
 
 def within(kind: Any, part: int | str) -> Iterator[Any]:
-    """List the types that stand at `part` of a type: a field, an item, or a member of a union by its tag."""
+    """List the types at `part` of a type: of a field, of an item, or of a member of a union by its tag."""
     plain, arguments = _plain(kind), get_args(_plain(kind))
     if get_origin(plain) in (Union, UnionType):
         tagged = [member for member in arguments if part in _tags(member)]
@@ -134,7 +138,7 @@ def within(kind: Any, part: int | str) -> Iterator[Any]:
 
 
 def _tags(kind: Any) -> list[Any]:
-    """List the names that pydantic gives to a member of a union: its tag, the values that mark it, or its name."""
+    """List the names by which pydantic calls a member of a union: tag, value of its discriminator, and class name."""
     tags: list[Any] = [mark.tag for mark in getattr(kind, "__metadata__", ()) if isinstance(mark, Tag)]
     for model in models_of(kind):
         tags.append(model.__name__)
@@ -145,7 +149,7 @@ def _tags(kind: Any) -> list[Any]:
 
 
 def models_of(kind: Any) -> list[type[BaseModel]]:
-    """List the messages that a type may be."""
+    """List the message classes that a type allows."""
     plain = _plain(kind)
     if get_origin(plain) in (Union, UnionType):
         return [model for member in get_args(plain) for model in models_of(member)]
@@ -157,6 +161,6 @@ def _plain(kind: Any) -> Any:
 
 
 def _called(value: Any) -> str:
-    """A JSON value as a person calls it."""
+    """Name the type of a JSON value in words."""
     names = {dict: "an object", list: "a list", str: "a string", bool: "a boolean", type(None): "null"}
     return names.get(type(value), "a number")

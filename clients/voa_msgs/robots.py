@@ -1,4 +1,4 @@
-"""What the service has heard of robots: one report each, so that no scan is lost in silence."""
+"""Reports about robots, requests for looks, and claims of robots by sessions."""
 
 from datetime import datetime
 from typing import Literal
@@ -13,67 +13,71 @@ from voa_msgs.warnings import ProbableMistake
 
 
 class LookReport(Message):
-    """A look of a robot, and what the session made of it."""
+    """Look of a robot, and its effect on the session."""
 
     at: datetime
-    """When it was applied, by the service's clock."""
+    """Time at which the look was applied to the session, by the clock of the service, UTC."""
     sensor: str | None
-    """The sensor configuration where it was taken; null: at a pose."""
+    """Sensor configuration from which the look was taken; null: `sensor_pose` states where."""
     sensor_pose: UncertainSensorPose | None
-    """The lidar's pose where it was taken; null: at a sensor configuration."""
+    """Pose of the lidar from which the look was taken; null: `sensor` states where."""
     accepted: bool
+    """True if the look changed the belief of the session."""
     reason: str | None
-    """Kind of update, or why the look was not accepted; as in the answer to a scan."""
+    """Reason why the look was not accepted, or `nearest`, as `update.reason` of a scan's response; null: none."""
     version: int
-    """Version of the session after it."""
+    """Version of the session after the look."""
 
 
 class RobotReport(Message):
-    """A robot, as this process of the service has heard it since it started."""
+    """Report about a robot, from the scans that this process of the service has received since it started."""
 
     robot: str
+    """Name of the robot."""
     session: str | None
-    """Session that its scans are for, a mapped robot's even before its first look; null: nobody's, or not known."""
+    """Session to which the scans of the robot are applied; null: none, or not known yet."""
     source: Literal["scan", "ros2"]
-    """Put on `scan/<session>/<robot>`, or a ROS 2 topic that is mapped."""
+    """Origin of its scans: puts on `scan/<session>/<robot>`, or a ROS 2 topic that a mapping names."""
     key: str
-    """Of the newest sample, or the expression that is listened to."""
+    """Key of the newest sample, or the key expression that is subscribed to."""
     last_scan_at: datetime | None
-    """By the service's clock; null: none yet."""
+    """Time of the newest scan, by the clock of the service, UTC; null: no scan yet."""
     scans: int
-    """Heard."""
+    """Number of scans received."""
     looks: int
-    """Of those, or of their medians: applied to the session, accepted or not."""
+    """Number of looks applied to the session, accepted or not."""
     refused: int
-    """Could not be used."""
+    """Number of scans, and of looks, that could not be used."""
     last_refusal: str | None
-    """Why, of the newest."""
+    """Reason of the newest refusal; null: no refusal yet."""
     waiting_for: str | None
-    """The condition for the next look of a mapped robot that is not met yet; null where each scan is a look."""
+    """Condition for the next look of a mapped robot that is not met yet; null where each scan is a look."""
     last_look: LookReport | None = None
-    """The newest look that this process applied, and its result; null: none yet."""
+    """Newest look that this process applied, and its result; null: no look yet."""
     warnings: list[ProbableMistake] = Field(default=[])
-    """Probable mistakes in how the robot is used, and those of its newest look's answer."""
+    """Probable mistakes in the use of the robot, and those that its newest look caused; empty: none."""
 
 
 class Robots(Message):
-    """All robots that were heard or are mapped, by name."""
+    """List of all robots whose scans were received, or whose topics are mapped."""
 
     items: list[RobotReport]
+    """Reports, by name of the robot."""
     mapping_error: str | None = None
-    """Why the mapping in force is not the one that its file has."""
+    """Reason why the mapping file cannot be used, so that the previous mapping is in use; null: the file is in use."""
 
 
 class LookRequest(Message):
-    """The next scans of a robot are to be a look (mode `on_request`)."""
+    """Request for a look: the next scans of a robot in mode `on_request` become a look."""
 
     robot: str
+    """Name of the robot in the mapping."""
 
 
 class ClaimRequest(Message):
-    """Say whose session a mapped robot's scans are for from now on."""
+    """Request to apply the scans of a mapped robot to a session from now on."""
 
     model_config = exemplified(examples.CLAIM)
 
     session: Id | None
-    """Null: nobody's, until the next claim."""
+    """Identifier of the session; null: the scans are applied to no session until the next claim."""

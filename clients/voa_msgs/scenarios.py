@@ -1,4 +1,4 @@
-"""Scenarios: object, poses, grasps, scores, lidar, sensor configurations, update rule, prior."""
+"""Scenarios: object, poses, grasps, scores, lidar, sensor configurations, update rule and prior."""
 
 from datetime import datetime
 from typing import Annotated, Any
@@ -17,40 +17,47 @@ from voa_msgs.updates import BeamUpdate, UpdateRule
 from voa_msgs.warnings import ProbableMistake
 
 MOST_ATTEMPTS = 1_000_000_000
+"""Largest number of attempts of a grasp that a score may state."""
 
 
 class Pose(Message):
-    """A pose that the object may have; its geometry may be absent where all predictions are given."""
+    """Pose in which the object may lie."""
 
     name: Name
+    """Name of the pose, unique in the scenario."""
     position: Point3 | None = None
-    """Of the object's frame in the world, metres."""
+    """Position of the object's frame in the world, metres; null only where `predictions` are given."""
     quaternion_wxyz: Quaternion | None = None
+    """Orientation of the object's frame, as a unit quaternion w, x, y, z; null only where `predictions` are given."""
 
 
 class Grasp(Message):
-    """A gripper configuration to attempt the grasp from."""
+    """Grasp: a configuration of the gripper from which it attempts to close on the object."""
 
     name: Name
+    """Name of the grasp, unique in the scenario."""
     data: Free = None
-    """The user's own; kept and returned."""
+    """Any JSON of the user's own, such as joint angles; the service stores it and returns it unchanged."""
 
 
 class MeasuredScores(Message):
-    """Successes of attempts, grasps x poses."""
+    """Grasp scores that were measured: successes of a number of attempts."""
 
     attempts: Annotated[int, Ge(1), Le(MOST_ATTEMPTS)]
+    """Number of attempts of each grasp at each pose."""
     successes: Annotated[
         list[Annotated[list[Annotated[int, Ge(0), Le(MOST_ATTEMPTS)]], LimitedBy("poses")]], Len(1), LimitedBy("grasps")
     ]
+    """Number of successes: one row per grasp, one column per pose."""
 
 
 class GivenScores(Message):
-    """Probabilities of success, grasps x poses."""
+    """Grasp scores that are given as probabilities."""
 
     probabilities: Annotated[
         list[Annotated[list[Annotated[float, Ge(0.0), Le(1.0)]], LimitedBy("poses")]], Len(1), LimitedBy("grasps")
     ]
+    """Probability of success, 0 to 1: one row per grasp, one column per pose."""
 
 
 def _form(scores: Any) -> str:
@@ -64,83 +71,109 @@ Scores = Annotated[
 
 
 class Workspace(Message):
-    """A box over the table in the world frame; what the lidar sees outside of it is not the object."""
+    """Rectangle in the world frame that contains the object; returns from outside it are ignored."""
 
     min: Point2
+    """Smallest x, y, metres."""
     max: Point2
+    """Largest x, y, metres."""
 
 
 class ScenarioRequest(Message):
-    """What stays the same while one object is looked at."""
+    """Request to store a scenario: all that is fixed while the pose of an object is estimated."""
 
     model_config = exemplified(examples.SCENARIO)
 
     name: Name
+    """Name of the scenario, for people; it is part of the content that the identifier is a digest of."""
     object: Id | None = None
-    """Id of a stored object; null where all predictions are given."""
+    """Identifier of a stored object; null only where `predictions` are given."""
     poses: Annotated[list[Pose], Len(1), LimitedBy("poses")]
+    """Poses in which the object may lie."""
     grasps: Annotated[list[Grasp], Len(1), LimitedBy("grasps")]
+    """Grasps that the arm can attempt."""
     scores: Scores
+    """Grasp scores: the probability, or the measured successes, of each grasp at each pose."""
     sensors: Annotated[list[SensorConfiguration], Len(1), LimitedBy("sensors")]
+    """Sensor configurations: the places from which the lidar can look."""
     lidar: Lidar
+    """Lidar that takes the scans."""
     update: UpdateRule = BeamUpdate()
+    """Update rule: how a scan turns into a weight for each pose."""
     workspace: Workspace | None = None
+    """Rectangle that contains the object; returns from outside it are ignored; null: every return counts."""
     min_gain: Annotated[float, Ge(0.0), Le(1.0)] = 0.005
-    """A look is recommended where its net value, in success probability, exceeds this."""
+    """Net value, in success probability, above which a look is recommended."""
     predictions: (
         Annotated[dict[Name, Annotated[dict[Name, Ranges], LimitedBy("poses")]], LimitedBy("sensors")] | None
     ) = None
-    """Per sensor and pose the ranges of all beams; null: no-return. They win over the mesh."""
+    """Predicted scans, metres, by sensor configuration and pose, one range per beam (null: no-return), which replace
+    those of the mesh; null: all are computed from the mesh."""
     prior: Prior | None = None
-    """Null: uniform."""
+    """Belief before the first observation: probabilities, or a model of them; null: all poses are equally probable."""
 
 
 class Scenario(ScenarioRequest):
-    """A stored scenario: the request with every default filled in."""
+    """Stored scenario: the request with every default filled in."""
 
     model_config = ConfigDict(json_schema_extra={})
 
     id: str
-    """Digest of the content, name included."""
+    """Identifier: a digest of the content, name included."""
     warnings: list[ProbableMistake] = Field(default=[])
+    """Probable mistakes in the scenario; empty: none was detected."""
     created_at: datetime
+    """Time at which the scenario was first stored, UTC."""
 
     def request(self) -> ScenarioRequest:
-        """Return the request that makes this very scenario, without what the service added to it."""
+        """Return the request that stores this scenario, without the fields that the service added."""
         added = set(Scenario.model_fields) - set(ScenarioRequest.model_fields)
         return ScenarioRequest.model_validate(self.model_dump(exclude=added))
 
 
 class ScenarioSummary(Message):
-    """A scenario in a list."""
+    """Summary of a scenario, for a list."""
 
     id: str
+    """Identifier of the scenario."""
     name: str
+    """Name of the scenario."""
     object: str | None
+    """Identifier of the object; null: the scenario has predictions instead of a mesh."""
     poses: int
+    """Number of poses."""
     grasps: int
+    """Number of grasps."""
     sensors: int
+    """Number of sensor configurations."""
     rule: str
+    """Name of the update rule."""
     created_at: datetime
+    """Time at which the scenario was first stored, UTC."""
 
 
 class ScenarioPage(Page):
-    """Stored scenarios, oldest first."""
+    """Page of the list of stored scenarios."""
 
     items: list[ScenarioSummary]
+    """Summaries of scenarios, oldest first."""
 
 
 class PredictionsRequest(Message):
-    """The sensor poses to predict from; null: the scenario's own configurations."""
+    """Request for the scans that the object would give at each pose."""
 
     model_config = exemplified(examples.PREDICTIONS)
 
     sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
+    """Names of sensor configurations, or any sensor poses; null: all sensor configurations of the scenario."""
 
 
 class Predictions(Message):
-    """Predicted scans: sensors x poses x beams, metres, null where nothing is in range; no workspace applied."""
+    """Predicted scans of the object at each pose, from the geometry alone: no workspace is applied."""
 
     sensors: list[str]
+    """Names of the sensor configurations or sensor poses, in the order of `ranges`."""
     poses: list[str]
+    """Names of the poses, in the order of `ranges`."""
     ranges: list[list[list[Range]]]
+    """Predicted ranges, metres: sensors x poses x beams; null: nothing is in range."""

@@ -1,4 +1,4 @@
-"""Sessions: one running estimate each; and the scans that move them."""
+"""Sessions, and the observations that change their beliefs: scans, outcomes of grasps, replaced beliefs."""
 
 from datetime import datetime
 from typing import Annotated, Literal, Self
@@ -15,93 +15,118 @@ from voa_msgs.priors import Prior
 from voa_msgs.warnings import ProbableMistake
 
 MOST_ROBOTS = 1_000
+"""Most robots that one session can claim when it is opened."""
 
 
 class SessionRequest(Message):
-    """Open a session on a scenario."""
+    """Request to open a session on a scenario."""
 
     model_config = exemplified(examples.SESSION)
 
     scenario: Id
+    """Identifier of the scenario."""
     prior: Prior | None = None
-    """Null: the scenario's."""
+    """Belief before the first observation: probabilities, or a model of them; null: the scenario's prior."""
     robots: Annotated[list[Name], OneMistake(), Len(0, MOST_ROBOTS)] | None = Field(
         default=None, exclude_if=lambda robots: robots is None
     )
-    """Mapped robots whose scans go to this session from now on, by name; absent or null: none is claimed."""
+    """Names of mapped robots whose scans are applied to this session from now on; absent or null: none."""
 
 
 class Estimate(Message):
-    """What is believed, and which grasp follows from it."""
+    """Estimate: the belief over the poses, and the grasp that is best under it."""
 
     scenario: str
+    """Identifier of the scenario."""
     version: int | None
-    """Counts accepted observations and replaced beliefs; null where nothing is stored."""
+    """Version: the number of accepted observations and replaced beliefs; null: nothing is stored."""
     poses: list[str]
+    """Names of the poses, in the order of `belief`."""
     belief: list[float]
-    """One probability per pose, in the order of `poses`."""
+    """Belief: one probability per pose, in the order of `poses`."""
     best_grasp: str | None
-    """Null where every grasp scores 0."""
+    """Grasp with the largest expected score; null: every grasp scores 0."""
     expected_score: float
+    """Expected score of the best grasp, the probability that it succeeds, 0 to 1."""
     entropy_nats: float
+    """Entropy of the belief, nats; 0: the pose is certain."""
     last_fit_rmsd_mm: float | None
-    """Fit of the newest accepted scan."""
+    """Root mean square difference of the newest accepted scan to its best-fitting pose, mm; null: no scan yet."""
     warnings: list[ProbableMistake] = Field(default=[])
-    """Probable mistakes in the scenario; in the answer to a scan, also those in the scan."""
+    """Probable mistakes in the scenario and, in the response to a scan, in the scan; empty: none."""
 
 
 class Session(Estimate):
-    """A session as it stands."""
+    """Session: the current estimate of a scenario."""
 
     id: str
+    """Identifier of the session."""
     created_at: datetime
+    """Time at which the session was opened, UTC."""
     updated_at: datetime
+    """Time of the newest version, UTC."""
 
 
 class SessionSummary(Message):
-    """A session in a list."""
+    """Summary of a session without its belief, for a list."""
 
     id: str
+    """Identifier of the session."""
     scenario: str
+    """Identifier of the scenario."""
     version: int
+    """Version: the number of accepted observations and replaced beliefs."""
     best_grasp: str | None
+    """Grasp with the largest expected score; null: every grasp scores 0."""
     expected_score: float
+    """Expected score of the best grasp, the probability that it succeeds, 0 to 1."""
     entropy_nats: float
+    """Entropy of the belief, nats; 0: the pose is certain."""
     last_fit_rmsd_mm: float | None
+    """Root mean square difference of the newest accepted scan to its best-fitting pose, mm; null: no scan yet."""
     created_at: datetime
+    """Time at which the session was opened, UTC."""
     updated_at: datetime
+    """Time of the newest version, UTC."""
 
 
 class SessionPage(Page):
-    """Sessions without their beliefs, oldest first."""
+    """Page of the list of sessions."""
 
     items: list[SessionSummary]
+    """Summaries of sessions, oldest first."""
 
 
 class Scan(Message):
-    """One revolution as the driver gave it. Null is a missing beam: no evidence."""
+    """Scan: the ranges of one revolution of a lidar, as its driver reports them."""
 
     ranges: Ranges
+    """Range of each beam, metres; null: the beam is missing, which is no evidence."""
     no_return: Annotated[list[Annotated[int, Ge(0)]], LimitedBy("beams")] = Field(default=[])
-    """Indices of beams in whose direction nothing was in range: evidence. What `ranges` has there is ignored."""
+    """Indices of the beams on which nothing was in range, which is evidence; `ranges` is ignored at these indices."""
     angle_min: Real | None = None
-    """Radians; null: the lidar's, as the following."""
+    """Angle of the first beam, radians, counter-clockwise from the sensor's +x; null: the angle of the lidar."""
     angle_increment: Real | None = None
+    """Angle between neighbouring beams, radians; null: the increment of the lidar."""
     range_min: NotNegative | None = None
+    """Shortest range, metres: a beam with a shorter measurement is missing; null: the limit of the lidar."""
     range_max: NotNegative | None = None
+    """Longest range, metres: a beam with a longer measurement is a no-return; null: the limit of the lidar."""
     stamp: Free = None
-    """The user's own; kept and returned."""
+    """Any JSON of the user's own, such as the time of the scan; the service stores it and returns it unchanged."""
 
 
 class ScanRequest(Message):
-    """A raw scan, and where it was taken: exactly one of `sensor` and `sensor_pose`."""
+    """Request to update a belief by a scan, with the place of the lidar: exactly one of `sensor` and `sensor_pose`."""
 
     model_config = exemplified(examples.SCAN)
 
     sensor: Name | None = None
-    """A sensor configuration of the scenario."""
+    """Name of the sensor configuration from which the scan was taken; null: `sensor_pose` states where."""
     sensor_pose: UncertainSensorPose | None = None
+    """Pose of the lidar from which the scan was taken; null: `sensor` states where."""
     scan: Scan
+    """Scan, as the driver of the lidar reports it."""
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -111,78 +136,91 @@ class ScanRequest(Message):
 
 
 class UpdateRequest(ScanRequest):
-    """A scan applied to the belief in the request; nothing is stored."""
+    """Request to update a belief that the request states by a scan; nothing is stored."""
 
     model_config = exemplified(examples.UPDATE)
 
     scenario: Id
+    """Identifier of the scenario."""
     belief: Distribution | None
-    """Null: the scenario's prior."""
+    """Belief before the scan: one probability per pose, in the order of the scenario; null: the scenario's prior."""
 
 
 Reason = Literal["no_beams", "nothing_seen", "bad_fit", "no_match", "nearest"]
+"""Reason why a scan was not accepted; or `nearest`: no pose explains it, and the nearest poses share the belief."""
 
 
 class UpdateReport(Message):
-    """What one observation did."""
+    """Effect of an observation on the belief."""
 
     accepted: bool
+    """True if the observation changed the belief and the version; false: it changed nothing."""
     reason: Reason | None
-    """Why it was not accepted; `nearest` where no pose explained it and the nearest ones share the belief."""
+    """Reason why the observation was not accepted; `nearest`: no pose explains it, and the nearest poses share the
+    belief; null: accepted as usual."""
     log_evidence: float | None
-    """ln sum_p b[p] w[p] with the weights as used."""
+    """Logarithm of the evidence: ln sum_p b[p] w[p], with belief b and weights w; null: not computed."""
     fit_rmsd_mm: float | None
-    """RMSD of `best_fit_pose` over all compared beams."""
+    """Root mean square difference of scan and prediction of `best_fit_pose` over all compared beams, mm."""
     fit_hit_rmsd_mm: float | None
-    """RMSD of `best_fit_pose` over the beams on which scan and prediction both return; null where there are none."""
+    """Root mean square difference over the beams on which scan and prediction both return, mm; null: no such beam."""
     best_fit_pose: str | None
-    """The pose with the largest weight under the update rule, the first listed of equals."""
+    """Pose with the largest weight under the update rule, the first listed of equals; null: no beam was compared."""
     beams_compared: int
+    """Number of beams that are not missing and were compared with the predictions."""
 
 
 class BeliefRequest(Message):
-    """Replace a session's belief."""
+    """Request to replace the belief of a session."""
 
     model_config = exemplified(examples.BELIEF)
 
     belief: Distribution | None
-    """Null: back to the session's prior."""
+    """Belief: one probability per pose, in the order of the session's `poses`; null: the session's prior."""
 
 
 class OutcomeRequest(Message):
-    """What came of a grasp attempt that left the object where it was."""
+    """Request to update the belief by the outcome of a grasp attempt that left the object where it was."""
 
     model_config = exemplified(examples.OUTCOME)
 
     grasp: Name
+    """Name of the grasp that was attempted."""
     success: bool
+    """True if the grasp succeeded."""
 
 
 class HistoryEntry(Message):
-    """One version of a session and what made it."""
+    """Version of a session, with the request that caused it."""
 
     version: int
+    """Number of the version; 0: the prior."""
     kind: Literal["prior", "scan", "outcome", "belief"]
+    """Kind of the request: opening the session, a scan, an outcome of a grasp, or a replaced belief."""
     at: datetime
+    """Time at which the version was stored, UTC."""
     request: JsonValue
-    """The body as it was received."""
+    """Body of the request, as it was received."""
     update: UpdateReport | None
-    """What an observation did; null for a prior or a replaced belief."""
+    """Effect of a scan or an outcome; null for a prior or a replaced belief."""
 
 
 class HistoryPage(Page):
-    """Versions of a session, ascending, the prior first."""
+    """Page of the history of a session."""
 
     items: list[HistoryEntry]
+    """Versions in ascending order, the prior first."""
 
 
 class UpdatedSession(Session):
-    """A session after an observation."""
+    """Session after an observation."""
 
     update: UpdateReport
+    """Effect of the observation on the belief."""
 
 
 class UpdatedEstimate(Estimate):
-    """An estimate after an observation; nothing is stored."""
+    """Estimate after an observation; nothing is stored."""
 
     update: UpdateReport
+    """Effect of the observation on the belief."""

@@ -1,4 +1,4 @@
-"""Warnings: what is probably a mistake, in something that can be computed all the same."""
+"""Warnings: probable mistakes in scenarios, scans and meshes that can be computed nevertheless."""
 
 from typing import Literal
 
@@ -25,24 +25,27 @@ WarningKind = Literal[
     "up-axis",
     "workspace-misses-pose",
 ]
+"""Kinds of warnings."""
 
 
 class ProbableMistake(Message):
-    """One warning: something that can be computed, but that its author probably did not mean.
+    """Warning about input that can be computed, but that its author probably did not intend.
 
-    A warning changes nothing: neither a result, nor the digest that names a scenario, nor a session's history.
+    A warning changes neither a result, nor the identifier of a scenario, nor the history of a session.
     """
 
     kind: WarningKind
+    """Kind of the mistake: the field for programs to compare."""
     detail: str
-    """A sentence with names and numbers, and what to do about it."""
+    """Text for people, with names and numbers, that says what to do."""
     poses: list[str] | None = None
-    """The poses that it is about; absent where it is about none."""
+    """Names of the poses concerned; null or absent: none."""
     sensors: list[str] | None = None
-    """The sensor configurations that it is about; absent where it is about none."""
+    """Names of the sensor configurations concerned; null or absent: none."""
 
 
 class Warnings(Message):
-    """Everything that is probably a mistake in one scenario; empty where all is well."""
+    """List of the probable mistakes in a scenario."""
 
     items: list[ProbableMistake]
+    """Warnings; empty: no mistake was detected."""

@@ -1,21 +1,26 @@
-"""ROS 2 without ROS: scans and poses as a bridge puts them on Zenoh, where the lidar was, and when scans are a look.
+"""ROS 2 without ROS: LaserScans and poses as a bridge puts them on Zenoh, the pose of the lidar, and looks of a robot.
 
-Pure: bytes and messages in, messages out; no I/O and no clock. Depends on pydantic and `voa_msgs`.
+Pure functions and state machines: bytes and messages in, messages out; no I/O and no clock. Depends on pydantic and
+`voa_msgs`.
 
-| module     | what                                                                          |
-|------------|-------------------------------------------------------------------------------|
-| `messages` | LaserScan, Odometry and PoseWithCovarianceStamped as plain values             |
-| `cdr`      | their bytes, both ways                                                        |
-| `topics`   | their keys on Zenoh, and rmw_zenoh's attachment                               |
-| `scans`    | a LaserScan as the contract's scan; the median of many                        |
-| `robots`   | the mapping that an operator writes: which robot's topics feed which session  |
-| `frames`   | scans of one frame, where several echoes or lidars publish on one topic       |
-| `repeats`  | scans that arrive twice                                                       |
-| `grids`    | scans of any layout on the beams of the scenario's lidar; lidars upside down  |
-| `turns`    | whole revolutions out of segments                                             |
-| `clocks`   | how the clocks of a robot's messages compare                                  |
-| `places`   | where the lidar was, by odometry or AMCL                                      |
-| `scenes`   | whether two scans show one scene                                              |
-| `looks`    | when scans are a look                                                         |
-| `mapped`   | the messages of one mapped robot, turned into looks                           |
+| module         | content                                                                            |
+|----------------|------------------------------------------------------------------------------------|
+| `messages`     | LaserScan, Odometry and PoseWithCovarianceStamped as plain values                  |
+| `cdr`          | encode and decode the bytes of these messages                                      |
+| `topics`       | keys of ROS 2 topics on Zenoh, and rmw_zenoh's attachment                          |
+| `scans`        | convert a LaserScan to the service's scan; median of several scans                 |
+| `robots`       | mapping of robots to sessions, which an operator writes                            |
+| `robot_places` | mount of the lidar and source of its poses, in that mapping                        |
+| `frames`       | select the scans of one frame, where echoes or lidars share a topic                |
+| `repeats`      | recognise scans that arrive twice                                                  |
+| `grids`        | grids of beams; bring scans of any layout onto one grid; lidars that hang          |
+| `segments`     | join the segments of a revolution                                                  |
+| `clocks`       | compare the clocks of a robot's messages                                           |
+| `motions`      | compose and compare planar poses                                                   |
+| `tracks`       | newest poses of a robot, by time                                                   |
+| `localisation` | pose of the lidar at the time of a scan, by odometry or AMCL                       |
+| `scenes`       | difference of two scans, to decide if a robot stands still                         |
+| `looks`        | a look: the median of several revolutions, as an update of a belief                |
+| `look_taker`   | decide when the scans of a robot become a look                                     |
+| `pipeline`     | all these steps: from the messages of one mapped robot to its looks                |
 """

@@ -1,9 +1,9 @@
-"""ROS 2's bytes: plain CDR (XCDR1, either byte order) of the three messages, read and written with `struct` alone.
+"""CDR of ROS 2: encode and decode the messages of `voa_ros.messages` (XCDR1, either byte order) with `struct` alone.
 
 A payload is four bytes of header (`00 01` little endian or `00 00` big endian, then two of options), then the fields
 in order, each aligned to its own size counted from the end of the header. Text is its length with the NUL, the bytes
-and the NUL; a sequence is its length and its items. Payloads come from a network: every length is checked against
-what is left before anything is made of it.
+and the NUL; a sequence is its length and its items. Payloads come from a network: every length is compared with the
+number of remaining bytes before any value is read.
 """
 
 import struct
@@ -14,6 +14,7 @@ from voa_ros.messages import Covariance, LaserScan, Odometry, Pose, PoseWithCova
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 MOST_BEAMS = 4_096
+"""Most beams of a LaserScan, unless the caller states another limit."""
 _HEADER = 4
 _MOST_TRAILING = 7
 _ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
@@ -22,11 +23,11 @@ M = TypeVar("M")
 
 
 class InvalidCdr(ValueError):
-    """Bytes that are not the message they should be, or a message that has no bytes; says what was expected."""
+    """Error for bytes that are not the expected message, or a message that CDR cannot hold; its text says why."""
 
 
 class _Reader:
-    """Reads field by field; raises InvalidCdr where the bytes end or lie."""
+    """Reader of the fields of a message in order; raises InvalidCdr where the bytes are too few or inconsistent."""
 
     def __init__(self, data: bytes, most_items: int) -> None:
         if len(data) < _HEADER:
@@ -40,7 +41,7 @@ class _Reader:
         self._most_items = most_items
 
     def numbers(self, kind: str, count: int, what: str) -> tuple[float, ...]:
-        """`count` numbers of a `struct` kind, aligned."""
+        """Read `count` aligned numbers of a `struct` kind; `what` names them in errors."""
         size = struct.calcsize(f"={kind}")
         start = self._at + (_HEADER - self._at) % size if count else self._at
         self._take(start, size * count, what)
@@ -61,9 +62,9 @@ class _Reader:
         self._take(start, length, what)
         raw = bytes(self._data[start : self._at])
         if length and raw[-1] != 0:
-            raise InvalidCdr(f"{what}: expected text that ends with NUL")
+            raise InvalidCdr(f"{what}: expected text that ends with a NUL")
         if 0 in raw[:-1]:
-            raise InvalidCdr(f"{what}: expected text with no NUL inside")
+            raise InvalidCdr(f"{what}: expected text without a NUL inside")
         try:
             return raw[:-1].decode()
         except UnicodeDecodeError as error:
@@ -92,18 +93,18 @@ class _Reader:
         return Twist((x, y, z), (a, b, c)), self.numbers("d", 36, "twist.covariance")
 
     def end(self) -> None:
-        """Some padding may follow; more is another message."""
+        """Check that nothing but padding follows; more bytes belong to another type of message."""
         left = len(self._data) - self._at
         if left > _MOST_TRAILING:
-            raise InvalidCdr(f"expected the message to end after {self._at} bytes, got {left} more")
+            raise InvalidCdr(f"expected the message to end after {self._at} bytes, got {left} bytes more")
 
 
 def _decode(name: str, data: bytes, most_items: int, read: Callable[[_Reader], M]) -> M:
     try:
         return _whole(data, most_items, read)
     except ValueError as error:
-        found = _other_type(name, data)
-        why = f": {error}" if found is None else f", found a {found}"
+        other = _other_type(name, data)
+        why = f": {error}" if other is None else f", found a {other}"
         raise InvalidCdr(f"expected a {name}{why}") from error
 
 
@@ -115,7 +116,7 @@ def _whole(data: bytes, most_items: int, read: Callable[[_Reader], M]) -> M:
 
 
 def _other_type(expected: str, data: bytes) -> str | None:
-    """Which other message that is understood here the bytes are; None: none of them."""
+    """Return the name of the other known message type that the bytes are; None: they are none."""
     for name, read in _READ.items():
         if name == expected:
             continue
@@ -151,17 +152,17 @@ _READ: dict[str, Callable[[_Reader], object]] = {
 
 
 def decode_laser_scan(data: bytes, most_beams: int = MOST_BEAMS) -> LaserScan:
-    """Read a `sensor_msgs/msg/LaserScan`; raises InvalidCdr."""
+    """Decode a `sensor_msgs/msg/LaserScan`; raises InvalidCdr for other bytes or more than `most_beams` beams."""
     return _decode(LASER_SCAN.name, data, most_beams, _read_scan)
 
 
 def decode_odometry(data: bytes) -> Odometry:
-    """Read a `nav_msgs/msg/Odometry`; raises InvalidCdr."""
+    """Decode a `nav_msgs/msg/Odometry`; raises InvalidCdr for other bytes."""
     return _decode(ODOMETRY.name, data, 0, _read_odometry)
 
 
 def decode_pose(data: bytes) -> PoseWithCovariance:
-    """Read a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr."""
+    """Decode a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr for other bytes."""
     return _decode(POSE_WITH_COVARIANCE_STAMPED.name, data, 0, _read_pose)
 
 
@@ -177,7 +178,7 @@ class _Writer:
         try:
             self._data.extend(struct.pack(f"{self._order}{len(values)}{kind}", *values))
         except (struct.error, OverflowError) as error:
-            raise InvalidCdr(f"expected numbers that fit, got {values[:8]}: {error}") from error
+            raise InvalidCdr(f"expected numbers within the range of their type, got {values[:8]}: {error}") from error
 
     def text(self, text: str) -> None:
         if "\0" in text:
@@ -212,7 +213,7 @@ class _Writer:
 
 
 def encode_laser_scan(scan: LaserScan, *, little_endian: bool = True) -> bytes:
-    """Write a `sensor_msgs/msg/LaserScan`; its numbers become float32. Raises InvalidCdr where one does not fit."""
+    """Encode a `sensor_msgs/msg/LaserScan`; its numbers become float32. Raises InvalidCdr where one is out of range."""
     writer = _Writer(little_endian=little_endian)
     writer.header(scan.stamp, scan.frame_id)
     writer.numbers("f", scan.angle_min, scan.angle_max, scan.angle_increment, scan.time_increment, scan.scan_time)
@@ -223,7 +224,7 @@ def encode_laser_scan(scan: LaserScan, *, little_endian: bool = True) -> bytes:
 
 
 def encode_odometry(odometry: Odometry, *, little_endian: bool = True) -> bytes:
-    """Write a `nav_msgs/msg/Odometry`; raises InvalidCdr."""
+    """Encode a `nav_msgs/msg/Odometry`; raises InvalidCdr where a number is out of range."""
     writer = _Writer(little_endian=little_endian)
     writer.header(odometry.stamp, odometry.frame_id)
     writer.text(odometry.child_frame_id)
@@ -234,7 +235,7 @@ def encode_odometry(odometry: Odometry, *, little_endian: bool = True) -> bytes:
 
 
 def encode_pose(pose: PoseWithCovariance, *, little_endian: bool = True) -> bytes:
-    """Write a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr."""
+    """Encode a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr where a number is out of range."""
     writer = _Writer(little_endian=little_endian)
     writer.header(pose.stamp, pose.frame_id)
     writer.pose(pose.pose, pose.covariance)

@@ -1,16 +1,17 @@
-"""How the clocks of a robot's messages compare: by their stamps and the times at which they arrive."""
+"""Compare the clocks of a robot's messages by their stamps and their times of arrival."""
 
 from collections import deque
 
 RECENT_S = 2.0
-"""Messages that arrived within so long tell how far a clock is behind."""
+"""Messages of the last so many seconds determine the offset of a clock."""
 
 
 class ClockOffset:
-    """Difference between the clock that messages arrive by and the one that stamps them.
+    """Offset between the clock of the receiver and the clock that stamps the messages.
 
-    A message arrives some time after its stamp, sometimes late; the least of the latest differences is that of the
-    clocks, and of the shortest way. A clock that is set back, or stands, is known by the stamps at once.
+    A message arrives some time after its stamp, and sometimes late. The smallest difference of the latest messages is
+    the offset of the clocks plus the shortest delay. When stamps do not grow, the clock was set back or does not run,
+    and the measurement starts again.
     """
 
     def __init__(self) -> None:
@@ -19,15 +20,15 @@ class ClockOffset:
 
     @property
     def seconds(self) -> float | None:
-        """Arrival less stamp, the least of late; None: there was no message."""
+        """Smallest difference of arrival and stamp of the latest messages, seconds; None: no message was received."""
         return min((offset for _, offset in self._recent), default=None)
 
     def receive(self, at_s: float, received_s: float) -> None:
-        """Take the two times of a message.
+        """Add a message.
 
         Args:
-            at_s: its stamp, by the robot's clock.
-            received_s: when it arrived, by any steady clock.
+            at_s: stamp of the message, seconds by the robot's clock.
+            received_s: time of arrival, seconds by any steady clock.
         """
         if self._recent and at_s <= self._newest_s:
             self._recent.clear()

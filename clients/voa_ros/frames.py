@@ -1,28 +1,28 @@
-"""Scans of one frame: several echoes of a lidar, or several lidars, may publish on one topic."""
+"""Select the scans of one frame, because several echoes of a lidar, or several lidars, may publish on one topic."""
 
 from collections import deque
 
 RECENT = 16
-"""Scans among which another frame is noticed."""
+"""Number of latest scans whose frames are remembered."""
 
 
 class FrameFilter:
-    """Lets the scans of one frame pass, and refuses to choose where nobody said which."""
+    """Filter for the scans of one frame; without a stated frame, it refuses topics on which frames are mixed."""
 
     def __init__(self, frame_id: str | None) -> None:
-        """Begin with no scan.
+        """Start with no scan.
 
         Args:
-            frame_id: of the scans that are used; None: any, as long as it is one.
+            frame_id: frame of the scans that are used; None: any frame, as long as all scans have the same.
         """
         self._frame_id = frame_id
         self._recent: deque[str] = deque(maxlen=RECENT)
 
     def receive(self, frame_id: str) -> bool:
-        """Note a scan's frame; returns whether the scan is to be used.
+        """Return True if a scan of this frame is to be used.
 
         Raises:
-            ValueError: scans of several frames came lately, and the mapping does not say which are meant.
+            ValueError: the latest scans have several frames, and the mapping does not state which one to use.
         """
         self._recent.append(frame_id)
         if self._frame_id is not None:
@@ -31,17 +31,17 @@ class FrameFilter:
         if len(frames) > 1:
             listed = ", ".join(repr(frame) for frame in frames)
             raise ValueError(
-                f"scans of {len(frames)} frames on one topic ({listed}): echoes or lidars that see different things; "
-                "say in the mapping which are used, frame_id = ..."
+                f"scans of {len(frames)} frames on one topic ({listed}) are different echoes or lidars: state in the "
+                "mapping which of them to use, frame_id = ..."
             )
         return True
 
     @property
     def missing(self) -> bool:
-        """Whether none of the latest scans is of the frame that is used."""
+        """True if none of the latest scans has the frame that is used."""
         return self._frame_id is not None and self._frame_id not in self._recent
 
     @property
     def others(self) -> list[str]:
-        """Frames of the latest scans other than the one that is used."""
+        """Frames of the latest scans, without the one that is used."""
         return sorted(set(self._recent) - {self._frame_id})

@@ -1,8 +1,8 @@
-"""Grids of beams, and scans of any layout brought onto one.
+"""Grids of beams, and conversion of scans with any layout of beams to one grid.
 
 The number of beams, the first angle and the increment of an LDS-02, LD06, LD19 or YDLIDAR differ from revolution to
-revolution. A median over such revolutions, or a comparison of two of them, needs one grid for all: that of the
-scenario's lidar, on which each of its beams takes the measured beam nearest to it.
+revolution. A median over such revolutions, or a comparison of two of them, needs one grid for all: the grid of the
+scenario's lidar, on which each beam takes the range of the nearest measured beam.
 """
 
 import math
@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from voa_ros.messages import LaserScan
 
 GRID_WITHIN_RAD = 1e-4
-"""Beams that differ by no more are the same beams, as in the service's contract."""
+"""Largest difference of the angles of two beams, radians, that count as the same beam, as in the service."""
 _MOST_SLACK = 0.05
-"""Of an increment, at most: what the float32s of angles may add to half an increment."""
+"""Most share of an increment by which float32 rounding of angles may exceed half an increment."""
 _MEASURED_WITHIN_M = 0.002
 _PICOSCAN_NEAREST_M = 0.05
 
@@ -24,9 +24,9 @@ class BeamGrid:
     """Directions of the beams of a lidar: beam `i` points to `angle_min + i * angle_increment`.
 
     Attributes:
-        beams: how many, at least 1.
-        angle_min: of beam 0, radians.
-        angle_increment: radians from one beam to the next; not 0.
+        beams: number of beams, at least 1.
+        angle_min: angle of beam 0, radians.
+        angle_increment: angle from one beam to the next, radians; not 0.
     """
 
     beams: int
@@ -35,17 +35,17 @@ class BeamGrid:
 
     @property
     def span_rad(self) -> float:
-        """Angle that the beams cover, each with one increment of its own."""
+        """Angle that the beams cover, radians: one increment per beam."""
         return self.beams * abs(self.angle_increment)
 
 
 def grid_of(scan: LaserScan) -> BeamGrid:
-    """The grid that a scan was measured on."""
+    """Return the grid on which a scan was measured."""
     return BeamGrid(len(scan.ranges), scan.angle_min, scan.angle_increment)
 
 
 def same_grid(one: LaserScan, other: LaserScan) -> bool:
-    """Whether two scans have the same beams: as many, and none turned by more than 1e-4 rad."""
+    """True if two scans have the same number of beams, and no angle differs by more than 1e-4 rad."""
     last = len(one.ranges) - 1
     first_off = one.angle_min - other.angle_min
     last_off = first_off + last * (one.angle_increment - other.angle_increment)
@@ -53,14 +53,15 @@ def same_grid(one: LaserScan, other: LaserScan) -> bool:
 
 
 def binned(parts: Sequence[LaserScan], grid: BeamGrid) -> list[float | None]:
-    """Measured beams on a grid: each beam of the grid takes the nearest measured one within half an increment.
+    """Put measured beams on a grid: each beam of the grid takes the nearest measured one within half an increment.
 
     Args:
         parts: one scan, or several that together are one revolution.
-        grid: the grid; angles are compared modulo a full turn.
+        grid: grid of the result; angles are compared modulo a full turn.
 
     Returns:
-        `grid.beams` ranges as the LaserScans have them; None where no measured beam is within half an increment.
+        Ranges of the `grid.beams` beams, metres, with the special values of LaserScans; None where no measured beam is
+        within half an increment.
     """
     ranges: list[float | None] = [None] * grid.beams
     distances = [0.5 + min(GRID_WITHIN_RAD / abs(grid.angle_increment), _MOST_SLACK)] * grid.beams
@@ -80,10 +81,10 @@ def _ranges_on_grid(parts: Sequence[LaserScan], grid: BeamGrid) -> tuple[float, 
 
 
 def _nearby(place: float, turn: float, beams: int) -> Iterator[tuple[int, float]]:
-    """Beams of a grid on both sides of a place, and how far they are, in increments.
+    """Yield the beams of a grid on both sides of an angle, with their distances, all in increments.
 
-    A place half way between two beams is as near to one as to the other. The first beam is also reached from below, a
-    turn on; a grid of a whole turn whose last beam points where the first does has beams at two places.
+    An angle half way between two beams is equally near to both. The first beam is also reached from below, after a full
+    turn; on a grid of a full turn whose last beam has the direction of the first, one angle meets both of them.
     """
     low = math.floor(place)
     for beam in (low, low + 1):
@@ -98,7 +99,7 @@ def _nearby(place: float, turn: float, beams: int) -> Iterator[tuple[int, float]
 
 
 def on_grid(parts: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:
-    """One scan on a grid, with stamp, frame and times of the first of its parts, the limits of all, no intensities."""
+    """Join scans on a grid: stamp, frame and times of the first, the widest limits of all, and no intensities."""
     return replace(
         with_limits_of(parts),
         angle_min=grid.angle_min,
@@ -110,7 +111,7 @@ def on_grid(parts: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:
 
 
 def with_limits_of(scans: Sequence[LaserScan]) -> LaserScan:
-    """The first of some scans, with the widest limits of all; (0, 0) where none of them states any."""
+    """Return the first scan with the widest range limits of all scans; limits (0, 0) where none states any."""
     limits = [(scan.range_min, scan.range_max) for scan in scans if scan.range_min < scan.range_max]
     near = min((low for low, _ in limits), default=0.0)
     far = max((high for _, high in limits), default=0.0)
@@ -118,10 +119,10 @@ def with_limits_of(scans: Sequence[LaserScan]) -> LaserScan:
 
 
 def without_measured_limits(scan: LaserScan) -> LaserScan:
-    """The scan without its limits where they are those of its own ranges, and not the sensor's.
+    """Remove the range limits of a scan where they are those of its own ranges, and not of the sensor.
 
-    The driver of a picoScan writes the nearest and the farthest range of each message as its limits. Nothing that
-    another pose of the object would show beyond the farthest could then be expected.
+    The driver of a picoScan writes the nearest and the farthest range of each message as its limits. With these limits,
+    predicted returns beyond the farthest measured range would not count.
     """
     returns = [value for value in scan.ranges if 0.0 < value < math.inf]
     if not returns:
@@ -132,17 +133,17 @@ def without_measured_limits(scan: LaserScan) -> LaserScan:
 
 
 def aligned(one: LaserScan, other: LaserScan, grid: BeamGrid) -> tuple[Sequence[float], Sequence[float]]:
-    """Ranges of two scans, beam by beam: as they are where their beams are the same, else both on the grid."""
+    """Return the ranges of two scans beam by beam: unchanged where their beams are the same, else both on the grid."""
     if same_grid(one, other):
         return one.ranges, other.ranges
     return _ranges_on_grid([one], grid), _ranges_on_grid([other], grid)
 
 
 def upside_down(scan: LaserScan) -> LaserScan:
-    """The scan of a lidar that hangs upside down, as if it stood upright with its +x in the same direction.
+    """Convert the scan of a lidar that hangs upside down to that of an upright lidar with the same direction of +x.
 
     A lidar that is rolled over about its +x axis counts its angles clockwise in the robot's frame: beam `i` points to
-    minus its angle. The beams are listed in reverse, so that the sign of the increment stays.
+    minus its angle. The beams are listed in reverse order, so that the sign of the increment is kept.
     """
     last = scan.angle_min + (len(scan.ranges) - 1) * scan.angle_increment
     return replace(

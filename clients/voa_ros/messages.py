@@ -1,29 +1,30 @@
-"""The three ROS 2 messages that matter here, as far as they matter; plain numbers, SI units.
+"""Values of three ROS 2 messages: LaserScan, Odometry and PoseWithCovarianceStamped; plain numbers in SI units.
 
-Field for field they are `sensor_msgs/msg/LaserScan`, `nav_msgs/msg/Odometry` and
-`geometry_msgs/msg/PoseWithCovarianceStamped`. Each refuses (ValueError) what no driver would mean: that is how a
-payload of another type, whose bytes happen to fit, is told from a scan.
+Their fields are those of `sensor_msgs/msg/LaserScan`, `nav_msgs/msg/Odometry` and
+`geometry_msgs/msg/PoseWithCovarianceStamped`. Each raises ValueError for values that no driver would publish: this
+detects a payload of another type whose bytes happen to fit.
 """
 
 import math
 from dataclasses import dataclass
 
 NANOSECONDS = 1_000_000_000
+"""Nanoseconds in a second."""
 FARTHEST_M = 1e5
-"""No robot is farther from the origin of its map."""
+"""Largest distance of a robot from the origin of its map, metres."""
 _MOST_ANGLE_RAD = 100.0
 _LEAST_INCREMENT_RAD = 1e-6
 _UNIT_WITHIN = 0.1
 _MOST_TURNS = 1.05
-"""Of a scan: drivers whose motor is a little fast or slow write a few beams more than a turn has."""
+"""Most turns in one scan: drivers whose motor is a little slow write a few beams more than a turn has."""
 
 Covariance = tuple[float, ...]
-"""36 numbers, row by row: x, y, z and the rotations about them."""
+"""Covariance matrix, 36 numbers row by row: x, y, z (m^2) and the rotations about them (rad^2)."""
 
 
 @dataclass(frozen=True, order=True)
 class Stamp:
-    """A time by the clock of the robot (or of its simulation)."""
+    """Stamp of a message: a time by the clock of the robot or of its simulation."""
 
     sec: int = 0
     nanosec: int = 0
@@ -34,31 +35,32 @@ class Stamp:
 
     @property
     def seconds(self) -> float:
-        """The same in seconds; good to a microsecond for the times of this century."""
+        """Time of the stamp in seconds, exact to a microsecond for the times of this century."""
         return self.sec + self.nanosec / NANOSECONDS
 
     @classmethod
     def of(cls, seconds: float) -> "Stamp":
-        """The stamp nearest to a time in seconds."""
+        """Return the stamp nearest to a time in seconds."""
         sec, nanosec = divmod(round(seconds * NANOSECONDS), NANOSECONDS)
         return cls(sec, nanosec)
 
 
 @dataclass(frozen=True)
 class LaserScan:
-    """One revolution of a planar lidar: beam `i` points to `angle_min + i * angle_increment`.
+    """Scan of a planar lidar: beam `i` points to `angle_min + i * angle_increment`.
 
     Attributes:
-        stamp: when the first ray was taken, says ROS; some drivers stamp after the revolution.
+        stamp: time of the first ray by the standard of ROS; some drivers stamp after the revolution.
+        frame_id: frame of the lidar.
         angle_min, angle_max, angle_increment: radians, counter-clockwise about z, 0 along the lidar's +x; the
-            increment may be negative. `angle_max` is not always true: trust the other two.
-        time_increment, scan_time: seconds between beams and between scans; whatever the driver says.
-        range_min, range_max: metres; what lies outside is to be discarded.
-        ranges: metres; inf: nothing in range, -inf: too close, NaN: erroneous (REP-117). At least one.
+            increment may be negative. `angle_max` is wrong in some drivers and not used.
+        time_increment, scan_time: seconds between beams and between scans, as the driver states them.
+        range_min, range_max: limits of the sensor, metres; ranges outside of them are to be discarded.
+        ranges: metres, at least one; inf: nothing in range, -inf: too close, NaN: erroneous (REP-117).
         intensities: empty, or in units of the device.
 
     Raises:
-        ValueError: it cannot be a scan; the message says what was expected.
+        ValueError: the values cannot be those of a scan; the error says what was expected.
     """
 
     stamp: Stamp
@@ -91,17 +93,17 @@ class LaserScan:
 
 
 def header_contradiction(scan: LaserScan) -> str | None:
-    """Say where the angles in a scan's header contradict one another; None: nowhere.
+    """Describe how the angles in the header of a scan contradict one another; None: they do not.
 
-    `angle_max` is not always true, so only its side of `angle_min` is looked at, and the beams must fit one turn, or
-    nearly so.
+    `angle_max` is wrong in some drivers, so only its sign relative to `angle_min` is compared with the increment. The
+    beams must fit into about one turn.
     """
     low, high, step, beams = scan.angle_min, scan.angle_max, scan.angle_increment, len(scan.ranges)
     if (high - low) * step < 0.0 and abs(high - low) > _LEAST_INCREMENT_RAD:
         grow, fall = ("grow", "fall") if high > low else ("fall", "grow")
         return (
             f"angle_min {low:.6g} and angle_max {high:.6g} say that the angles {grow}, angle_increment {step:.6g} says "
-            f"that they {fall}: one of them is wrong, and with it left and right; correct the driver's settings "
+            f"that they {fall}: one of them is wrong, and left and right may be swapped; correct the driver's settings "
             "(`reversed`, `inverted`)"
         )
     turns = beams * abs(step) / math.tau
@@ -115,10 +117,10 @@ def header_contradiction(scan: LaserScan) -> str | None:
 
 @dataclass(frozen=True)
 class Pose:
-    """Position in metres and orientation as a quaternion.
+    """Pose of a frame: position in metres and orientation as a quaternion.
 
     Raises:
-        ValueError: a position that is none, or a quaternion that is not of unit length.
+        ValueError: the position is not finite or too far away, or the quaternion has not unit length.
     """
 
     position: tuple[float, float, float]
@@ -132,30 +134,31 @@ class Pose:
 
     @classmethod
     def planar(cls, x: float, y: float, yaw_rad: float) -> "Pose":
-        """A pose on the floor."""
+        """Return the pose of a frame on the floor: x and y in metres, yaw in radians."""
         return cls((x, y, 0.0), (0.0, 0.0, math.sin(yaw_rad / 2.0), math.cos(yaw_rad / 2.0)))
 
     @property
     def yaw_rad(self) -> float:
-        """Rotation about z, in (-pi, pi]; of a tilted pose, the direction of its +x seen from above."""
+        """Yaw, radians, in (-pi, pi]: the direction of +x seen from above."""
         x, y, z, w = self.quaternion_xyzw
         return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 @dataclass(frozen=True)
 class Twist:
-    """Velocities in m/s and rad/s, in the robot's own frame."""
+    """Velocities of a robot in its own frame, m/s and rad/s."""
 
     linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 NO_COVARIANCE: Covariance = (0.0,) * 36
+"""Covariance of a message that states none."""
 
 
 @dataclass(frozen=True)
 class PoseWithCovariance:
-    """Where the robot is in its map, as AMCL says it."""
+    """Pose of the robot in its map with a covariance, as AMCL publishes it."""
 
     stamp: Stamp
     frame_id: str
@@ -165,7 +168,7 @@ class PoseWithCovariance:
 
 @dataclass(frozen=True)
 class Odometry:
-    """Where the robot is in its odometry frame, and how it moves."""
+    """Pose of the robot in its odometry frame, and its velocities."""
 
     stamp: Stamp
     frame_id: str

@@ -1,4 +1,4 @@
-"""Planar motions: where one frame is in another, put one after the other and turned round."""
+"""Planar poses of one frame in another: composition, inverse and comparison."""
 
 import math
 from dataclasses import dataclass
@@ -6,24 +6,24 @@ from typing import Protocol
 
 
 class Planar(Protocol):
-    """Anything that says where it is on the floor."""
+    """Protocol of a pose in the plane of the floor."""
 
     @property
     def x(self) -> float:
-        """Metres."""
+        """X coordinate, metres."""
 
     @property
     def y(self) -> float:
-        """Metres."""
+        """Y coordinate, metres."""
 
     @property
     def yaw_rad(self) -> float:
-        """Counter-clockwise."""
+        """Yaw, radians, counter-clockwise."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A frame in another: metres and radians."""
+    """Pose of a frame in another frame: x and y in metres, yaw in radians."""
 
     x: float
     y: float
@@ -31,12 +31,12 @@ class Motion:
 
 
 def wrapped(angle_rad: float) -> float:
-    """Direction of an angle, in [-pi, pi]."""
+    """Wrap an angle to [-pi, pi] radians."""
     return math.remainder(angle_rad, math.tau)
 
 
 def composed(frame: Planar, inside: Planar) -> Motion:
-    """The pose of what is at `inside` in a frame, where the frame is at `frame`."""
+    """Compose two poses: that of a frame in the outer frame, and one that is given inside that frame."""
     cos, sin = math.cos(frame.yaw_rad), math.sin(frame.yaw_rad)
     return Motion(
         x=frame.x + cos * inside.x - sin * inside.y,
@@ -46,12 +46,12 @@ def composed(frame: Planar, inside: Planar) -> Motion:
 
 
 def inverse(pose: Planar) -> Motion:
-    """The pose of the outer frame in the inner one."""
+    """Invert a pose: return the pose of the outer frame in the inner one."""
     cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
     return Motion(x=-cos * pose.x - sin * pose.y, y=sin * pose.x - cos * pose.y, yaw_rad=wrapped(-pose.yaw_rad))
 
 
 def within(one: Planar, other: Planar, xy_m: float, yaw_rad: float) -> bool:
-    """Whether two poses are no farther apart than so many metres, and turned by no more than so many radians."""
+    """True if two poses differ by at most `xy_m` metres and `yaw_rad` radians."""
     near = math.hypot(one.x - other.x, one.y - other.y) <= xy_m
     return near and abs(wrapped(one.yaw_rad - other.yaw_rad)) <= yaw_rad

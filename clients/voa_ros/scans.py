@@ -1,8 +1,8 @@
-"""ROS 2's scans as the contract's, and many revolutions as one.
+"""Convert LaserScans to scans of the service and back, and compute the median of several revolutions.
 
-What a beam says (REP-117, and what drivers make of it):
+Classes of beams (REP-117, and the habits of drivers):
 
-| in the LaserScan            | here      | in the contract's scan                                     |
+| in the LaserScan            | class     | in the scan of the service                                 |
 |-----------------------------|-----------|------------------------------------------------------------|
 | finite, above 0             | `return`  | its range, rounded to a micrometre (it was a float32)      |
 | +inf                        | `nothing` | its index in `no_return`                                   |
@@ -25,10 +25,11 @@ _DIGITS = 6
 
 
 Beam = Literal["return", "nothing", "zero", "missing"]
+"""Class of a beam, as the docstring of this module lists them."""
 
 
 def beam_class(value: float) -> Beam:
-    """What a beam says; see the table above."""
+    """Classify the range of a beam, metres, by the table in the docstring of this module."""
     if value == 0.0:
         return "zero"
     if value == math.inf:
@@ -37,19 +38,19 @@ def beam_class(value: float) -> Beam:
 
 
 def stamp_json(stamp: Stamp) -> dict[str, Any]:
-    """`{"sec", "nanosec"}`, as ROS 2 has it."""
+    """Convert a stamp to JSON: `{"sec", "nanosec"}`, as in ROS 2."""
     return {"sec": stamp.sec, "nanosec": stamp.nanosec}
 
 
 def scan_message(scan: LaserScan, stamp: dict[str, Any] | None = None) -> Scan:
-    """The contract's scan. Any LaserScan gives one; whether a service takes so many beams is the service's to say.
+    """Convert a LaserScan to a scan of the service; the number of beams is not limited here.
 
-    Limits are carried over where the driver set them: a `range_max` that is 0, infinite or not above `range_min`
-    says nothing, and the scenario's lidar holds.
+    Range limits are kept where the driver sets them. A `range_max` that is 0, infinite or not above `range_min` is left
+    out, and the limits of the scenario's lidar apply.
 
     Args:
         scan: a revolution, or the median of several.
-        stamp: free JSON to keep with the scan; None: the message's own stamp and frame.
+        stamp: JSON to store with the scan; None: stamp and frame of the message.
     """
     classes = [beam_class(value) for value in scan.ranges]
     limits: dict[str, float] = {}
@@ -70,25 +71,25 @@ def scan_message(scan: LaserScan, stamp: dict[str, Any] | None = None) -> Scan:
 
 
 def _rounded(value: float) -> float:
-    """To a micrometre, but a return never becomes a zero; without the sign of -0."""
+    """Round to a micrometre without making a return zero; -0 becomes 0."""
     return round(value, _DIGITS) or abs(value)
 
 
 def median_scan(scans: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:
-    """Many revolutions of a lidar that stands still as one scan: each beam by itself.
+    """Compute the per-beam median of several revolutions of a lidar that stands still.
 
-    Where the revolutions have the same beams these are kept; where they differ, all are brought onto `grid` first, and
-    a beam of the grid is decided by the revolutions that reached it. See `_median_beam` for how.
+    Where all revolutions have the same beams, these are kept. Otherwise all are brought onto `grid` first, and each
+    beam of the grid is computed from the revolutions that have a beam near it. `_median_beam` states the rules.
 
     Args:
-        scans: at least one.
-        grid: that of the scenario's lidar.
+        scans: revolutions, at least one.
+        grid: grid of the scenario's lidar.
 
     Returns:
-        A scan with stamp, frame and times of the first, the widest limits, and no intensities.
+        A scan with stamp, frame and times of the first revolution, the widest limits, and no intensities.
 
     Raises:
-        ValueError: there is none.
+        ValueError: there is no scan.
     """
     if not scans:
         raise ValueError("expected at least one scan")
@@ -102,15 +103,16 @@ def median_scan(scans: Sequence[LaserScan], grid: BeamGrid) -> LaserScan:
 
 
 def _median_beam(values: Sequence[float]) -> float:
-    """One beam of many revolutions; NaN of none.
+    """Compute the median of one beam over several revolutions; NaN where there are none.
 
-    A beam that gave no answer (zero or missing) in more than half of the revolutions gave none: 0 where most of those
-    were zeros, else NaN. In the others no answer was a lost packet, and the rest decide. At least half of them returns:
-    the median of those, since a dark or slanted surface answers in every second revolution only. Less than a quarter:
-    +inf, nothing is there but now and then a stray return. Between the two it is a beam on an edge: NaN, no evidence.
-    The LDS-01 writes the same 0 for a lost packet and for nothing in range: the first hits six beams of a revolution
-    now and then, the second the same beams in all of them. An even number of returns gives the lower of the two in the
-    middle: a range that was measured, where the mean of two could lie in the air between an edge and the wall behind.
+    A beam that is zero or missing in more than half of the revolutions is 0 where most of those are zeros, else NaN.
+    Otherwise zeros and missing values are taken for lost packets, and the others decide. If at least half of them are
+    returns, the result is the median of the returns, because a dark or slanted surface returns in every second
+    revolution only. If less than a quarter are returns, it is +inf: nothing is there but a stray return. In between,
+    the beam lies on an edge, and the result is NaN: no evidence. The LDS-01 writes 0 for a lost packet and for nothing
+    in range: the first affects six beams of a few revolutions, the second the same beams in all of them. An even number
+    of returns gives the lower of the two in the middle: a range that was measured, where the mean of two could lie in
+    the air between an edge and the wall behind it.
     """
     classes = [beam_class(value) for value in values]
     zeros, missing = classes.count("zero"), classes.count("missing")
@@ -124,11 +126,11 @@ def _median_beam(values: Sequence[float]) -> float:
 
 
 def laser_scan(scan: Scan, grid: BeamGrid) -> LaserScan:
-    """A LaserScan with the beams of a contract's scan, without times and limits.
+    """Convert a scan of the service to a LaserScan without times and limits.
 
     Args:
-        scan: its beams, by the table above read backwards.
-        grid: of the scenario's lidar, for angles that the scan does not say.
+        scan: scan of the service; the table in the docstring of this module is read from right to left.
+        grid: grid of the scenario's lidar, for angles that the scan does not state.
     """
     nothing = set(scan.no_return)
     ranges = tuple(

@@ -1,7 +1,7 @@
-"""Whether two scans show one scene: how a robot whose pose nobody measures is seen to stand still.
+"""Difference of two scans, by which a robot without a measured pose is recognised to stand still.
 
-Only ranges tell motion. Beams that answer now and then do not: many lidars lose packets, and write +inf or 0 for a
-dark or slanted surface in one revolution and its range in the next.
+Only differences of ranges indicate motion. Beams that return intermittently do not: many lidars lose packets, and
+report +inf or 0 for a dark or slanted surface in one revolution and its range in the next.
 """
 
 import math
@@ -11,25 +11,29 @@ from collections.abc import Sequence
 from voa_ros.scans import beam_class
 
 NOISE_M = 0.02
+"""Constant part of the tolerance `NOISE_M + NOISE_SHARE * range` for two scans of the same scene, metres."""
 NOISE_SHARE = 0.04
-"""Of the range. Two scans of one scene differ by less than `NOISE_M + NOISE_SHARE * range`, in the median."""
+"""Part of the tolerance `NOISE_M + NOISE_SHARE * range` that grows with the range."""
 CLEARLY = 2.0
-"""A scene is clearly another one when it differs by as many times what two scans of one scene may."""
+"""Difference, in units of the tolerance, above which the scene has clearly changed."""
 APPEARED_SHARE = 0.6
-"""Of the beams that answered: where the share of returns rises or falls by more, the scene is another one."""
+"""Change of the share of returns, among returns and no-returns, above which the scene has changed."""
 
 
 def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
-    """Difference of two scans of the same beams, in units of what two scans of one scene may differ by.
+    """Compute the difference of two scans with the same beams, in units of the tolerance for scans of one scene.
 
-    The median over the beams that return in both of `|a - b| / (NOISE_M + NOISE_SHARE * min(a, b))`; 0 where there is
-    no such beam. Infinite where the share of returns among the beams that answered (returned, or reported that nothing
-    is in range) differs by more than `APPEARED_SHARE`: from a room into the open, for instance. Zeros are no answer:
-    an LDS-01 writes them for lost packets too.
+    The difference is the median of `|a - b| / (NOISE_M + NOISE_SHARE * min(a, b))` over the beams that return in both
+    scans, and 0 where there is no such beam. It is infinite where the share of returns, among returns and no-returns,
+    differs by more than `APPEARED_SHARE`: when a robot leaves a room, for instance. Zeros count as neither, because an
+    LDS-01 reports them for lost packets too.
 
     Args:
-        one: ranges as LaserScans have them.
-        other: as many.
+        one: ranges of the first scan, metres, with the special values of LaserScans.
+        other: ranges of the second scan, one per beam of the first.
+
+    Returns:
+        The difference; at most 1 for two scans of one scene.
 
     Raises:
         ValueError: the numbers of beams differ.
@@ -46,7 +50,7 @@ def scene_difference(one: Sequence[float], other: Sequence[float]) -> float:
 
 
 def _share_of_returns(ranges: Sequence[float]) -> float | None:
-    """Returns among the beams that answered; None: none of them did."""
+    """Share of returns among the returns and no-returns; None: there is neither."""
     classes = [beam_class(value) for value in ranges]
     returns, nothing = classes.count("return"), classes.count("nothing")
     return returns / (returns + nothing) if returns + nothing else None

@@ -1,14 +1,14 @@
-"""Where ROS 2's topics are on Zenoh, and what travels beside a sample.
+"""Keys of ROS 2 topics on Zenoh, and the attachment that rmw_zenoh sends with each sample.
 
-Topic `/tb3_1/scan` has three forms, by who puts it:
+The key of topic `/tb3_1/scan` depends on the publisher:
 
-| who                         | key                                                                        |
+| publisher                   | key                                                                        |
 |-----------------------------|----------------------------------------------------------------------------|
 | zenoh-bridge-ros2dds        | `tb3_1/scan`                                                               |
 | rmw_zenoh                   | `<domain>/tb3_1/scan/sensor_msgs::msg::dds_::LaserScan_/RIHS01_<64 digits>` |
-| rmw_zenoh on humble         | the same, ending in `TypeHashNotSupported`                                 |
+| rmw_zenoh on humble         | as rmw_zenoh, with `TypeHashNotSupported` instead of the hash              |
 
-In this package a topic is written as in the first form: chunks with slashes between, none in front.
+In this package a topic is written as in the first form: chunks separated by slashes, without a leading slash.
 """
 
 import re
@@ -24,20 +24,20 @@ _GID_BYTES = 16
 
 
 class InvalidTopic(ValueError):
-    """No topic, or no key of one; says what was expected."""
+    """Error for text that is neither a topic nor the key of one; its text says what was expected."""
 
 
 class InvalidRmwAttachment(ValueError):
-    """Bytes that are not rmw_zenoh's attachment."""
+    """Error for bytes that are not rmw_zenoh's attachment, or values that it cannot hold."""
 
 
 @dataclass(frozen=True)
 class MessageType:
-    """A ROS 2 message type.
+    """Type of ROS 2 messages.
 
     Attributes:
-        name: as in `sensor_msgs/msg/LaserScan`.
-        rihs: its hash (REP-2011), which rmw_zenoh puts into keys.
+        name: name such as `sensor_msgs/msg/LaserScan`.
+        rihs: hash of the type (REP-2011), which rmw_zenoh puts into keys.
     """
 
     name: str
@@ -45,7 +45,7 @@ class MessageType:
 
     @property
     def dds_name(self) -> str:
-        """As in `sensor_msgs::msg::dds_::LaserScan_`."""
+        """Name in DDS, such as `sensor_msgs::msg::dds_::LaserScan_`."""
         package, _, last = self.name.partition("/msg/")
         return f"{package}::msg::dds_::{last}_"
 
@@ -62,15 +62,21 @@ POSE_WITH_COVARIANCE_STAMPED = MessageType(
 )
 
 
-def type_name(told: str) -> str | None:
-    """Write the name of a message type as in `sensor_msgs/msg/LaserScan`, however it is told; None: it names none."""
-    found = _TYPE.fullmatch(told) or _DDS_TYPE.fullmatch(told)
-    return None if found is None else f"{found[1]}/msg/{found[2]}"
+def type_name(text: str) -> str | None:
+    """Convert any form of the name of a message type to `sensor_msgs/msg/LaserScan`; None: it names no type."""
+    match = _TYPE.fullmatch(text) or _DDS_TYPE.fullmatch(text)
+    return None if match is None else f"{match[1]}/msg/{match[2]}"
 
 
 @dataclass(frozen=True)
 class TopicKey:
-    """What a key says: the topic, and its type (`sensor_msgs/msg/LaserScan`) and domain where rmw_zenoh put it."""
+    """Parsed key of a topic.
+
+    Attributes:
+        topic: name of the topic, without a leading slash.
+        type_name: type such as `sensor_msgs/msg/LaserScan`; None: the key does not state it.
+        domain: ROS_DOMAIN_ID; None: the key does not state it.
+    """
 
     topic: str
     type_name: str | None = None
@@ -78,23 +84,23 @@ class TopicKey:
 
 
 def check_topic(topic: str) -> str:
-    """The topic itself; raises InvalidTopic unless it is chunks of `[A-Za-z0-9_]` with slashes between."""
+    """Return the topic; raises InvalidTopic unless it is chunks of `[A-Za-z0-9_]` separated by slashes."""
     if not all(_CHUNK.fullmatch(chunk) for chunk in topic.split("/")):
         raise InvalidTopic(
-            f"expected a topic like 'tb3_1/scan': chunks of letters, digits and '_' with '/' between, got {topic!r}"
+            f"expected a topic like 'tb3_1/scan': chunks of letters, digits and '_', separated by '/', got {topic!r}"
         )
     return topic
 
 
 def resolve(namespace: str, topic: str) -> str:
-    """A topic below a namespace, as ROS resolves it: one that begins with `/` is absolute.
+    """Resolve a topic with a namespace as ROS does: a topic that begins with `/` is absolute.
 
     Args:
-        namespace: any number of chunks, with or without a leading slash; "" or "/" for none.
-        topic: relative or absolute.
+        namespace: any number of chunks, with or without a leading slash; "" or "/": no namespace.
+        topic: relative or absolute topic.
 
     Raises:
-        InvalidTopic: it has other characters than a topic can have.
+        InvalidTopic: the result has characters that a topic cannot have.
     """
     above = namespace.removeprefix("/")
     if topic.startswith("/"):
@@ -103,37 +109,38 @@ def resolve(namespace: str, topic: str) -> str:
 
 
 def expressions(topic: str, domain: int = 0) -> tuple[str, ...]:
-    """Build the key expressions that meet a resolved topic in all its forms.
+    """Build the key expressions that match a resolved topic in all its forms.
 
-    Whatever is published on it is met, so that a message of another type can be refused by name. `met` tells which.
+    They match messages of every type, so that a message of another type can be refused with a reason. `match_key` reads
+    the keys of samples.
 
     Args:
-        topic: chunks with slashes between.
-        domain: ROS_DOMAIN_ID of the nodes that publish by rmw_zenoh; a bridge's keys have none.
+        topic: chunks separated by slashes.
+        domain: ROS_DOMAIN_ID of the nodes that publish by rmw_zenoh; the keys of a bridge have none.
 
     Raises:
-        InvalidTopic: it is no topic.
+        InvalidTopic: the text is not a topic.
     """
     check_topic(topic)
     return topic, f"{domain}/{topic}/*/*"
 
 
-def met(topic: str, key: str, domain: int = 0) -> TopicKey | None:
-    """Read the key of a sample on a topic; None: it is of another topic, such as one below it, or another domain."""
+def match_key(topic: str, key: str, domain: int = 0) -> TopicKey | None:
+    """Parse the key of a sample; None: the key has another topic, such as one below `topic`, or another domain."""
     try:
-        told = parse_key(key)
+        parsed = parse_key(key)
     except InvalidTopic:
         return None
-    return told if told.topic == topic and told.domain in (None, domain) else None
+    return parsed if parsed.topic == topic and parsed.domain in (None, domain) else None
 
 
 def rmw_key(topic: str, type_: MessageType, domain: int = 0) -> str:
-    """Where rmw_zenoh puts, and listens to, a topic."""
+    """Build the key on which rmw_zenoh publishes and subscribes to a topic."""
     return f"{domain}/{check_topic(topic)}/{type_.dds_name}/{type_.rihs}"
 
 
 def parse_key(key: str) -> TopicKey:
-    """The topic of a key in any of the forms; raises InvalidTopic where it has none of them."""
+    """Parse a key in any of the three forms; raises InvalidTopic where it has none of them."""
     chunks = key.split("/")
     of_rmw = _DDS_TYPE.fullmatch(chunks[-2]) if len(chunks) >= 4 else None
     if of_rmw is None:
@@ -145,12 +152,12 @@ def parse_key(key: str) -> TopicKey:
 
 @dataclass(frozen=True)
 class RmwAttachment:
-    """What rmw_zenoh sends beside each sample. A ROS node aborts on any other form: publish to it with this one.
+    """Attachment of the samples of rmw_zenoh; a ROS node aborts when it receives a sample with any other attachment.
 
     Attributes:
-        sequence: counts the publisher's samples.
-        source_ns: when it was published, in nanoseconds.
-        gid: the publisher, 16 bytes.
+        sequence: number of the sample of its publisher.
+        source_ns: time of publication, nanoseconds.
+        gid: identifier of the publisher, 16 bytes.
     """
 
     sequence: int
@@ -163,11 +170,11 @@ class RmwAttachment:
 
     @property
     def name(self) -> str:
-        """One name for the sample, the same wherever it is heard."""
+        """Name of the sample, equal for all that receive it."""
         return f"{self.gid.hex()}-{self.sequence}-{self.source_ns}"
 
     def encode(self) -> bytes:
-        """33 bytes; raises InvalidRmwAttachment where a number does not fit."""
+        """Encode the attachment, 33 bytes; raises InvalidRmwAttachment where a number is out of range."""
         try:
             return _ATTACHMENT.pack(self.sequence, self.source_ns, _GID_BYTES, self.gid)
         except struct.error as error:
@@ -175,10 +182,10 @@ class RmwAttachment:
 
     @classmethod
     def decode(cls, data: bytes) -> "RmwAttachment":
-        """Read one; raises InvalidRmwAttachment, also for the longer ones of releases before 0.2.4."""
+        """Decode an attachment; raises InvalidRmwAttachment, also for the longer form of releases before 0.2.4."""
         if len(data) != _ATTACHMENT.size:
             raise InvalidRmwAttachment(f"expected rmw_zenoh's attachment of {_ATTACHMENT.size} bytes, got {len(data)}")
         sequence, source_ns, gid_bytes, gid = _ATTACHMENT.unpack(data)
         if gid_bytes != _GID_BYTES:
-            raise InvalidRmwAttachment(f"gid: expected {_GID_BYTES} bytes, told {gid_bytes}")
+            raise InvalidRmwAttachment(f"gid: expected {_GID_BYTES} bytes, got a length of {gid_bytes}")
         return cls(sequence, source_ns, gid)

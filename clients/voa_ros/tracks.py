@@ -1,4 +1,4 @@
-"""The newest poses of a robot by time, whatever its clock does."""
+"""Track of the newest poses of a robot by time, which tolerates late, repeated and set-back stamps."""
 
 import bisect
 import math
@@ -10,22 +10,23 @@ from voa_ros.clocks import ClockOffset
 from voa_ros.motions import wrapped
 
 MOST_POSES = 1_024
-"""Kept of each track: five seconds of the fastest odometry."""
+"""Number of poses that a track keeps: five seconds of the fastest odometry."""
 CLOCKS_APART_S = 0.5
-"""Stamps whose clocks, compared at arrival, differ by more are not compared with one another."""
+"""Largest offset of two clocks, seconds, with which their stamps are compared."""
 COPY_WITHIN_S = 0.5
-"""A pose that arrives twice, by two bridges, does so within this; later, its stamp says that a clock was set back."""
+"""Time, seconds, within which a pose with an equal stamp is a repetition; later, the clock was set back."""
 
 
 @dataclass(frozen=True)
 class RobotPose:
-    """The robot in the frame of its odometry or map.
+    """Pose of the robot in the frame of its odometry or map.
 
     Attributes:
-        at_s: when, by the robot's clock.
-        x, y: metres.
-        yaw_rad: radians.
-        variance_xy_m2, variance_yaw: of AMCL's covariance, x and y averaged; 0 where it does not say.
+        at_s: time, seconds by the robot's clock.
+        x, y: position, metres.
+        yaw_rad: yaw, radians.
+        variance_xy_m2: mean of AMCL's variances of x and y, m^2; 0: unknown.
+        variance_yaw: AMCL's variance of the yaw, rad^2; 0: unknown.
     """
 
     at_s: float
@@ -38,46 +39,46 @@ class RobotPose:
 
 @dataclass(frozen=True)
 class NoPose:
-    """It is not known where the robot was."""
+    """Result where the pose is not known, with the reason in words."""
 
     reason: str
 
 
 class PoseTrack:
-    """The newest poses of one robot, by time. They may come late, twice, and after the clock was set back."""
+    """Newest poses of one robot, by time; poses may arrive late, twice, or after the clock was set back."""
 
     def __init__(self, max_age_s: float, what: str = "pose", most: int = MOST_POSES) -> None:
-        """An empty track.
+        """Start with no pose.
 
         Args:
-            max_age_s: a pose tells where the robot was as long before or after.
-            what: its name in reasons.
-            most: how many are kept.
+            max_age_s: seconds before and after its time for which a pose is used.
+            what: name of the poses in reasons.
+            most: number of poses that are kept.
         """
         self._max_age_s = max_age_s
         self._what = what
         self._most = most
         self._poses: list[RobotPose] = []
         self._arrived: list[float] = []
-        """When each of the poses was received first."""
+        """Time at which each of the poses was first received, seconds."""
         self._offset = ClockOffset()
         self._last: RobotPose | None = None
         self._received_s = -math.inf
 
     @property
     def newest(self) -> RobotPose | None:
-        """The latest by its own time."""
+        """Pose with the latest stamp; None: there is none."""
         return self._poses[-1] if self._poses else None
 
     def receive(self, pose: RobotPose, received_s: float) -> bool:
-        """Take a pose; of two with one stamp the later received holds.
+        """Add a pose; it replaces a pose with the same stamp.
 
         Args:
-            pose: by the robot's clock.
-            received_s: when it arrived, by any steady clock.
+            pose: pose, with its time by the robot's clock.
+            received_s: time of arrival, seconds by any steady clock.
 
         Returns:
-            Whether the robot's clock was set back: the poses of later times are void then.
+            True if the robot's clock was set back, so that the poses of later times were removed.
         """
         index = bisect.bisect_left(self._poses, pose.at_s, key=_AT)
         same = index < len(self._poses) and self._poses[index].at_s == pose.at_s
@@ -94,18 +95,18 @@ class PoseTrack:
         return back
 
     def agrees(self, offset_s: float | None) -> bool:
-        """Whether a clock is that of the poses, by what it is behind the clock that messages arrive by."""
+        """True if a clock with this offset to the receiver's clock, seconds, is the clock of the poses."""
         own_s = self._offset.seconds
         return own_s is None or offset_s is None or abs(offset_s - own_s) <= CLOCKS_APART_S
 
     def at(self, at_s: float) -> RobotPose | NoPose:
-        """Where the robot was.
+        """Return the pose of the robot at a time.
 
-        Between two poses that are near enough to each other, on the straight line from one to the other and turning the
-        short way; else at the nearest, if that is not too far.
+        Between two poses that are close enough in time, the pose is interpolated linearly, with the yaw along the
+        shorter turn; otherwise it is the pose nearest in time, if that is not too old.
 
         Args:
-            at_s: seconds by the robot's clock.
+            at_s: time, seconds by the robot's clock.
         """
         index = bisect.bisect_left(self._poses, at_s, key=_AT)
         around = self._poses[max(index - 1, 0) : index + 1]
@@ -121,10 +122,10 @@ class PoseTrack:
         return replace(nearest, at_s=at_s)
 
     def latest(self, received_s: float) -> RobotPose | NoPose:
-        """The pose that was received last, for a scan whose stamp says nothing.
+        """Return the pose that was received last, for a scan whose stamp cannot be used.
 
         Args:
-            received_s: when the scan arrived.
+            received_s: time of arrival of the scan, seconds.
         """
         if self._last is None:
             return self._none()

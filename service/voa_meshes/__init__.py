@@ -1,4 +1,4 @@
-"""Strict readers of mesh files (OBJ, STL, PLY, GLB) that nobody has checked: from bytes to vertices and faces.
+"""Strict readers of untrusted mesh files (OBJ, STL, PLY, GLB): from bytes to vertices and faces.
 
     triangles = read_mesh(content, "stl")
     vertices = turned_up(triangles.vertices, default_up("stl"))  # (v, 3), the file's unit, z up

@@ -108,8 +108,8 @@ def _instances(node: Node, index: int, buffers: Buffers) -> Floats:
     """Return the transforms (n, 4, 4) of the copies of a node's mesh; the identity alone where it is not instanced."""
     if INSTANCING not in node.extensions:
         return np.eye(4)[None]
-    said = node.extensions[INSTANCING]
-    attributes = said.get("attributes") if isinstance(said, dict) else None
+    extension = node.extensions[INSTANCING]
+    attributes = extension.get("attributes") if isinstance(extension, dict) else None
     kinds = {"TRANSLATION": "VEC3", "ROTATION": "VEC4", "SCALE": "VEC3"}
     if not isinstance(attributes, dict) or not all(type(each) is int and each >= 0 for each in attributes.values()):
         raise UnreadableMesh(f"node {index}: expected attributes of {INSTANCING}")

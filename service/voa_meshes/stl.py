@@ -18,7 +18,7 @@ _BOUNDARY = re.compile(rb"^[ \t]*(solid|endsolid)(?:[ \t][^\n]*)?$", re.MULTILIN
 
 
 def read_stl(content: bytes) -> Triangles:
-    """Read an STL file, text or binary, whatever its first bytes are; colours are ignored.
+    """Read an STL file, text or binary, of which the length decides; colours are ignored.
 
     Raises:
         UnreadableMesh: the file has fewer or more facets than its header says, or text that is not STL.

@@ -21,13 +21,13 @@ FILE = Path(__file__).with_name("messages.json")
 
 def messages() -> dict[str, type[Message]]:
     """Every public message by its name."""
-    found: dict[str, type[Message]] = {}
+    by_name: dict[str, type[Message]] = {}
     for module in pkgutil.iter_modules(voa_msgs.__path__):
         for name, value in vars(importlib.import_module(f"voa_msgs.{module.name}")).items():
             if isinstance(value, type) and issubclass(value, Message) and not name.startswith("_"):
-                assert found.setdefault(name, value) is value, f"two messages are called {name}"
-    del found["Message"]
-    return dict(sorted(found.items()))
+                assert by_name.setdefault(name, value) is value, f"two messages are called {name}"
+    del by_name["Message"]
+    return dict(sorted(by_name.items()))
 
 
 def schemas() -> dict[str, Any]:

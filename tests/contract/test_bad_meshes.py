@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.contract.test_bad_input import check_problem
+from tests.contract.bad_input.base import check_problem
 from tests.support.serving import Service, box_obj, serving
 from tests.voa_meshes.files import POINTS, ascii_ply, binary_stl, obj
 from voa_service.settings import Limits
@@ -192,7 +192,7 @@ def test_a_form_that_is_none_gets_its_problem(
     assert service.stored() == before
 
 
-def test_a_misspelt_form_field_is_told_with_the_fields_there_are(service: Service) -> None:
+def test_a_misspelt_form_field_is_refused_with_the_known_fields(service: Service) -> None:
     answer = service.http.post("/v1/objects", files={"file": ("box.obj", BOX)}, data={"scales": "0.001"})
     assert answer.json()["detail"] == "body.scales: no such field: expected one of file, name, scale, up"
 

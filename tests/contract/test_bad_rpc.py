@@ -1,4 +1,4 @@
-"""What is bad over HTTP is bad by name too: the same requests as calls, the same problems, nothing changed."""
+"""Bad input by method name instead of HTTP: the same problems for the cases of bad input, and no change."""
 
 import json
 import re
@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.contract.test_bad_input import CASES, LIMITS, Case, World, filled, some_world
+from tests.contract.bad_input.base import LIMITS, Case, World, filled, stocked_service
+from tests.contract.bad_input.cases import CASES
 from tests.support.serving import json_of, scan_of
 from voa_service.rpc.entry import Rpc
 
@@ -26,7 +27,7 @@ METHODS = (
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with some_world(tmp_path_factory.mktemp("rpc")) as own:
+    with stocked_service(tmp_path_factory.mktemp("rpc")) as own:
         yield own
 
 

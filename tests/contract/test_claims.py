@@ -166,7 +166,7 @@ def test_a_claim_at_one_replica_holds_at_the_other(tmp_path: Path) -> None:
         assert other.open(scenario, robots=[ROBOT]) == reported(one)[ROBOT]
 
 
-def test_a_client_claims_and_is_told_what_contradicts_it(own: Service, scenario: str) -> None:
+def test_a_client_claims_and_gets_the_contradiction(own: Service, scenario: str) -> None:
     with Client(HttpTransport("http://127.0.0.1", own.http._transport)) as client:
         first, _ = own.open(scenario), own.open(scenario)
         assert client.claim_robot(ROBOT, first).session == first
@@ -196,7 +196,7 @@ def test_a_process_without_a_mapping_says_so(own: Service) -> None:
     assert "this process maps no robots, see `voa serve --robots FILE`" in answer.json()["detail"]
     answer = own.http.put(f"/v1/robots/{ROBOT}/session", json={"session": None})
     assert answer.status_code == 404
-    assert "this process maps none" in answer.json()["detail"]
+    assert "this process maps no robots" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize("prior", [None, [0.2, 0.3, 0.5]])

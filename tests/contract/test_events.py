@@ -20,7 +20,7 @@ END_SECONDS = 2.0
 
 
 class Event(NamedTuple):
-    """One event as it was sent."""
+    """Event as it was sent."""
 
     event: str
     id: str | None
@@ -28,7 +28,7 @@ class Event(NamedTuple):
 
     @property
     def version(self) -> int:
-        """Of a session; its id says the same."""
+        """Version of a session, which must equal the id of the event."""
         assert self.event == "session"
         assert self.id == str(self.data["version"])
         return int(self.data["version"])
@@ -68,8 +68,8 @@ def world(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 def move(http: httpx2.Client, session: str) -> Json:
     answer = http.post(f"/v1/sessions/{session}/scans", json=scan_of([0.5, 0.5, None, 1.0]))
     assert answer.status_code == 200, answer.text
-    told: Json = answer.json()
-    return told
+    body: Json = answer.json()
+    return body
 
 
 @contextmanager
@@ -107,12 +107,12 @@ def test_each_version_comes_once_in_order_whichever_process_made_it(world: World
     with following(world.here, session) as mine, following(world.there, session) as theirs:
         assert [next(mine).version, next(theirs).version] == [0, 0]
         for version in range(1, 9):
-            told = move(world.here if version % 3 else world.there, session)
-            told.pop("update")
+            state = move(world.here if version % 3 else world.there, session)
+            state.pop("update")
             for events in (mine, theirs):
                 event = next(events)
                 assert event.version == version
-                assert event.data == told
+                assert event.data == state
 
 
 def test_a_burst_of_another_process_comes_completely(world: World) -> None:

@@ -80,8 +80,8 @@ def test_an_unusual_extent_is_a_warning(service: Service, scale: float, hint: st
     assert f"{0.06 * scale:g} m" in warning["detail"]
     assert hint in warning["detail"]
     # Later the scale that was applied is not known any more, but the size is.
-    [later] = service.get(f"/v1/objects/{answer['id']}")["warnings"]
-    assert later["detail"].startswith(warning["detail"].partition("The file may be in")[0])
+    [stored] = service.get(f"/v1/objects/{answer['id']}")["warnings"]
+    assert stored["detail"].startswith(warning["detail"].partition("The file may be in")[0])
 
 
 def test_usual_extents_are_none(service: Service) -> None:
@@ -100,7 +100,7 @@ def test_a_mesh_that_stands_on_the_other_plane_of_its_file_is_a_warning(service:
         assert upload(service, lying, "lying.obj", up=up)["warnings"] == []  # who says it has thought of it
 
 
-def found(service: Service, content: str | bytes, type_: str = "obj", **more: str | float) -> list[Json]:
+def by_digest(service: Service, content: str | bytes, type_: str = "obj", **more: str | float) -> list[Json]:
     """The meshes that the service has of a file, as an upload is answered."""
     digest = hashlib.sha256(content.encode() if isinstance(content, str) else content).hexdigest()
     answer = service.http.get("/v1/objects", params={"sha256": digest, "type": type_, **more})
@@ -110,42 +110,42 @@ def found(service: Service, content: str | bytes, type_: str = "obj", **more: st
     return [item | {"sha256": None} for item in answer.json()["items"]]
 
 
-def test_a_file_that_was_uploaded_is_found_by_its_digest_as_its_upload_was_answered(service: Service) -> None:
+def test_a_file_that_was_uploaded_is_listed_by_its_digest_as_its_upload_was_answered(service: Service) -> None:
     content = obj(TRIANGLES, 1.3 * POINTS)
-    assert found(service, content) == []
+    assert by_digest(service, content) == []
     first = upload(service, content, "first.OBJ")
-    assert found(service, content) == [first] == [upload(service, content, "second.obj")]
-    assert first["name"] == "first", "the name of a mesh is that of its first upload, asked for or sent again"
-    assert found(service, content, scale=1, up="+Z") == [first]
+    assert by_digest(service, content) == [first] == [upload(service, content, "second.obj")]
+    assert first["name"] == "first", "a mesh keeps the name of its first upload"
+    assert by_digest(service, content, scale=1, up="+Z") == [first]
     for other in ({"scale": 0.5}, {"up": "+Y"}):
-        assert found(service, content, **other) == []
-    assert found(service, content, "stl") == [], "as an STL it would not be read"
+        assert by_digest(service, content, **other) == []
+    assert by_digest(service, content, "stl") == [], "as an STL it would not be read"
     halved = upload(service, content, "half.obj", scale="0.1", up="+Y")
-    assert found(service, content, scale=0.1, up="+Y") == [halved]
-    assert found(service, content) == [first]
+    assert by_digest(service, content, scale=0.1, up="+Y") == [halved]
+    assert by_digest(service, content) == [first]
 
 
-def test_a_mesh_that_is_found_is_warned_of_as_when_it_was_uploaded(service: Service) -> None:
+def test_a_mesh_in_a_list_is_warned_of_as_when_it_was_uploaded(service: Service) -> None:
     lying = obj(TRIANGLES, 1.4 * Y_UP)
     answers = [upload(service, lying, "lying.obj", up="+Z"), upload(service, lying, "lying.obj")]
     assert [len(answer["warnings"]) for answer in answers] == [0, 1]
-    assert [found(service, lying, up="+Z"), found(service, lying)] == [answers[:1], answers[1:]]
+    assert [by_digest(service, lying, up="+Z"), by_digest(service, lying)] == [answers[:1], answers[1:]]
     large = upload(service, BOX, "large.obj", scale="100")
     assert large["warnings"]
-    assert found(service, BOX, scale=100) == [large]
+    assert by_digest(service, BOX, scale=100) == [large]
 
 
 def test_up_is_that_of_the_type_where_it_is_not_said(service: Service) -> None:
     content = glb(1.5 * Y_UP)
     first = upload(service, content, "turned.glb")
-    assert found(service, content, "glb") == [first] == found(service, content, "glb", up="+Y")
-    assert found(service, content, "glb", up="+Z") == []
+    assert by_digest(service, content, "glb") == [first] == by_digest(service, content, "glb", up="+Y")
+    assert by_digest(service, content, "glb", up="+Z") == []
 
 
-def test_a_file_that_was_refused_is_not_found(service: Service) -> None:
+def test_a_file_that_was_refused_is_not_listed(service: Service) -> None:
     answer = service.http.post("/v1/objects", files={"file": ("no.obj", "v 0 0 0")})
     assert answer.status_code == 422
-    assert found(service, "v 0 0 0") == []
+    assert by_digest(service, "v 0 0 0") == []
 
 
 def test_a_list_of_all_names_no_file(service: Service) -> None:

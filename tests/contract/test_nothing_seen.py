@@ -29,7 +29,7 @@ def scenario(service: Service, box: str, update: Json, **changes: Any) -> str:
 
 
 def east(std: Json | None) -> Json:
-    """Where configuration E of the scenario stands."""
+    """Pose of the sensor configuration E of the scenario, with standard deviations."""
     pose = {"x": 0.3, "y": 0.0, "yaw_rad": 3.141592653589793}
     return {"sensor_pose": pose | ({} if std is None else {"std": std})}
 

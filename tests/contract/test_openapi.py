@@ -1,4 +1,4 @@
-"""The OpenAPI document says what the service does: limits, errors, operations."""
+"""The OpenAPI document describes every operation, parameter, property, problem and limit of the service."""
 
 import json
 import re
@@ -7,17 +7,20 @@ from typing import Any
 
 import pytest
 
+from tests.architecture.test_language import LEANING
 from tests.support.serving import Json, Service, serving
+from voa_service.failures import Failure
 from voa_service.settings import Limits
 
 LIMITS = Limits(beams=11, poses=12, sensors=13, grasps=14)
+KINDS = {kind.kind: kind for kind in Failure.__subclasses__()}
 
 
 @pytest.fixture(scope="module")
 def document(tmp_path_factory: pytest.TempPathFactory) -> Json:
     with serving(tmp_path_factory.mktemp("limited"), limits=LIMITS) as service:
-        answer: Json = service.get("/openapi.json")
-    return answer
+        document: Json = service.get("/openapi.json")
+    return document
 
 
 def operations(document: Json) -> Iterator[tuple[str, str, Json]]:
@@ -43,22 +46,89 @@ def test_it_is_openapi_3_1_with_a_title_and_a_version(document: Json) -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", document["info"]["version"])
 
 
-def test_every_operation_has_an_id_of_its_own_a_summary_and_a_description(document: Json) -> None:
-    ids = [operation["operationId"] for _, _, operation in operations(document)]
-    assert sorted(set(ids)) == sorted(ids)
-    for path, method, operation in operations(document):
-        assert operation["summary"], (path, method)
-        assert operation["description"], (path, method)
+def test_every_operation_has_an_id_and_a_summary_of_its_own(document: Json) -> None:
+    for member in ("operationId", "summary"):
+        values = [operation[member] for _, _, operation in operations(document)]
+        assert sorted(set(values)) == sorted(values)
 
 
-def test_every_error_is_a_problem_document(document: Json) -> None:
+def test_summaries_are_sentences_that_a_stranger_understands(document: Json) -> None:
     for path, method, operation in operations(document):
-        errors = {status: told for status, told in operation["responses"].items() if status >= "400"}
-        for status, told in errors.items():
-            assert told["content"] == {
-                "application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}
-            }, (path, method, status)
-            assert told["description"]
+        summary = operation["summary"]
+        assert len(summary.split()) >= 4, (path, method, summary)
+        assert len(summary) <= 100, (path, method, summary)
+        assert not summary.endswith("."), (path, method, summary)
+        assert not LEANING.match(summary), (path, method, summary)
+        assert summary != operation.get("description"), (path, method, summary)
+
+
+def test_every_operation_is_listed_under_exactly_one_described_tag(document: Json) -> None:
+    described = {tag["name"]: tag["description"] for tag in document["tags"]}
+    for path, method, operation in operations(document):
+        assert len(operation["tags"]) == 1, (path, method)
+    assert {operation["tags"][0] for _, _, operation in operations(document)} == set(described)
+    for text in described.values():
+        assert text.endswith("."), text
+        assert len(text.split()) > 5, text
+
+
+def test_every_parameter_and_every_success_is_described(document: Json) -> None:
+    for path, method, operation in operations(document):
+        for parameter in operation.get("parameters", []):
+            assert parameter.get("description", "").endswith("."), (path, method, parameter["name"])
+        for status, response in operation["responses"].items():
+            if status < "400":
+                assert response["description"] != "Successful Response", (path, method, status)
+                assert response["description"].endswith("."), (path, method, status)
+
+
+def properties(document: Json) -> Iterator[tuple[str, Json]]:
+    for name, schema in document["components"]["schemas"].items():
+        for field, described in schema.get("properties", {}).items():
+            yield f"{name}.{field}", described
+
+
+def test_every_schema_and_every_property_is_described(document: Json) -> None:
+    assert len(list(properties(document))) > 300
+    without = {"Body_create_object", "JsonValue"}  # made by FastAPI and pydantic
+    bare = [name for name, schema in document["components"]["schemas"].items() if not schema.get("description")]
+    assert set(bare) == without
+    wrong = [
+        f"{name}: {described.get('description')}"
+        for name, described in properties(document)
+        if not described.get("description", "").endswith(".") or LEANING.match(described["description"])
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+UNITS = re.compile(
+    r"\b(metres|radians|mm|m\^2|1/m|seconds|nats|success probability|probabilit(y|ies)|share|expected score|evidence"
+    r"|concentration|quaternion|exponent|grasp scores)\b",
+    re.IGNORECASE,
+)
+"""Units of real numbers, and the quantities that have none."""
+
+
+def test_every_real_number_is_described_with_its_unit(document: Json) -> None:
+    wrong = [
+        f"{name}: {described['description']}"
+        for name, described in properties(document)
+        if any(node.get("type") == "number" for node in nodes(described)) and not UNITS.search(described["description"])
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_every_error_is_a_problem_document_whose_kinds_are_listed(document: Json) -> None:
+    for path, method, operation in operations(document):
+        errors = {status: response for status, response in operation["responses"].items() if status >= "400"}
+        for status, response in errors.items():
+            [(media_type, content)] = response["content"].items()
+            assert media_type == "application/problem+json"
+            assert content["schema"]["$ref"] == "#/components/schemas/Problem", (path, method, status)
+            for urn in content["schema"]["properties"]["type"]["enum"]:
+                kind = urn.removeprefix("urn:voa:problem:")
+                assert KINDS[kind].status == int(status), (path, method, status, kind)
+                assert f"{KINDS[kind].title} (`{kind}`)" in response["description"]
 
 
 def test_errors_are_named_where_they_can_happen(document: Json) -> None:
@@ -122,10 +192,10 @@ def test_no_schema_is_left_over(document: Json) -> None:
     ],
 )
 def test_limits_are_those_of_the_settings(document: Json, schema: str, field: str, word: str, most: int) -> None:
-    found = {
+    limits = {
         node[word] for node in nodes(document["components"]["schemas"][schema]["properties"][field]) if word in node
     }
-    assert found == {most}
+    assert limits == {most}
 
 
 def test_no_mark_of_a_limit_is_left_in_the_document(document: Json) -> None:

@@ -30,6 +30,6 @@ def test_a_schema_driven_tester_finds_nothing(tmp_path: Path) -> None:
         command += [f"{service.url}/openapi.json", "--max-examples", str(CASES), "--seed", SEED]
         command += ["--phases", "examples,coverage,fuzzing", "--exclude-path-regex", "/events$"]
         command += ["--request-timeout", "60"]  # another program may have the machine
-        found = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
-    print(found.stdout[-2000:])
-    assert found.returncode == 0, found.stdout[-20_000:]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    print(done.stdout[-2000:])
+    assert done.returncode == 0, done.stdout[-20_000:]

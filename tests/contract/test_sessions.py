@@ -34,12 +34,12 @@ class Lab:
 
     @property
     def session(self) -> Session:
-        """As it is read."""
+        """Session as the service reports it."""
         return self.inside.sessions.get(self.id)
 
     @property
     def dates(self) -> list[datetime]:
-        """Of every version."""
+        """Times of all versions."""
         return [entry.at for entry in self.inside.sessions.history(self.id, 100, None).items]
 
     def scan(self, body: Json = GOOD) -> None:
@@ -115,21 +115,21 @@ def test_the_last_fit_is_that_of_the_last_scan_whatever_came_after_it(lab: Lab) 
 
 def test_an_update_of_nobodys_belief_has_a_fit_where_it_is_accepted(service: Service) -> None:
     scenario = service.create(data_scenario(name="exacting", update={"rule": "margin"}))
-    asked = {"scenario": scenario, "belief": [0.2, 0.3, 0.5]}
-    near, far = (service.post("/v1/updates", asked | scan_of([range_, 0.5, None, 1.0])) for range_ in (0.504, 0.7))
+    request = {"scenario": scenario, "belief": [0.2, 0.3, 0.5]}
+    near, far = (service.post("/v1/updates", request | scan_of([range_, 0.5, None, 1.0])) for range_ in (0.504, 0.7))
     assert (near["update"]["accepted"], near["last_fit_rmsd_mm"]) == (True, near["update"]["fit_rmsd_mm"])
     assert (far["update"]["reason"], far["last_fit_rmsd_mm"]) == ("no_match", None)
     assert far["update"]["fit_rmsd_mm"] > 0.0
 
 
 def test_a_session_that_is_opened_again_under_its_key_is_no_news(lab: Lab) -> None:
-    told: list[str] = []
+    published: list[str] = []
     request = SessionRequest(scenario=lab.session.scenario)
     write = write_of("prior", b"{}", idempotency_key("K", ANYONE, "session", request))
-    with lab.inside.changes.listening(lambda session, _: told.append(session)):
+    with lab.inside.changes.listening(lambda session, _: published.append(session)):
         first, again = (lab.inside.sessions.create(request, write) for _ in range(2))
     assert first == again
-    assert told == [Session.model_validate_json(first.body).id]
+    assert published == [Session.model_validate_json(first.body).id]
 
 
 def test_a_byte_order_mark_is_no_part_of_what_was_sent(service: Service, data_id: str) -> None:

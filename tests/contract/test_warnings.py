@@ -54,7 +54,7 @@ def test_a_scenario_and_its_sessions_carry_what_is_probably_wrong(service: Servi
     assert sorted(warning.kind for warning in whole.items) == expected
 
 
-def test_a_scan_carries_its_own_warnings_and_keeps_them_when_it_is_asked_for_again(service: Service, box: str) -> None:
+def test_a_scan_carries_its_own_warnings_and_keeps_them_when_it_is_requested_again(service: Service, box: str) -> None:
     id_ = service.create(good(box, name="turned", workspace={"min": [-0.1, -0.1], "max": [0.1, 0.1]}))
     ranges = service.post(f"/v1/scenarios/{id_}/predictions", {"sensors": ["E"]})["ranges"][0][0]
     turned = as_scan(ranges[90:] + ranges[:90])
@@ -80,7 +80,7 @@ def test_a_search_that_fails_hides_no_scenario(service: Service, box: str, monke
     assert service.get(f"/v1/sessions/{service.open(created['id'])}")["warnings"] == []
 
 
-def test_a_later_field_that_has_its_default_changes_no_digest(service: Service) -> None:
+def test_a_new_field_that_has_its_default_changes_no_digest(service: Service) -> None:
     # The digest that the first release gave to this scenario.
     first_release = "0b385e05679ed4b0a4fdc0db98457cf245aad137b0d7d0e16c1b45cc8e9aa3e7"
     assert service.create(data_scenario()) == first_release
@@ -100,8 +100,8 @@ def test_a_look_must_gain_what_the_scenario_or_the_request_says(service: Service
     first = ranking["ranking"][0]
     assert 0.0 < first["net_value"] < 0.9
     assert ranking["recommendation"]["action"] == "grasp"
-    asked = service.post(f"/v1/sessions/{session}/voa", {"min_gain": 0.0})
-    assert asked["recommendation"] == {"action": "look", "sensor": first["sensor"], "net_value": first["net_value"]}
+    ranking = service.post(f"/v1/sessions/{session}/voa", {"min_gain": 0.0})
+    assert ranking["recommendation"] == {"action": "look", "sensor": first["sensor"], "net_value": first["net_value"]}
     once = {"scenario": id_, "belief": [1 / 3] * 3, "min_gain": first["net_value"]}
     assert service.post("/v1/rankings", once)["recommendation"]["action"] == "grasp"
 

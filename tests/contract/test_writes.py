@@ -28,14 +28,14 @@ TIMEOUT = 120.0
 
 @dataclass(frozen=True)
 class Call:
-    """One write; braces stand for a session, brackets for the scenario."""
+    """Write to a session; braces in it stand for the session, brackets for the scenario."""
 
     method: str
     path: str
     body: Json | None
     status: int
     moves: int = 1
-    """How many versions it makes."""
+    """Number of versions that the write makes."""
 
     def to(self, world: "World", session: str, key: str | None = None, if_match: str | None = None) -> httpx2.Response:
         headers = {"Content-Type": "application/json"}
@@ -173,8 +173,8 @@ def test_concurrent_twice_has_one_effect_and_the_same_answer(world: World, write
     assert_moved(world, session, write.call.moves)
     opened = {"create session": 1, "delete": -1}
     (name,) = [name for name, each in WRITES.items() if each is write]
-    found = len(world.http.get("/v1/sessions?limit=1000").json()["items"])
-    assert found == sessions + opened.get(name, 0)
+    listed = len(world.http.get("/v1/sessions?limit=1000").json()["items"])
+    assert listed == sessions + opened.get(name, 0)
 
 
 @pytest.mark.parametrize("write", (MOVES | DELETES).values(), ids=list(MOVES | DELETES))

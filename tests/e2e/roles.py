@@ -1,8 +1,8 @@
-"""The lidar robot, the arm and an onlooker, each a program of its own that knows the service by its client alone.
+"""Programs of the lidar robot, of the arm and of an onlooker, which use the service by its client alone.
 
     python tests/e2e/roles.py sensor|arm|onlooker URL SESSION POSE
 
-The mug is really at POSE: the robot's scans are what the mesh would give there.
+The mug lies at POSE: the scans of the robot are the predictions for that pose.
 """
 
 import json
@@ -14,7 +14,7 @@ from voa_msgs.sessions import Scan
 
 
 def sensor(client: Client, session: str, pose: str) -> dict[str, object]:
-    """Look once, where it helps most."""
+    """Take one look, from the place that is ranked first."""
     scenario = client.get_session(session).scenario
     stands = [""]
 
@@ -31,7 +31,7 @@ def sensor(client: Client, session: str, pose: str) -> dict[str, object]:
 
 
 def arm(client: Client, session: str, pose: str) -> dict[str, object]:
-    """Grasp when that is likelier to succeed than not, and tell what came of it."""
+    """Wait for an expected score of 0.6, grasp, and report the outcome."""
     own = ArmClient(client, session)
     waited = own.wait_until(score=0.6)
     best = own.best_grasp()
@@ -41,7 +41,7 @@ def arm(client: Client, session: str, pose: str) -> dict[str, object]:
 
 
 def onlooker(client: Client, session: str, pose: str) -> dict[str, object]:
-    """Hear every version until the session ends."""
+    """Follow every version until the session ends."""
     versions = []
     for seen in client.follow(session):
         versions.append(seen.version)
@@ -50,7 +50,7 @@ def onlooker(client: Client, session: str, pose: str) -> dict[str, object]:
 
 
 def main() -> None:
-    """Play a role and print what came of it."""
+    """Play a role and print its result as JSON."""
     role, url, session, pose = sys.argv[1:]
     with Client(url) as client:
         print(json.dumps({"sensor": sensor, "arm": arm, "onlooker": onlooker}[role](client, session, pose)))

@@ -1,4 +1,4 @@
-"""Routers, services and robots that come and go in the middle of everything: what was answered is there, once."""
+"""Routers, services and robots that fail and restart: every scan with a response is stored exactly once."""
 
 import json
 import signal
@@ -31,7 +31,7 @@ CUT_OFF_SECONDS = scaled(3.0, 15.0)
 PUTS = scaled(200, 1000)
 ACKNOWLEDGED = scaled(30, 200)
 END_SECONDS = scaled(10.0, 2.0)
-"""To end when asked to; CI's machines are slow."""
+"""Longest time of a process to end after SIGTERM; CI machines are slow."""
 SECONDS = 120.0
 GOOD = [0.5, 0.5, None, 1.0]
 
@@ -43,20 +43,20 @@ def post(url: str, body: Json) -> Json:
 
 
 def opened(service: Replica, count: int) -> list[str]:
-    """So many sessions on one scenario."""
+    """Open `count` sessions on one scenario."""
     scenario = post(f"{service.url}/v1/scenarios", data_scenario())["id"]
     return [str(post(f"{service.url}/v1/sessions", {"scenario": scenario})["id"]) for _ in range(count)]
 
 
 def stamps(service: Replica, session: str) -> Counter[str]:
-    """How often each stamp is in the history of a session."""
+    """Count each stamp in the history of a session."""
     with Client(service.url) as client:
         scans = [ScanRequest.model_validate(e.request) for e in client.history(session) if e.kind == "scan"]
     return Counter(json.dumps(request.scan.stamp) for request in scans)
 
 
 class Robots:
-    """The process of all robots."""
+    """Process that runs all robots."""
 
     def __init__(self, file: Path, robots: list[tuple[str, str]]) -> None:
         self._file = file
@@ -64,13 +64,13 @@ class Robots:
         self.process = subprocess.Popen([*command, *(f"{url}={session}" for url, session in robots)], cwd=REPOSITORY)
 
     def answered(self) -> Counter[str]:
-        """How many scans of each robot were answered."""
+        """Count the scans of each robot that got a response."""
         if not self._file.exists():
             return Counter()
         return Counter(line.split()[0] for line in self._file.read_text().splitlines())
 
     def each_gets(self, more: int, what: str, but: frozenset[str] = frozenset()) -> None:
-        """Returns when so many more scans of each robot were answered."""
+        """Wait until `more` further scans of each robot got a response."""
         before = self.answered()
         names = [f"robot-{index}" for index in range(ROBOTS)]
 
@@ -92,7 +92,7 @@ def running(file: Path, robots: list[tuple[str, str]]) -> Iterator[Robots]:
 
 
 def ends(send: Callable[[], None], wait: Callable[[], int]) -> float:
-    """Seconds that a process takes to end well when it is asked to."""
+    """Send the signal to end, and return the seconds until the process ended with exit code 0."""
     began = time.monotonic()
     send()
     assert wait() == 0
@@ -141,8 +141,8 @@ def test_twenty_robots_lose_nothing_that_was_answered(tmp_path: Path) -> None:
         assert max(took, took_service) < END_SECONDS
 
 
-def ask_everybody(bus: Stranger, session: str) -> int:
-    """How many answers a question gets when all are wanted."""
+def count_replies(bus: Stranger, session: str) -> int:
+    """Count the replies to a query of which all replicas could answer."""
     replies = bus.session.get(
         bus.keys.rpc("session.get"),
         payload=json.dumps({"session": session}),
@@ -163,20 +163,20 @@ def test_two_replicas_take_every_scan_once_also_when_one_is_killed(postgres: Ser
         robot = stack.enter_context(stranger(bus.endpoint))
         wait_for(lambda: len(list(robot.session.liveliness().get(robot.keys.replica("*")))) == 2, "both tokens")
         sessions = opened(both[0], 4)
-        heard = robot.hear(robot.keys.belief("*"))
-        assert [ask_everybody(robot, sessions[0]) for _ in range(20)] == [1] * 20
+        published_samples = robot.subscribe(robot.keys.belief("*"))
+        assert [count_replies(robot, sessions[0]) for _ in range(20)] == [1] * 20
 
         answered: list[int] = []
 
-        def ask_for_scans() -> None:
+        def apply_scans() -> None:
             with Client(f"zenoh://127.0.0.1:{bus.port}") as client:
                 for number in range(ACKNOWLEDGED):
-                    request: Any = scan_of(GOOD, stamp=["asked", number])
+                    request: Any = scan_of(GOOD, stamp=["call", number])
                     client.apply_scan(sessions[0], ScanRequest.model_validate(request))
                     answered.append(number)
 
-        asking = threading.Thread(target=ask_for_scans, daemon=True)
-        asking.start()
+        sender = threading.Thread(target=apply_scans, daemon=True)
+        sender.start()
         for number in range(PUTS):
             if number == PUTS // 2:
                 wait_for(lambda: len(answered) > 3, "some answers before one is killed", SECONDS)
@@ -188,12 +188,12 @@ def test_two_replicas_take_every_scan_once_also_when_one_is_killed(postgres: Ser
             return sum((stamps(left, session) for session in sessions), Counter())
 
         wait_for(lambda: len(applied()) >= PUTS + ACKNOWLEDGED, "every scan", SECONDS)
-        asking.join(SECONDS)
+        sender.join(SECONDS)
         assert len(answered) == ACKNOWLEDGED
-        found = applied()
-        assert set(found.values()) == {1}
-        assert {stamp for stamp in found if "put" in stamp} == {json.dumps(["put", n]) for n in range(PUTS)}
-        assert {stamp for stamp in found if "asked" in stamp} == {json.dumps(["asked", n]) for n in range(ACKNOWLEDGED)}
-        published = Counter((sample.key, sample.attachment) for sample in heard)
-        assert set(published.values()) == {1}, "a version was told twice"
-        assert ask_everybody(robot, sessions[0]) == 1
+        counts = applied()
+        assert set(counts.values()) == {1}
+        assert {stamp for stamp in counts if "put" in stamp} == {json.dumps(["put", n]) for n in range(PUTS)}
+        assert {stamp for stamp in counts if "call" in stamp} == {json.dumps(["call", n]) for n in range(ACKNOWLEDGED)}
+        published = Counter((sample.key, sample.attachment) for sample in published_samples)
+        assert set(published.values()) == {1}, "a version was published twice"
+        assert count_replies(robot, sessions[0]) == 1

@@ -1,4 +1,4 @@
-"""What was answered is there after any crash, once, and its history replays every belief bit for bit."""
+"""Crashes: every write with a response is stored exactly once, and the history replays every belief bit for bit."""
 
 import json
 import os
@@ -46,7 +46,7 @@ TIMEOUT = 120.0
 
 @dataclass(frozen=True)
 class Sent:
-    """One write, the same each time it is sent."""
+    """Write that is identical each time it is sent."""
 
     method: str
     path: str
@@ -59,7 +59,7 @@ class Sent:
 
 
 class Done(NamedTuple):
-    """A write and its answer."""
+    """Write and its response."""
 
     sent: Sent
     session: str
@@ -67,13 +67,13 @@ class Done(NamedTuple):
 
     @property
     def moved(self) -> bool:
-        """Whether it made a version: a replaced belief always does."""
+        """True if the write made a version; a replaced belief always does."""
         return bool(self.answer.get("update", {"accepted": True})["accepted"])
 
 
 @dataclass
 class Tally:
-    """What all writers were answered."""
+    """Responses that all writers received."""
 
     done: list[Done] = field(default_factory=list)
     sent_again: int = 0
@@ -90,7 +90,7 @@ class Tally:
             self.sent_again += 1
 
     def wait_for(self, more: int) -> None:
-        """Until so many more writes have been answered."""
+        """Wait until `more` further writes got a response."""
         with self.changed:
             goal = len(self.done) + more
             assert self.changed.wait_for(lambda: len(self.done) >= goal, TIMEOUT), "the writers came to a stop"
@@ -114,7 +114,7 @@ def some_write(rng: random.Random, session: str, key: str) -> Sent:
 
 
 def write_until(number: int, urls: list[str], sessions: list[str], tally: Tally) -> None:
-    """One writer: each write again under its key, to any process, until it is answered."""
+    """Run a writer: it repeats each write under its key, to any process, until there is a response."""
     rng = random.Random(f"{SCALE} {number}")  # noqa: S311 - not a secret
     count = 0
     with httpx2.Client(timeout=TIMEOUT) as http:
@@ -178,7 +178,7 @@ def assert_nothing_answered_is_missing(store: Store, done: list[Done]) -> dict[s
 
 
 def assert_everything_happened_once(store: Store, done: list[Done]) -> int:
-    """When every write has been answered: versions without a gap, each made by one key; returns their number."""
+    """Assert versions without gaps, each made by one key, after the last response; returns their number."""
     histories = assert_nothing_answered_is_missing(store, done)
     scenario = scenario_in(store)
     for id_, entries in histories.items():
@@ -210,7 +210,7 @@ def made(http: httpx2.Client, path: str, body: Json) -> str:
 
 
 def opened(url: str, count: int) -> list[str]:
-    """So many sessions on the scenario of data."""
+    """Open `count` sessions on the scenario of data."""
     with httpx2.Client(base_url=url, timeout=TIMEOUT) as http:
         scenario = made(http, "/v1/scenarios", data_scenario())
         return [made(http, "/v1/sessions", {"scenario": scenario}) for _ in range(count)]
@@ -274,14 +274,14 @@ def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothin
 
 
 class Disk(NamedTuple):
-    """A place that becomes full."""
+    """Folder on a disk that becomes full."""
 
     what: str
     folder: Path
     fill: Callable[[int], None]
-    """For a process: there is no more room."""
+    """Make the disk full for a process."""
     free: Callable[[int], None]
-    """There is room again."""
+    """Make room again for a process."""
 
 
 @contextmanager
@@ -316,7 +316,7 @@ def limited_files(folder: Path) -> Iterator[Disk]:
 
 
 def can_mount(folder: Path = Path("/tmp")) -> bool:  # noqa: S108 - only a mount point, and only if root
-    """Whether this process may mount; in most containers even root may not."""
+    """True if this process may mount; in most containers even root may not."""
     if os.geteuid() != 0:
         return False
     place = folder / f"voa-mount-{os.getpid()}"

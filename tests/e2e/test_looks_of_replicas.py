@@ -32,7 +32,7 @@ from voa_ros.messages import LaserScan, Stamp
 
 ROBOTS = scaled(8, 25)
 STOPS = scaled(6, 40)
-"""Of each robot: a thousand at full scale."""
+"""Stops of each robot; a thousand in total at full scale."""
 SESSIONS = 4
 HZ = 10.0
 STANDING_S, DRIVING_S = 1.6, 0.6
@@ -46,7 +46,7 @@ Clock = Callable[[Stamp], Stamp]
 
 
 def set_back(stamp: Stamp) -> Stamp:
-    """By 100 s, again and again: after each 5 s of driving."""
+    """Set the clock back by 100 s after each 5 s of driving."""
     return Stamp.of(stamp.seconds - 100.0 * ((stamp.seconds - START_S) // 5.0) + 1e5)
 
 
@@ -70,7 +70,7 @@ class Robot:
 
 
 def spinning_up(number: int, scan: LaserScan) -> LaserScan:
-    """Nothing is measured at first: a look of it is not accepted."""
+    """Return zeros at first, as a lidar that spins up: a look of them is not accepted."""
     return replace(scan, ranges=(0.0,) * len(scan.ranges)) if number < SPINNING_UP else scan
 
 
@@ -162,44 +162,44 @@ class Labs:
         return {each["robot"]: each for each in items if each["source"] == "ros2"}
 
     def places(self, session: str) -> dict[str, list[tuple[float, float]]]:
-        """Where each robot's looks in a session were taken, in order."""
+        """List the places of each robot's looks in a session, in order."""
         url = f"{self.both[1].url}/v1/sessions/{session}/history?limit=1000"
-        found: dict[str, list[tuple[float, float]]] = {}
+        places: dict[str, list[tuple[float, float]]] = {}
         for entry in httpx2.get(url, timeout=SECONDS).raise_for_status().json()["items"]:
             if entry["kind"] == "scan":
                 request = entry["request"]
                 pose = request["sensor_pose"]
-                found.setdefault(request["scan"]["stamp"]["robot"], []).append((pose["x"], pose["y"]))
-        return found
+                places.setdefault(request["scan"]["stamp"]["robot"], []).append((pose["x"], pose["y"]))
+        return places
 
     def looks(self) -> int:
         return sum(len(places) for session in self.sessions for places in self.places(session).values())
 
 
 def on_the_bus(both: list[Replica], bus: Stranger, mapped: list[str]) -> None:
-    """Returns when both replicas are there and receive what is put."""
+    """Wait until both replicas are connected and subscribed."""
     for service in both:
         wait_for(lambda own=service: own.zenoh == "connected", "a replica on the bus", SECONDS)  # type: ignore[misc]
     tokens = bus.session.liveliness()
     wait_for(lambda: len(list(tokens.get(bus.keys.replica("*")))) == len(both), "both tokens", SECONDS)
     for topic in [f"{name}/{topic}" for name in mapped for topic in (SCAN, ODOM)]:
         with bus.session.declare_publisher(topic) as publisher:
-            # The stub says bool; it is an object whose `matching` tells.
+            # The stub says bool; it is an object with the attribute `matching`.
             wait_for(lambda own=publisher: own.matching_status.matching, "a subscription", SECONDS)  # type: ignore[misc]
 
 
 def stops_of(places: list[tuple[float, float]], drive: Drive) -> list[int]:
     """The stop at which each look was taken; fails where one was taken at none."""
-    found = []
+    stops = []
     for x, y in places:
         near = [n for n, (at_x, at_y, _) in enumerate(drive.stops) if math.hypot(x - at_x, y - at_y) < 0.01]
         assert len(near) == 1, (x, y, near)
-        found += near
-    return found
+        stops += near
+    return stops
 
 
 def everything_is_worked_on(labs: Labs, fleet: Fleet) -> None:
-    """Returns when both replicas have worked on all that was put before, also on what the other one owned.
+    """Wait until both replicas have processed all that was put before, also what the other one owned.
 
     A look that is not accepted is refused by its owner at once, and by the other replica after all that waited longer.
     """
@@ -212,7 +212,7 @@ def everything_is_worked_on(labs: Labs, fleet: Fleet) -> None:
 
 
 def restarted(own: Router, both: list[Replica], bus: Stranger, robots: list[Robot]) -> None:
-    """Kill the router and start it again; returns when everybody is there again."""
+    """Restart the router, and wait until all replicas and robots are connected again."""
     own.kill()
     for service in both:
         wait_for(lambda each=service: each.zenoh == "connecting", "a replica to notice", SECONDS)  # type: ignore[misc]
@@ -231,7 +231,7 @@ def test_each_stop_is_one_look_whoever_is_killed(postgres: Server, tmp_path: Pat
         labs, fleet = Labs(both, mapping), Fleet(bus)
         robots = labs.robots
         on_the_bus(both, bus, [robot.name for robot in robots])
-        refused = bus.hear(bus.keys.refused("*", "*"))
+        refused = bus.subscribe(bus.keys.refused("*", "*"))
 
         with fleet.publishing(robots, 0) as done:
             wait_for(lambda: done() > 0.4 and labs.looks() >= ROBOTS, "the first stops", SECONDS)
@@ -247,10 +247,10 @@ def test_each_stop_is_one_look_whoever_is_killed(postgres: Server, tmp_path: Pat
                 labs.claim(robot, other)
         everything_is_worked_on(labs, fleet)
 
-        found = {session: labs.places(session) for session in labs.sessions}
+        places = {session: labs.places(session) for session in labs.sessions}
         print(f"{labs.looks()} looks of {ROBOTS} robots; messages at most {fleet.late_s:.3f} s late")
         for robot in robots:
-            stops = {session: stops_of(of.get(robot.name, []), robot.drive) for session, of in found.items()}
+            stops = {session: stops_of(of.get(robot.name, []), robot.drive) for session, of in places.items()}
             if robot in moved:  # a stop at which it was moved may be one look of either session
                 assert all(set(Counter(own).values()) <= {1} for own in stops.values()), (robot.name, stops)
                 assert set().union(*stops.values()) == set(range(STOPS)), (robot.name, stops)

@@ -23,7 +23,7 @@ SECONDS = 120.0
 
 @pytest.fixture(scope="module")
 def urls(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
-    """The same service by both."""
+    """URLs of one service: by HTTP and by Zenoh."""
     folder = tmp_path_factory.mktemp("roles")
     with ExitStack() as stack:
         bus = stack.enter_context(router())
@@ -33,7 +33,7 @@ def urls(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
 
 
 class Role:
-    """A process that plays a role."""
+    """Process that plays a role."""
 
     def __init__(self, role: str, url: str, session: str) -> None:
         command = [sys.executable, str(SCRIPT), role, url, session, "U_90"]
@@ -47,12 +47,12 @@ class Role:
         self.process.communicate()
 
     def begins(self) -> None:
-        """Returns when it says something."""
+        """Wait until the process reports that it follows the session."""
         assert self.process.stderr is not None
         assert self.process.stderr.readline() == "following\n"
 
     def ends(self) -> Any:
-        """What it printed."""
+        """Wait for the end of the process and return the JSON that it printed."""
         out, err = self.process.communicate(timeout=SECONDS)
         assert self.process.returncode == 0, err
         return json.loads(out)

@@ -22,7 +22,7 @@ def test_two_processes_serve_one_session_in_turns_as_one_process_would(database_
     with replicas(database_url, tmp_path, 2) as both:
         urls = [each.url for each in both]
         scenario = _post(urls[0], "/v1/scenarios", examples.SCENARIO)["id"]
-        told = []
+        results = []
         for way in ([urls[0]], urls):
             turn = cycle(way)
             session = _post(next(turn), "/v1/sessions", {"scenario": scenario})["id"]
@@ -39,5 +39,5 @@ def test_two_processes_serve_one_session_in_turns_as_one_process_would(database_
                 ranking = _post(next(turn), f"{path}/voa", {})
                 assert ranking["version"] == version
                 answers.append(ranking["ranking"])
-            told.append([answer["belief"] if isinstance(answer, dict) else answer for answer in answers])
-    assert told[0] == told[1]
+            results.append([answer["belief"] if isinstance(answer, dict) else answer for answer in answers])
+    assert results[0] == results[1]

@@ -1,4 +1,4 @@
-"""Zenoh as a stranger uses it: a plain session of the library, and the service on it."""
+"""Plain Zenoh session of a program that knows the service by its keys alone, and a service on a router."""
 
 import json
 import threading
@@ -23,7 +23,7 @@ SECONDS = 20.0
 
 
 class Sample(NamedTuple):
-    """One sample that was heard."""
+    """Sample that a subscriber received."""
 
     key: str
     deleted: bool
@@ -36,7 +36,7 @@ class Sample(NamedTuple):
 
 
 class Problem(Exception):
-    """A query was answered with a problem document."""
+    """Error for a query to which the response is a problem document."""
 
     def __init__(self, document: dict[str, Any]) -> None:
         super().__init__(document["detail"])
@@ -45,11 +45,11 @@ class Problem(Exception):
 
 
 class Silence(Exception):
-    """A query was not answered."""
+    """Error for a query without a response."""
 
 
 class Stranger:
-    """A plain Zenoh session."""
+    """Plain Zenoh session, with the keys of the service."""
 
     def __init__(self, session: zenoh.Session, keys: Keys) -> None:
         self.session = session
@@ -58,7 +58,7 @@ class Stranger:
         self._subscribers: list[zenoh.Subscriber[None]] = []
 
     def call(self, method: str, body: Any = None, **beside: Any) -> Any:
-        """The answer to a query; raises Problem or Silence."""
+        """Call a method of the service and return its response; raises Problem or Silence."""
         replies = self.replies(method, body, **beside)
         if not replies:
             raise Silence(method)
@@ -72,18 +72,18 @@ class Stranger:
         raise Problem(json.loads(payload))
 
     def replies(self, method: str, body: Any = None, **beside: Any) -> list[zenoh.Reply]:
-        """Everything that comes back."""
-        found = self.session.get(
+        """Call a method of the service and return all replies."""
+        replies = self.session.get(
             self.keys.rpc(method),
             payload=None if body is None else json.dumps(body),
             encoding=Encoding.APPLICATION_JSON,
             attachment=json.dumps(beside) if beside else None,
             timeout=SECONDS,
         )
-        return list(found)
+        return list(replies)
 
     def put_scan(self, session: str, body: Any, robot: str = "r1", **beside: Any) -> None:
-        """A scan as JSON, or as CDR where the body is bytes; nobody answers."""
+        """Put a scan as JSON, or as CDR where the body is bytes."""
         self.session.put(
             self.keys.scan(session, robot),
             body if isinstance(body, bytes) else json.dumps(body),
@@ -91,22 +91,22 @@ class Stranger:
             attachment=json.dumps(beside) if beside else None,
         )
 
-    def hear(self, expression: str) -> list[Sample]:
-        """A list that grows with whatever is put there."""
-        heard: list[Sample] = []
+    def subscribe(self, expression: str) -> list[Sample]:
+        """Subscribe to a key expression; returns a list to which each sample is added."""
+        samples: list[Sample] = []
 
         def on(sample: zenoh.Sample) -> None:
             attachment = None if sample.attachment is None else sample.attachment.to_bytes()
             deleted = sample.kind == zenoh.SampleKind.DELETE
-            heard.append(Sample(str(sample.key_expr), deleted, sample.payload.to_bytes(), attachment))
+            samples.append(Sample(str(sample.key_expr), deleted, sample.payload.to_bytes(), attachment))
 
         self._subscribers.append(self.session.declare_subscriber(expression, Callback(on, indirect=False)))
-        return heard
+        return samples
 
 
 @contextmanager
 def stranger(endpoint: str, root: str = Keys().root) -> Iterator[Stranger]:
-    """A plain session with a router that is there."""
+    """Open a plain session with a running router."""
     config = zenoh.Config()
     for path, value in session_config([endpoint], open_ms=5_000).items():
         config.insert_json5(path, json.dumps(value))
@@ -116,7 +116,7 @@ def stranger(endpoint: str, root: str = Keys().root) -> Iterator[Stranger]:
 
 @contextmanager
 def bridged(service: Service, router: Router, robots: Path | None = None, **settings: Any) -> Iterator[None]:
-    """A service of this process on a router that is there."""
+    """Connect a service of this process to a running router."""
     with on_zenoh(service.inside, ZenohSettings(connect=[router.endpoint], **settings), robots):
         wait_for(lambda: service.inside.health.link.state == "connected", "the service to join the router")
         yield

@@ -1,6 +1,6 @@
-"""Robots that drive from stop to stop around a box on a table, and what their drivers publish on the way.
+"""Robots that drive from stop to stop around a box on a table, and the messages that their drivers publish.
 
-The world: a box in one of four yaws in a square room (`tests.support.lidar_drivers`). The scenario has the same box
+The scene is a box in one of four yaws in a square room (`tests.support.lidar_drivers`). The scenario has the same box
 as a mesh, so that a look from any stop must find the yaw in which the box really lies.
 """
 
@@ -33,11 +33,11 @@ START_S = 1000.0
 SCAN, ODOM = "scan", "odom"
 
 Change = Callable[[int, LaserScan], LaserScan]
-"""A fault of the driver or the way: the number of a scan, and the scan as it was published."""
+"""Fault of a driver or a connection: a function of the number of a scan and the scan as it was published."""
 
 
 class Put(NamedTuple):
-    """A message as it arrives."""
+    """Message as it arrives."""
 
     at_s: float
     topic: str
@@ -51,7 +51,7 @@ def box() -> str:
 
 
 def around(count: int) -> list[Place]:
-    """Places on a circle about the box, each looking at it, none where another view of the box would do."""
+    """Places on a circle around the box, directed at it, none of which is symmetric to another."""
     angles = [0.3 + math.tau * 0.31 * step for step in range(count)]
     return [(RADIUS_M * math.cos(a), RADIUS_M * math.sin(a), math.remainder(a + math.pi, math.tau)) for a in angles]
 
@@ -81,12 +81,12 @@ def scenario(object_id: str, preset: str, **changes: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive past some stops.
+    """Drive of a robot from stop to stop.
 
     Attributes:
         stops: places of the lidar (which is the robot's own centre here).
-        standing_s: at each stop.
-        driving_s: from one stop to the next.
+        standing_s: seconds at each stop.
+        driving_s: seconds from one stop to the next.
     """
 
     stops: Sequence[Place]
@@ -99,7 +99,7 @@ class Drive:
         return len(self.stops) * (self.standing_s + self.driving_s)
 
     def pose_at(self, at_s: float) -> Place:
-        """Where the robot is; outside the drive at its ends."""
+        """Pose of the robot at a time; before and after the drive, at its ends."""
         period = self.standing_s + self.driving_s
         leg = min(max(int((at_s - START_S) // period), 0), len(self.stops) - 1)
         share = max(0.0, at_s - START_S - leg * period - self.standing_s) / self.driving_s
@@ -118,15 +118,15 @@ class Drive:
 def published(
     drive: Drive, driver: Driver, hz: float, *, seed: int = 1, yaw: str = "A", change: Change | None = None
 ) -> list[Put]:
-    """Everything that the robot publishes on a drive, in the order in which it arrives.
+    """Compute all messages that a robot publishes on a drive, in the order of arrival.
 
     Args:
-        drive: where it is when.
-        driver: of its lidar.
-        hz: revolutions a second.
-        seed: of the noise.
-        yaw: in which the box lies.
-        change: made to each scan.
+        drive: stops and times.
+        driver: driver of the lidar.
+        hz: revolutions per second.
+        seed: seed of the noise.
+        yaw: name of the yaw in which the box lies.
+        change: fault that is applied to each scan.
     """
     scene = Scene.room(1.5, [(0.0, 0.0, BOX[0], BOX[1], math.radians(YAWS[yaw]))])
     rng = np.random.default_rng(seed)
@@ -156,21 +156,21 @@ def record(path: Path, puts: Iterable[Put]) -> Path:
 
 
 def restamped(puts: Iterable[Put], stamp: Callable[[Stamp], Stamp], *, odometry: bool = True) -> list[Put]:
-    """Stamp messages anew, as a robot whose clock is wrong would.
+    """Replace the stamps of messages, as a robot with a wrong clock would.
 
     Args:
-        puts: as they were published by a clock that is right.
-        stamp: from the right stamp to the wrong one.
-        odometry: whether it is the clock of the odometry too.
+        puts: messages with right stamps.
+        stamp: converts a right stamp to a wrong one.
+        odometry: True to replace the stamps of the odometry too.
     """
-    made = []
+    messages = []
     for put in puts:
         if put.type == LASER_SCAN:
             scan = decode_laser_scan(put.payload, 30_000)
-            made.append(put._replace(payload=encode_laser_scan(replace(scan, stamp=stamp(scan.stamp)))))
+            messages.append(put._replace(payload=encode_laser_scan(replace(scan, stamp=stamp(scan.stamp)))))
         elif odometry:
             pose = decode_odometry(put.payload)
-            made.append(put._replace(payload=encode_odometry(replace(pose, stamp=stamp(pose.stamp)))))
+            messages.append(put._replace(payload=encode_odometry(replace(pose, stamp=stamp(pose.stamp)))))
         else:
-            made.append(put)
-    return made
+            messages.append(put)
+    return messages

@@ -46,7 +46,7 @@ LINE = 120
 
 Beams = list[float]
 Scans = dict[tuple[str, str], Beams]
-"""By sensor and pose; `inf` is a no-return."""
+"""Ranges of a scan by sensor and pose, metres; `inf` is a no-return."""
 
 
 @dataclass(frozen=True)

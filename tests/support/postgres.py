@@ -18,20 +18,20 @@ HOW_TO_INSTALL = "PostgreSQL's server is not installed; on Debian: apt-get insta
 
 
 def binaries() -> Path:
-    """The folder of `initdb` and `postgres`, the newest where there are several.
+    """Return the folder of `initdb` and `postgres`, the newest where there are several.
 
     Raises:
-        FileNotFoundError: the server is not installed; says how to.
+        FileNotFoundError: the server is not installed; the error says how to install it.
     """
-    found = sorted(DEBIAN_BINARIES.glob("*/bin"), key=lambda path: float(path.parent.name))
+    folders = sorted(DEBIAN_BINARIES.glob("*/bin"), key=lambda path: float(path.parent.name))
     on_path = shutil.which("initdb")
-    if not found and on_path is None:
+    if not folders and on_path is None:
         raise FileNotFoundError(HOW_TO_INSTALL)
-    return found[-1] if found else Path(str(on_path)).parent
+    return folders[-1] if folders else Path(str(on_path)).parent
 
 
 class Server:
-    """A cluster of our own: databases to make, and a server to stop and start."""
+    """PostgreSQL cluster of a test, which can be stopped and started, and creates databases."""
 
     def __init__(self, home: Path, durable: bool = False) -> None:
         self._fsync = "on" if durable else "off"
@@ -52,26 +52,26 @@ class Server:
 
     @property
     def pids(self) -> list[int]:
-        """Of its processes, the first one last: that one would start others anew."""
+        """Process ids of the server; the first process is last in the list, because it would restart the others."""
         first = int((self._home / "data" / "postmaster.pid").read_text().split()[0])
         children = Path(f"/proc/{first}/task/{first}/children").read_text().split()
         return [*map(int, children), first]
 
     def start(self) -> None:
-        """Returns when it answers."""
+        """Start the server and wait until it responds."""
         address = f"-c port={self._port} -c listen_addresses=127.0.0.1 -c unix_socket_directories={self._home}"
         self._run("pg_ctl", "-w", "-l", self._home / "log", "-o", f"{address} -c fsync={self._fsync}", "start")
 
     def stop(self) -> None:
-        """Cut every connection and end; what was committed is kept."""
+        """Close every connection and stop; committed data is kept."""
         self._run("pg_ctl", "-w", "-m", "fast", "stop")
 
     def end(self) -> None:
-        """Stop without care for the data."""
+        """Stop at once, without saving data."""
         self._run("pg_ctl", "-m", "immediate", "stop")
 
     def new_database(self) -> str:
-        """The URL of an empty database that nobody else has."""
+        """Create an empty database and return its URL."""
         self._made += 1
         name = f"voa_{self._made}"
         with psycopg.connect(self.url(), autocommit=True) as connection:
@@ -85,7 +85,7 @@ class Server:
 
 @contextmanager
 def server(*, durable: bool = False) -> Iterator[Server]:
-    """A cluster that runs, and goes away afterwards; `durable` syncs every commit, as in earnest."""
+    """Run a cluster and remove it afterwards; `durable` syncs every commit to disk, as in production."""
     with tempfile.TemporaryDirectory(prefix="voa-pg-") as folder:
         own = Server(Path(folder), durable)
         own.start()
@@ -97,7 +97,7 @@ def server(*, durable: bool = False) -> Iterator[Server]:
 
 @contextmanager
 def cluster() -> Iterator[str]:
-    """The URL of a database on a cluster of our own, which goes away afterwards."""
+    """Run a cluster, yield the URL of its database, and remove the cluster afterwards."""
     with server() as own:
         yield own.url()
 

@@ -1,4 +1,4 @@
-"""A piece of network between two programs, which can be cut: nothing gets through, and nobody is told."""
+"""Proxy between two programs that can be interrupted: no data passes, and the connections stay open."""
 
 import socket
 import threading
@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 
 
 class Wire:
-    """Everything sent to `port` goes to another port, while it is not cut."""
+    """Proxy from `port` to another port of this machine, which can be interrupted."""
 
     def __init__(self, to_port: int) -> None:
         self._to_port = to_port
@@ -20,15 +20,15 @@ class Wire:
         threading.Thread(target=self._accept, daemon=True).start()
 
     def cut(self) -> None:
-        """From now on nothing gets through; what is sent waits."""
+        """Interrupt the proxy: data that is sent waits."""
         self._whole.clear()
 
     def mend(self) -> None:
-        """What waits gets through, and so does the rest."""
+        """Resume: data that waits is forwarded, and so is all that follows."""
         self._whole.set()
 
     def close(self) -> None:
-        """Break every connection."""
+        """Close every connection."""
         self._closed = True
         self._whole.set()
         self._listening.close()
@@ -66,7 +66,7 @@ class Wire:
 
 @contextmanager
 def wire(to_port: int) -> Iterator[Wire]:
-    """A wire for the length of a `with`."""
+    """Run a proxy to a port of this machine for the duration of a `with`."""
     own = Wire(to_port)
     try:
         yield own

@@ -1,17 +1,17 @@
-"""A mapped robot of which nothing was received."""
+"""Mapped robot from which no message was received."""
 
 from voa_msgs.warnings import ProbableMistake
 
 
 class QuietRobot:
-    """Stands in for a robot on the bus where only its mapping matters."""
+    """Substitute for a robot on the bus in tests where only its mapping matters."""
 
     waiting_for = "a scan"
 
     @property
     def warnings(self) -> list[ProbableMistake]:
-        """Nothing that could be a mistake."""
+        """Empty list: no probable mistakes."""
         return []
 
     def request(self) -> None:
-        """A request for a look that nobody answers."""
+        """Ignore a request for a look."""

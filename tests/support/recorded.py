@@ -1,4 +1,4 @@
-"""Small recorded experiments, written to a folder, and what must come out of them by the twin."""
+"""Small recorded experiments that are written to a folder, and their expected evaluation by the brute-force twin."""
 
 import csv
 import json
@@ -10,7 +10,7 @@ from typing import Any
 from tests.support import twin
 
 Row = tuple[str, str, float | None, float, float | None, float | None]
-"""sensor, pose, plane height, angle, measured, predicted."""
+"""Row of scans.csv: sensor, pose, plane height (m), angle (degrees), measured and predicted range (m)."""
 
 RULES: dict[str, dict[str, float]] = {
     "margin": {"margin_m": 0.008},
@@ -21,7 +21,7 @@ RULES: dict[str, dict[str, float]] = {
 
 
 def experiment(**changes: Any) -> dict[str, Any]:
-    """Two poses and sensors known by name alone, two grasps."""
+    """Content of experiment.json with two poses and two sensors that have names alone, and two grasps."""
     return {
         "name": "tiny",
         "poses": [{"name": "P1"}, {"name": "P2"}],
@@ -42,10 +42,10 @@ def rows() -> list[Row]:
     ]
 
 
-def write(folder: Path, told: Mapping[str, Any] | None = None, scans: Sequence[Row] | None = None) -> Path:
-    """The experiment as a folder."""
+def write(folder: Path, content: Mapping[str, Any] | None = None, scans: Sequence[Row] | None = None) -> Path:
+    """Write a recorded experiment to a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "experiment.json").write_text(json.dumps(experiment() if told is None else told), encoding="utf-8")
+    (folder / "experiment.json").write_text(json.dumps(experiment() if content is None else content), encoding="utf-8")
     with (folder / "scans.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["sensor", "pose", "plane_height", "angle_deg", "measured", "predicted"])
@@ -57,15 +57,15 @@ def names(items: Sequence[Any]) -> list[str]:
     return [item if isinstance(item, str) else item["name"] for item in items]
 
 
-def expected(told: Mapping[str, Any], scans: Sequence[Row]) -> dict[str, Any]:
-    """`experiment`, `before` and `rules` of the report, by the rules of lab-holder/README.md."""
-    poses, sensors, grasps = (names(told[what]) for what in ("poses", "sensors", "grasps"))
-    table = told.get("scores")
+def expected(content: Mapping[str, Any], scans: Sequence[Row]) -> dict[str, Any]:
+    """Compute `experiment`, `before` and `rules` of the report of an evaluation with the twin."""
+    poses, sensors, grasps = (names(content[what]) for what in ("poses", "sensors", "grasps"))
+    table = content.get("scores")
     if table is None:
-        table = {g: {p: told["successes"][g][p] / told["attempts"] for p in poses} for g in grasps}
+        table = {g: {p: content["successes"][g][p] / content["attempts"] for p in poses} for g in grasps}
     scores = [[table[grasp][pose] for pose in poses] for grasp in grasps]
-    lidar = {"beams": 360, "angle_min_deg": 0.0, "angle_increment_deg": 1.0} | dict(told.get("lidar", {}))
-    no_return = told.get("observation", {}).get("no_return", 1.0)
+    lidar = {"beams": 360, "angle_min_deg": 0.0, "angle_increment_deg": 1.0} | dict(content.get("lidar", {}))
+    no_return = content.get("observation", {}).get("no_return", 1.0)
 
     def scan(sensor: str, pose: str, column: int) -> list[float]:
         ranges = [math.inf] * int(lidar["beams"])
@@ -106,7 +106,7 @@ def expected(told: Mapping[str, Any], scans: Sequence[Row]) -> dict[str, Any]:
                 "beliefs": beliefs,
             }
     return {
-        "experiment": told["name"],
+        "experiment": content["name"],
         "poses": poses,
         "sensors": sensors,
         "before": {"best_grasp": None if grasp is None else grasps[grasp], "expected_score": before},

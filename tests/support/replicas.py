@@ -1,4 +1,4 @@
-"""`voa serve` as a process that tests may kill, on a socket that outlives it."""
+"""Processes of the service that tests may kill, each on a listening socket that outlives it."""
 
 import signal
 import socket
@@ -15,10 +15,10 @@ STOP_SECONDS = 30.0
 
 
 class Replica:
-    """One process of the service.
+    """Process of the service that can be killed and started again.
 
-    The test keeps the listening socket: while the process is down, connections wait for the next one, so that
-    nobody has to ask again and again whether it is back.
+    The test keeps the listening socket: while the process is down, connections wait for the next one, so that no
+    client has to poll.
     """
 
     def __init__(self, database_url: str, log: Path, *options: str) -> None:
@@ -31,49 +31,49 @@ class Replica:
 
     @property
     def pid(self) -> int:
-        """Of the process that runs."""
+        """Process id of the running process."""
         assert self._process is not None
         return self._process.pid
 
     def start(self) -> None:
-        """Returns when it is ready."""
+        """Start the process and wait until it is ready."""
         self.launch()
         self.wait_until_ready()
 
     def launch(self) -> None:
-        """Returns at once."""
+        """Start the process without waiting."""
         options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url, *self._options]
         command = [sys.executable, "-m", "voa_service", *options]
         with self.log.open("ab") as stderr:
             self._process = subprocess.Popen(command, stderr=stderr, pass_fds=[self._listening.fileno()])
 
     def wait_until_ready(self) -> None:
-        """It answers, and so does its database."""
+        """Wait until the process and its database respond."""
         httpx2.get(f"{self.url}/readyz", timeout=START_SECONDS).raise_for_status()
 
     @property
     def zenoh(self) -> str:
-        """Whether it is joined to a router: "off", "connecting" or "connected"."""
+        """State of the connection to a Zenoh router: "off", "connecting" or "connected"."""
         health = httpx2.get(f"{self.url}/readyz", timeout=START_SECONDS).raise_for_status().json()
         return str(health["zenoh"])
 
     def kill(self) -> None:
-        """Kill -9."""
+        """Kill the process by SIGKILL and wait for its end."""
         self.signal(signal.SIGKILL)
         self.wait()
 
     def signal(self, which: signal.Signals) -> None:
-        """Send a signal and go on."""
+        """Send a signal to the process without waiting."""
         assert self._process is not None
         self._process.send_signal(which)
 
     def wait(self) -> int:
-        """Its exit code."""
+        """Wait for the end of the process and return its exit code."""
         assert self._process is not None
         return self._process.wait(STOP_SECONDS)
 
     def end(self) -> None:
-        """Stop it if it runs."""
+        """Kill the process if it runs, and close the socket."""
         if self._process is not None and self._process.poll() is None:
             self.kill()
         self._listening.close()
@@ -81,7 +81,7 @@ class Replica:
 
 @contextmanager
 def replicas(database_url: str, folder: Path, count: int = 1, *options: str) -> Iterator[list[Replica]]:
-    """So many processes on one database."""
+    """Run `count` processes of the service on one database."""
     with ExitStack() as stack:
         own = [Replica(database_url, folder / f"service-{number}.log", *options) for number in range(count)]
         for replica in own:

@@ -1,8 +1,8 @@
-"""A Zenoh router as a process that tests may kill and start again: a session of the library in router mode.
+"""Zenoh router as a process that tests may kill and start again: a session of the library in router mode.
 
     python -m tests.support.routers tcp/127.0.0.1:7447 [CONFIG as JSON: more entries by path]
 
-serves until it is told to stop.
+runs until it receives SIGTERM.
 """
 
 import json
@@ -24,7 +24,7 @@ STOP_SECONDS = 10.0
 
 
 class Router:
-    """One router on an endpoint of its own, which it keeps over restarts."""
+    """Router on an endpoint of its own, which it keeps over restarts."""
 
     def __init__(self, more: dict[str, Any] | None = None) -> None:
         self._more = more or {}
@@ -34,7 +34,7 @@ class Router:
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
-        """Returns when it listens."""
+        """Start the router and wait until it listens."""
         command = [sys.executable, "-m", "tests.support.routers", self.endpoint, json.dumps(self._more)]
         self._process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=REPOSITORY
@@ -43,7 +43,7 @@ class Router:
         assert self._process.stdout.readline() == "listening\n", "the router did not start"
 
     def kill(self) -> None:
-        """Kill -9, if it runs."""
+        """Kill the router by SIGKILL, if it runs."""
         if self._process is not None:
             self._process.kill()
             self._process.wait(STOP_SECONDS)
@@ -52,14 +52,14 @@ class Router:
             self._process = None
 
     def signal(self, which: signal.Signals) -> None:
-        """As in SIGSTOP: a router that is there and does nothing."""
+        """Send a signal, such as SIGSTOP for a router that runs but does not respond."""
         assert self._process is not None
         self._process.send_signal(which)
 
 
 @contextmanager
 def router(more: dict[str, Any] | None = None) -> Iterator[Router]:
-    """A router for the length of a `with`; `more` are entries of its configuration, by path."""
+    """Run a router for the duration of a `with`; `more` are entries of its configuration, by path."""
     own = Router(more)
     own.start()
     try:
@@ -69,7 +69,7 @@ def router(more: dict[str, Any] | None = None) -> Iterator[Router]:
 
 
 def serve(endpoint: str, more: dict[str, Any]) -> None:
-    """Be a router until told to stop."""
+    """Run a router until SIGTERM, or until the parent process ends."""
     config = zenoh.Config()
     entries: dict[str, Any] = {
         "mode": "router",
@@ -85,7 +85,7 @@ def serve(endpoint: str, more: dict[str, Any]) -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with zenoh.open(config):
         print("listening", flush=True)
-        while os.getppid() != 1:  # whoever started it has gone: so does it
+        while os.getppid() != 1:  # the parent process has ended
             signal.sigtimedwait([signal.SIGINT], 1.0)
 
 

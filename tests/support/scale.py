@@ -1,4 +1,4 @@
-"""How much the long tests do: `VOA_TEST_SCALE` is "small" in CI and "full" for acceptance."""
+"""Scale of the long tests: `VOA_TEST_SCALE` is "small" in CI and "full" for acceptance."""
 
 import os
 from typing import TypeVar
@@ -12,5 +12,5 @@ if SCALE not in SCALES:
 
 
 def scaled(small: T, full: T) -> T:
-    """The one of the two that this run is for."""
+    """Return the value for the scale of this run."""
     return full if SCALE == "full" else small

@@ -1,8 +1,8 @@
-"""Robots that send scans at 5 Hz until they are told to stop, as a program that imports nothing but the client.
+"""Robots that send scans at 5 Hz until SIGTERM, as a program that imports nothing but the client.
 
     python -m tests.support.scripted_robots FILE URL=SESSION ...
 
-One robot for each URL and session. Each writes a line `robot number` to FILE for every scan that was answered.
+One robot for each URL and session. Each writes a line `robot number` to FILE for every scan that got a response.
 """
 
 import signal
@@ -18,7 +18,7 @@ PERIOD_S = 0.2
 
 
 def drive(name: str, url: str, session: str, ended: threading.Event, answered: TextIO, lock: threading.Lock) -> None:
-    """One robot's life."""
+    """Send scans as one robot until `ended` is set, and log those with a response."""
     with Client(url) as client:
         number = 0
         while not ended.is_set():
@@ -32,7 +32,7 @@ def drive(name: str, url: str, session: str, ended: threading.Event, answered: T
 
 
 def main() -> None:
-    """All robots, each in a thread of its own."""
+    """Run all robots, each in a thread of its own."""
     ended, lock = threading.Event(), threading.Lock()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     robots: list[threading.Thread] = []

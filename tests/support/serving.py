@@ -1,4 +1,4 @@
-"""The real service in this process or in one of its own, and small scenarios to send to it."""
+"""Service in this process, and small scenarios and scans to send to it."""
 
 import copy
 import json
@@ -37,7 +37,7 @@ TURNED = [0.7071067811865476, 0.0, 0.0, 0.7071067811865476]
 
 
 def box_obj(x: float = 0.04, y: float = 0.06, z: float = 0.05) -> str:
-    """A box that stands on the table around the z axis, as an OBJ file."""
+    """Write a box of x by y by z metres, which stands on the table around the z axis, as an OBJ file."""
     corners = [((i - 0.5) * x, (j - 0.5) * y, k * z) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
     lines = [f"v {a} {b} {c}" for a, b, c in corners]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in BOX_FACES]
@@ -45,7 +45,7 @@ def box_obj(x: float = 0.04, y: float = 0.06, z: float = 0.05) -> str:
 
 
 def data_scenario(**changes: Any) -> Json:
-    """Three poses, two grasps, two sensor configurations; every prediction given as data."""
+    """Scenario with three poses, two grasps, two sensor configurations, and all predictions given as data."""
     body = {
         "name": "data",
         "poses": [{"name": name} for name in POSES],
@@ -60,7 +60,7 @@ def data_scenario(**changes: Any) -> Json:
 
 
 def mesh_scenario(object_id: str, **changes: Any) -> Json:
-    """The box at yaw 0 and at 90 degrees, two grasps, looked at by an LDS-01 from the east and the north."""
+    """Scenario of a box at yaw 0 and 90 degrees, with two grasps, and an LDS-01 that looks from the east and north."""
     body = {
         "name": "mesh",
         "object": object_id,
@@ -85,12 +85,12 @@ def scan_of(ranges: Sequence[float | None], sensor: str = "Q1", **more: Any) -> 
 
 
 def as_scan(predicted: list[float | None]) -> Json:
-    """What a perfect lidar sends where this is predicted: null is a no-return there, missing here."""
+    """Convert predicted ranges to the scan of a perfect lidar: their null is a no-return, that of a scan is missing."""
     return {"ranges": predicted, "no_return": [i for i, value in enumerate(predicted) if value is None]}
 
 
 def changed(body: Json, where: str, value: Any) -> Json:
-    """A copy of `body` with another value at a path such as "poses.0.name"."""
+    """Copy `body` with another value at a path such as "poses.0.name"."""
     copied = copy.deepcopy(body)
     *parents, last = where.split(".")
     node: Any = copied
@@ -109,33 +109,33 @@ class Service:
     database: Path
 
     def create(self, body: Json) -> str:
-        """Store a scenario; its id."""
+        """Store a scenario and return its id."""
         return self._made("/v1/scenarios", body)
 
     def open(self, scenario: str, **more: Any) -> str:
-        """Open a session; its id."""
+        """Open a session and return its id."""
         return self._made("/v1/sessions", {"scenario": scenario} | more)
 
     def upload(self, content: str | bytes, name: str = "box.obj", **form: str) -> str:
-        """Store a mesh; its id."""
+        """Store a mesh and return its id."""
         answer = self.http.post("/v1/objects", files={"file": (name, content)}, data=form)
         assert answer.status_code in (200, 201), answer.text
         return str(answer.json()["id"])
 
     def post(self, path: str, body: Any, **headers: str) -> Any:
-        """The answer to a call that must succeed."""
+        """Return the body of the response to a call that must succeed."""
         answer = self.http.post(path, json=body, headers=headers)
         assert answer.is_success, answer.text
         return answer.json()
 
     def get(self, path: str) -> Any:
-        """The answer to a call that must succeed."""
+        """Return the body of the response to a call that must succeed."""
         answer = self.http.get(path)
         assert answer.is_success, answer.text
         return answer.json()
 
     def stored(self) -> list[str]:
-        """Every row of the database, with its table."""
+        """List every row of the database, with its table."""
         # By the service's own SQLite: two of them in one process undo each other's locks.
         with closing(sqlite_driver().connect(str(self.database))) as connection:
             names = [name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
@@ -147,7 +147,7 @@ class Service:
 
 @contextmanager
 def serving(folder: Path, **settings: Any) -> Iterator[Service]:
-    """The service on a database in `folder`; an unexpected error is answered 500, not raised."""
+    """Run the service on a database in `folder`; an unexpected error gives status 500 and is not raised."""
     database = folder / "voa.db"
     given: Json = {"database_url": f"sqlite:///{database}", "workers": 2, "cache_mebibytes": 64} | settings
     with services(Settings(**given)) as inside, client(inside) as http:
@@ -155,10 +155,10 @@ def serving(folder: Path, **settings: Any) -> Iterator[Service]:
 
 
 def client(inside: Services) -> TestClient:
-    """A client of a service in this process, which it calls by a name of loopback."""
+    """Make a client of a service in this process, which it calls by a loopback address."""
     return TestClient(create_app(inside), "http://127.0.0.1", raise_server_exceptions=False)
 
 
 def json_of(body: Any) -> bytes:
-    """JSON as Python writes it, NaN and Infinity included."""
+    """Write JSON as Python does, NaN and Infinity included."""
     return json.dumps(body).encode()

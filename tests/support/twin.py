@@ -23,7 +23,7 @@ Box = tuple[tuple[float, float], tuple[float, float]]
 
 
 def crossing(x: float, y: float, heading: float, box: Box) -> tuple[float, float] | None:
-    """Where a beam enters and leaves the box; None where it never crosses it."""
+    """Distances at which a beam enters and leaves the box; None: it never crosses it."""
     (left, bottom), (right, top) = box
     cos, sin = math.cos(heading), math.sin(heading)
     met = [0.0] if left <= x <= right and bottom <= y <= top else []
@@ -49,7 +49,7 @@ def classify_beam(  # noqa: PLR0911 - one return per line of the rule
     range_max: float,
     within: tuple[float, float] | Literal["everywhere"] | None = "everywhere",
 ) -> float:
-    """One measured beam, by the order of deploy/docs/mathematics.md; `within` is its `crossing` of the workspace."""
+    """Classify a measured beam; `within` is its `crossing` of the workspace."""
     if declared_no_return:
         return NOTHING
     if value is None or math.isnan(value) or value == -math.inf:

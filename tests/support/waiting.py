@@ -1,4 +1,4 @@
-"""Waiting for conditions, never for time."""
+"""Wait for conditions, not for a time."""
 
 import time
 from collections.abc import Callable
@@ -7,13 +7,13 @@ from typing import TypeVar
 T = TypeVar("T")
 
 SECONDS = 30.0
-_LOOK_SECONDS = 0.005
+_POLL_SECONDS = 0.005
 
 
 def wait_for(condition: Callable[[], T], what: str, seconds: float = SECONDS) -> T:
-    """What `condition` gives as soon as that is true; fails after `seconds`."""
+    """Return the value of `condition` as soon as it is true; fails after `seconds`."""
     end = time.monotonic() + seconds
-    while not (found := condition()):
+    while not (value := condition()):
         assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
-        time.sleep(_LOOK_SECONDS)
-    return found
+        time.sleep(_POLL_SECONDS)
+    return value

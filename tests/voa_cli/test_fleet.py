@@ -21,7 +21,8 @@ from voa_client import Client
 from voa_fleet.devices.simulated import Scene
 from voa_fleet.world.attempts import Watch
 from voa_fleet.world.clocks import Clock
-from voa_ros.robots import OdometryPlace, load
+from voa_ros.robot_places import OdometryPlace
+from voa_ros.robots import load
 
 
 def reports(capfd: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:

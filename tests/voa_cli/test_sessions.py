@@ -202,4 +202,4 @@ def test_a_session_that_does_not_exist_and_a_file_that_is_none_are_errors(
     assert "there is no session 'nobody'" in capsys.readouterr().err
     (tmp_path / "no.json").write_text("{}", encoding="utf-8")
     assert main(["replay", str(tmp_path / "no.json"), "--url", process]) == 1
-    assert "scenario: expected, but it is not there" in capsys.readouterr().err
+    assert "scenario: this field is required" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Nothing in a request is without bound: every list and mapping is measured, and stops at its first mistakes."""
+"""Every list and mapping of a request has a limit, and reading stops at its first mistakes."""
 
 from collections.abc import Iterator
 from types import SimpleNamespace
@@ -87,8 +87,8 @@ def test_a_count_is_limited_too_however_large() -> None:
 
 
 def test_mistakes_stand_at_their_own_index() -> None:
-    found = mistakes(Few, [[0], ["a", 1, "b"], 5, [2], [3, "c"]])
-    assert [each["loc"] for each in found] == [(1, 0), (1, 2), (2,), (4, 1)]
+    wrong = mistakes(Few, [[0], ["a", 1, "b"], 5, [2], [3, "c"]])
+    assert [each["loc"] for each in wrong] == [(1, 0), (1, 2), (2,), (4, 1)]
 
 
 @pytest.mark.parametrize("value", [[["a"] * 50] * 100, [0] * 100, [[0, "a"]] * 100])

@@ -1,4 +1,4 @@
-"""What is said of a message that is not as expected: where, what, and what there is instead."""
+"""Descriptions of the mistakes in a message: the field, what was expected, and the known names."""
 
 import copy
 import json
@@ -42,7 +42,7 @@ OF_THE_USER = {"data", "predictions", "stamp"}
 
 
 def objects(body: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Where in a body there are objects with fields."""
+    """Locations in a body that hold objects with fields."""
     if isinstance(body, dict):
         yield path
     for key, value in body.items() if isinstance(body, dict) else enumerate(body) if isinstance(body, list) else ():
@@ -77,7 +77,7 @@ def test_a_misspelt_field_anywhere_is_named_with_the_fields_of_its_place(kind: t
         assert set(inside(body, path)) <= set(listed.split(", ")), said
 
 
-def test_a_misspelt_field_is_told_before_the_one_that_is_missing_for_it() -> None:
+def test_a_misspelt_field_is_reported_before_a_missing_one() -> None:
     said = refused(SessionRequest, {"scenairo": "s"})
     assert said == "scenairo: no such field: expected one of scenario, prior, robots (and 1 more)"
 
@@ -93,7 +93,7 @@ def test_a_misspelt_field_is_told_before_the_one_that_is_missing_for_it() -> Non
         (BeliefRequest, {"belief": [0.5, 0.5]}, ("belief", 0)),
     ],
 )
-def test_what_is_no_number_of_json_s_is_told_what_to_write(
+def test_nan_and_infinity_are_refused_with_advice(
     kind: type[BaseModel], body: Json, path: tuple[Any, ...], value: float
 ) -> None:
     wrong = copy.deepcopy(body)
@@ -124,13 +124,13 @@ def test_a_byte_order_mark_is_skipped() -> None:
         (b"", "not JSON: Expecting value in line 1, column 1"),
         (b"{", "not JSON: Expecting property name"),
         (b'{"belief": [0.5,}', "not JSON: "),
-        (b"\xff\xfe{\x00", "not JSON in UTF-8: found byte 0xff at 0"),
+        (b"\xff\xfe{\x00", "not UTF-8: byte 0xff at position 0"),
         (b"[" * 100_000, "nested too deep"),
         (b'{"belief": ' + b"1" * 5_000 + b"}", ""),
         (b"[]", "expected an object with fields, got a list"),
         (b"null", "expected an object with fields, got null"),
         (b'{"belief": "half"}', "belief: "),
-        (b"{}", "belief: expected, but it is not there"),
+        (b"{}", "belief: this field is required"),
     ],
 )
 def test_what_is_no_such_message_is_said_in_one_line(content: bytes, says: str) -> None:

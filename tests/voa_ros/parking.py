@@ -12,11 +12,11 @@ from random import Random
 
 from voa_ros.cdr import MOST_BEAMS, encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.grids import BeamGrid, upside_down
-from voa_ros.mapped import MappedLooks, Received, UnusableMessage
+from voa_ros.looks import GatheredLook
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.motions import Motion, composed, inverse, wrapped
+from voa_ros.pipeline import LookPipeline, Received, UnusableMessage
 from voa_ros.robots import load
-from voa_ros.taken import Taken
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 NOWHERE_ELSE = Motion(0.0, 0.0, 0.0)
@@ -32,7 +32,7 @@ PARKED_S = 4.0
 DRIVING_S = 3.0
 LEG_S = PARKED_S + DRIVING_S
 START_S = 1_000.0
-"""By the robot's clock, and by the one that messages arrive by."""
+"""Time by the robot's clock and by the clock of the receiver, seconds."""
 PARKED_AT_S = START_S + 2 * LEG_S + 0.5
 """Half a second into the third stop."""
 DRIVING_AT_S = START_S + 2 * LEG_S - 1.52
@@ -107,10 +107,10 @@ class ParkingRobot:
         for step in range(round((self.end_s - START_S) * 20.0)):
             now_s = START_S + step / 20.0
             pose = composed(inverse(self.odometry_frame), self.base(now_s))
-            told = Odometry(
+            odometry = Odometry(
                 Stamp.of(self.odometry_clock(now_s)), "odom", "base", Pose.planar(pose.x, pose.y, pose.yaw_rad)
             )
-            yield Received(ODOMETRY, encode_odometry(told), now_s + LATENCY_S)
+            yield Received(ODOMETRY, encode_odometry(odometry), now_s + LATENCY_S)
 
     def amcl(self) -> Iterator[Received]:
         """Poses of an AMCL whose map is the world: one each quarter metre, a little late."""
@@ -120,10 +120,10 @@ class ParkingRobot:
             pose = self.base(now_s)
             if last is None or math.hypot(pose.x - last.x, pose.y - last.y) > 0.25:
                 last = pose
-                told = PoseWithCovariance(
+                amcl = PoseWithCovariance(
                     Stamp.of(self.scan_clock(now_s)), "map", Pose.planar(pose.x, pose.y, pose.yaw_rad)
                 )
-                yield Received(POSE_WITH_COVARIANCE_STAMPED, encode_pose(told), now_s + 0.1)
+                yield Received(POSE_WITH_COVARIANCE_STAMPED, encode_pose(amcl), now_s + 0.1)
 
     def _scans(self) -> Iterator[Received]:
         for seen in _seen(self.hz, self.layout, self.lidar, tuple(self.stops)):
@@ -181,33 +181,33 @@ def with_amcl(own: ParkingRobot, received: Callable[[Received], Received] = lamb
 
 def mapped(
     place: str = 'from = "odometry"', more: str = "", look: str = "", most_beams: int = MOST_BEAMS
-) -> MappedLooks:
+) -> LookPipeline:
     """Looks of a robot whose mapping says this of its place, of itself and of its looks."""
     (mapping,) = load(f'[[robot]]\nname = "tb3_1"\nsession = "s"\n{more}\n[robot.look]\n{look}\n[robot.place]\n{place}')
-    return MappedLooks(mapping, GRID, most_beams)
+    return LookPipeline(mapping, GRID, most_beams)
 
 
 @dataclass
 class Outcome:
     """Results of the messages of a robot."""
 
-    looks: list[Taken] = field(default_factory=list)
+    looks: list[GatheredLook] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     waiting: list[str] = field(default_factory=list)
     """Conditions that were waited for, each change of them."""
 
 
-def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) -> Outcome:
+def play(looks: LookPipeline, messages: Iterator[Received] | Sequence[Received]) -> Outcome:
     """Send messages to a mapped robot's looks."""
     came = Outcome()
     for message in messages:
         try:
-            found = looks.receive(message)
+            result = looks.receive(message)
         except UnusableMessage as error:
             came.refused.append(str(error))
         else:
-            if isinstance(found, Taken):
-                came.looks.append(found)
+            if isinstance(result, GatheredLook):
+                came.looks.append(result)
         now = looks.waiting_for or ""
         if came.waiting[-1:] != [now]:
             came.waiting.append(now)
@@ -216,9 +216,9 @@ def play(looks: MappedLooks, messages: Iterator[Received] | Sequence[Received]) 
 
 def check_places(came: Outcome, places: Sequence[Motion]) -> None:
     """Each stop of the lidar has one look, within a centimetre and a degree of it."""
-    found = [look.request.sensor_pose for look in came.looks]
-    assert len(found) == len(places), [pose and (pose.x, pose.y) for pose in found]
-    for pose, place in zip(found, places, strict=True):
+    poses = [look.request.sensor_pose for look in came.looks]
+    assert len(poses) == len(places), [pose and (pose.x, pose.y) for pose in poses]
+    for pose, place in zip(poses, places, strict=True):
         assert pose is not None
         assert math.hypot(pose.x - place.x, pose.y - place.y) < 0.01, (pose, place)
         assert abs(wrapped(pose.yaw_rad - place.yaw_rad)) < math.radians(1.0), (pose, place)

@@ -1,4 +1,4 @@
-"""Messages to try things on, and hypothesis strategies for all of them."""
+"""Example messages, and hypothesis strategies for all types of them."""
 
 import math
 from itertools import cycle, islice

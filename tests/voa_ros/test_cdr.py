@@ -61,7 +61,7 @@ def _pose(message: Odometry | PoseWithCovariance) -> Any:
 
 
 def theirs(message: Message) -> Any:
-    """The same message as an object of rosbags."""
+    """Convert a message to an object of rosbags."""
     match message:
         case LaserScan():
             return _of(
@@ -122,24 +122,24 @@ def test_a_message_cut_anywhere_is_refused(name: str) -> None:
             DECODE[name](BYTES[name][:length])
 
 
-@pytest.mark.parametrize("told", list(DECODE))
+@pytest.mark.parametrize("expected", list(DECODE))
 @pytest.mark.parametrize("sent", list(DECODE))
-def test_a_message_of_another_type_is_refused(sent: str, told: str) -> None:
-    if sent == told:
-        assert DECODE[told](BYTES[sent]) == EXAMPLES[told]
+def test_a_message_of_another_type_is_refused(sent: str, expected: str) -> None:
+    if sent == expected:
+        assert DECODE[expected](BYTES[sent]) == EXAMPLES[expected]
         return
-    with pytest.raises(InvalidCdr, match=f"expected a {told}, found a {sent}"):
-        DECODE[told](BYTES[sent])
+    with pytest.raises(InvalidCdr, match=f"expected a {expected}, found a {sent}"):
+        DECODE[expected](BYTES[sent])
 
 
 @given(st.sampled_from(list(DECODE)), ANY)
-def test_any_message_of_another_type_is_refused(told: str, named: tuple[str, Message]) -> None:
+def test_any_message_of_another_type_is_refused(expected: str, named: tuple[str, Message]) -> None:
     name, message = named
-    if name == told:
-        assert type(DECODE[told](ENCODE[name](message))) is type(message)
+    if name == expected:
+        assert type(DECODE[expected](ENCODE[name](message))) is type(message)
     else:
         with pytest.raises(InvalidCdr):
-            DECODE[told](ENCODE[name](message))
+            DECODE[expected](ENCODE[name](message))
 
 
 @pytest.mark.parametrize("name", DECODE)
@@ -176,14 +176,14 @@ FIELDS = struct.pack("<7f", 0.0, 6.25, 0.0175, 0.0, 0.2, 0.125, 3.5)
 @pytest.mark.parametrize("lie", [3, 4, 1_000, 2**31, 2**32 - 1])
 def test_a_length_that_lies_takes_no_memory(lie: int) -> None:
     two = struct.pack("<2f", 1.0, 2.0)
-    told = [
+    wrong = [
         _scan_with(b"laser\0", max(lie, 1_000), FIELDS),
         _scan_with(b"laser\0", 6, FIELDS + struct.pack("<I", lie) + two),
         _scan_with(b"laser\0", 6, FIELDS + struct.pack("<I", 2) + two + struct.pack("<I", lie)),
     ]
     tracemalloc.start()
     try:
-        for data in told:
+        for data in wrong:
             with pytest.raises(InvalidCdr, match="expected"):
                 decode_laser_scan(data)
         assert tracemalloc.get_traced_memory()[1] < 200_000
@@ -198,8 +198,8 @@ def test_a_length_that_lies_takes_no_memory(lie: int) -> None:
         (b"\x00\x02\x00\x00" + bytes(40), "plain CDR"),
         (b"\x00\x03\x00\x00" + bytes(40), "plain CDR"),
         (b"\x00\x07\x00\x00" + bytes(40), "plain CDR"),
-        (_scan_with(b"laser!", 6, FIELDS), "ends with NUL"),
-        (_scan_with(b"la\0er\0", 6, FIELDS), "no NUL inside"),
+        (_scan_with(b"laser!", 6, FIELDS), "ends with a NUL"),
+        (_scan_with(b"la\0er\0", 6, FIELDS), "without a NUL inside"),
         (_scan_with(b"\xff\xfe\xfd\0", 4, FIELDS), "UTF-8"),
         (BYTES[SCAN] + bytes(8), "to end after"),
         (_scan_with(b"laser\0", 6, FIELDS + bytes(8)), "at least one beam"),

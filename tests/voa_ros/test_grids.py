@@ -28,7 +28,7 @@ def angles(scan_: LaserScan) -> list[float]:
 
 
 def offs(parts: list[LaserScan], angle: float) -> dict[float, float]:
-    """How far each measured beam is from an angle, radians, by its value; values are different."""
+    """Distance of each measured beam from an angle, radians, by its value; all values differ."""
     return {
         value: abs(math.remainder(own - angle, math.tau))
         for part in parts
@@ -50,15 +50,15 @@ LAYOUTS = grids().map(lambda grid: layout(grid.beams, grid.angle_min, grid.angle
 
 
 @given(st.lists(LAYOUTS, min_size=1, max_size=3), grids())
-def test_each_beam_takes_the_nearest_within_half_an_increment(told: list[LaserScan], grid: BeamGrid) -> None:
+def test_each_beam_takes_the_nearest_within_half_an_increment(measured: list[LaserScan], grid: BeamGrid) -> None:
     parts = [
         replace(part, ranges=tuple(1_000.0 * number + value for value in part.ranges))
-        for number, part in enumerate(told)
+        for number, part in enumerate(measured)
     ]
-    found = binned(parts, grid)
-    assert len(found) == grid.beams
+    ranges = binned(parts, grid)
+    assert len(ranges) == grid.beams
     half = abs(grid.angle_increment) / 2.0
-    for beam, value in enumerate(found):
+    for beam, value in enumerate(ranges):
         off = offs(parts, grid.angle_min + beam * grid.angle_increment)
         nearest = min(off.values())
         if value is None:
@@ -69,38 +69,38 @@ def test_each_beam_takes_the_nearest_within_half_an_increment(told: list[LaserSc
 
 
 @given(LAYOUTS)
-def test_a_scan_on_its_own_grid_is_itself(told: LaserScan) -> None:
-    grid = grid_of(told)
+def test_a_scan_on_its_own_grid_is_itself(measured: LaserScan) -> None:
+    grid = grid_of(measured)
     assume(grid.beams * abs(grid.angle_increment) <= math.tau)
-    assert tuple(binned([told], grid)) == told.ranges
-    assert same_grid(on_grid([told], grid), told)
+    assert tuple(binned([measured], grid)) == measured.ranges
+    assert same_grid(on_grid([measured], grid), measured)
 
 
 @pytest.mark.parametrize("turns", [-2, -1, 1, 2])
 def test_a_turn_more_or_less_is_the_same_angle(turns: int) -> None:
-    told = layout(40, 0.3, math.tau / 40)
-    assert binned([replace(told, angle_min=0.3 + turns * math.tau)], TURN) == binned([told], TURN)
+    measured = layout(40, 0.3, math.tau / 40)
+    assert binned([replace(measured, angle_min=0.3 + turns * math.tau)], TURN) == binned([measured], TURN)
 
 
 def test_beams_half_an_increment_off_leave_none_empty() -> None:
     """Every beam of the grid lies half way between two measured ones."""
-    told = layout(360, math.tau / 720, math.tau / 360)
-    for sent in (told, decode_laser_scan(encode_laser_scan(told))):
-        found = binned([sent], TURN)
-        assert None not in found
-        assert all(value in (beam, beam + 1, beam + 360) for beam, value in enumerate(found))
+    measured = layout(360, math.tau / 720, math.tau / 360)
+    for sent in (measured, decode_laser_scan(encode_laser_scan(measured))):
+        ranges = binned([sent], TURN)
+        assert None not in ranges
+        assert all(value in (beam, beam + 1, beam + 360) for beam, value in enumerate(ranges))
 
 
 def test_a_negative_increment_runs_the_other_way() -> None:
-    told = layout(4, math.tau / 4, -math.tau / 4)  # at 90, 0, -90 and 180 degrees
-    assert binned([told], BeamGrid(4, 0.0, math.tau / 4)) == [2.0, 1.0, 4.0, 3.0]
-    assert binned([told], BeamGrid(4, 0.0, -math.tau / 4)) == [2.0, 3.0, 4.0, 1.0]
+    measured = layout(4, math.tau / 4, -math.tau / 4)  # at 90, 0, -90 and 180 degrees
+    assert binned([measured], BeamGrid(4, 0.0, math.tau / 4)) == [2.0, 1.0, 4.0, 3.0]
+    assert binned([measured], BeamGrid(4, 0.0, -math.tau / 4)) == [2.0, 3.0, 4.0, 1.0]
 
 
 def test_a_grid_of_some_angles_takes_only_those() -> None:
     front = BeamGrid(3, -math.tau / 8, math.tau / 8)
-    told = layout(8, 0.0, math.tau / 8)
-    assert binned([told], front) == [8.0, 1.0, 2.0]
+    measured = layout(8, 0.0, math.tau / 8)
+    assert binned([measured], front) == [8.0, 1.0, 2.0]
     assert binned([layout(2, 0.0, math.tau / 8)], front) == [None, 1.0, 2.0]
     assert binned([layout(3, 3.0, 0.1)], front) == [None] * 3
 
@@ -108,19 +108,19 @@ def test_a_grid_of_some_angles_takes_only_those() -> None:
 def test_a_last_beam_that_points_where_the_first_does_has_its_value_too() -> None:
     """The driver of the LDS-02 spreads its beams over [0, 2 pi], both ends included."""
     both_ends = BeamGrid(5, 0.0, math.tau / 4)
-    found = binned([layout(4, 0.0, math.tau / 4)], both_ends)
-    assert found == [1.0, 2.0, 3.0, 4.0, 1.0]
+    ranges = binned([layout(4, 0.0, math.tau / 4)], both_ends)
+    assert ranges == [1.0, 2.0, 3.0, 4.0, 1.0]
 
 
 def test_finer_beams_are_thinned_and_coarser_ones_leave_gaps() -> None:
     assert binned([layout(1_440, 0.0, math.tau / 1_440)], TURN) == [1.0 + 4 * beam for beam in range(360)]
-    found = binned([layout(90, 0.0, math.tau / 90)], TURN)
-    assert [beam for beam, value in enumerate(found) if value is not None] == list(range(0, 360, 4))
+    ranges = binned([layout(90, 0.0, math.tau / 90)], TURN)
+    assert [beam for beam, value in enumerate(ranges) if value is not None] == list(range(0, 360, 4))
 
 
 def test_values_pass_as_they_are() -> None:
-    told = replace(scan(INF, 0.0, NAN, -INF, increment=math.tau / 4))
-    assert repr(tuple(binned([told], BeamGrid(4, 0.0, math.tau / 4)))) == repr(told.ranges)
+    measured = replace(scan(INF, 0.0, NAN, -INF, increment=math.tau / 4))
+    assert repr(tuple(binned([measured], BeamGrid(4, 0.0, math.tau / 4)))) == repr(measured.ranges)
 
 
 def test_a_scan_on_a_grid_says_so_in_its_header() -> None:
@@ -145,9 +145,9 @@ def test_a_scan_on_a_grid_says_so_in_its_header() -> None:
     ],
 )
 def test_scans_have_the_same_beams_within_a_tenth_of_a_milliradian(change: dict[str, object], same: bool) -> None:
-    told = layout(360, 0.0, math.tau / 360)
-    assert same_grid(told, replace(told, **change)) == same  # type: ignore[arg-type]
-    assert same_grid(replace(told, **change), told) == same  # type: ignore[arg-type]
+    measured = layout(360, 0.0, math.tau / 360)
+    assert same_grid(measured, replace(measured, **change)) == same  # type: ignore[arg-type]
+    assert same_grid(replace(measured, **change), measured) == same  # type: ignore[arg-type]
 
 
 def test_two_scans_are_compared_as_they_are_where_their_beams_are_the_same() -> None:
@@ -159,18 +159,18 @@ def test_two_scans_are_compared_as_they_are_where_their_beams_are_the_same() -> 
 
 
 @given(LAYOUTS)
-def test_upside_down_twice_is_upright(told: LaserScan) -> None:
-    again = upside_down(upside_down(told))
-    assert again.ranges == told.ranges
-    assert again.angle_increment == told.angle_increment
-    assert (again.angle_min, again.angle_max) == pytest.approx((told.angle_min, told.angle_max), abs=1e-9)
+def test_upside_down_twice_is_upright(measured: LaserScan) -> None:
+    again = upside_down(upside_down(measured))
+    assert again.ranges == measured.ranges
+    assert again.angle_increment == measured.angle_increment
+    assert (again.angle_min, again.angle_max) == pytest.approx((measured.angle_min, measured.angle_max), abs=1e-9)
 
 
 @given(LAYOUTS)
-def test_upside_down_mirrors_the_angles(told: LaserScan) -> None:
-    told = replace(told, intensities=told.ranges)
-    over = upside_down(told)
-    before = dict(zip(told.ranges, angles(told), strict=True))
+def test_upside_down_mirrors_the_angles(measured: LaserScan) -> None:
+    measured = replace(measured, intensities=measured.ranges)
+    over = upside_down(measured)
+    before = dict(zip(measured.ranges, angles(measured), strict=True))
     for value, angle in zip(over.ranges, angles(over), strict=True):
         assert angle == pytest.approx(-before[value], abs=1e-9)
     assert over.intensities == over.ranges

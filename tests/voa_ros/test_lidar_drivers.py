@@ -164,7 +164,7 @@ def test_the_returns_of_a_box_are_where_it_stands(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_in_range_is_said_in_the_drivers_way(name: str) -> None:
-    """One wall ahead and nothing behind: what the beams behind say is one of the driver's words for nothing."""
+    """Check with a wall ahead that the beams behind report nothing in one of the ways of the driver."""
     scene = Scene.of([(1.0, 0.0, 0.1, 1.2, 0.4)])
     words: set[str | float] = set()
     for scan in played(name, scene, turns=3):
@@ -229,7 +229,7 @@ def test_beams_of_an_a1_without_a_point_are_inf_and_others_each_time(hz: float) 
     assert not set.intersection(*silent)
 
 
-def test_a_lidar_that_drives_is_asked_where_it_is() -> None:
+def test_a_lidar_that_drives_is_placed_along_its_way() -> None:
     scene = Scene.room(HALF_WIDTH_M)
     poses = [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]
     driver = DRIVERS["hokuyo-ust-10lx"]
@@ -248,7 +248,7 @@ def test_distances_are_exact() -> None:
     assert list(Scene.of([]).distances(0.0, 0.0, 0.0, [0.0])) == [math.inf]
 
 
-def test_lost_packets_are_whole_and_as_many_as_told() -> None:
+def test_lost_packets_are_whole_and_as_many_as_stated() -> None:
     scan = played("hokuyo-ust-10lx", Scene.room(HALF_WIDTH_M), turns=1)[0]
     damaged = lost_packets(scan, 0.3, np.random.default_rng(1))
     lost = [all(value == 0.0 for value in damaged.ranges[i : i + 6]) for i in range(0, 1081, 6)]
@@ -258,7 +258,7 @@ def test_lost_packets_are_whole_and_as_many_as_told() -> None:
     assert encode_laser_scan(damaged) == encode_laser_scan(again)
 
 
-def test_flicker_silences_as_many_as_told_and_others_each_time() -> None:
+def test_flicker_silences_as_many_as_stated_and_others_each_time() -> None:
     scan = played("sick-tim571", Scene.room(HALF_WIDTH_M), turns=1)[0]
     rng = np.random.default_rng(1)
     one, other = flicker(scan, 0.5, rng), flicker(scan, 0.5, rng, math.nan)

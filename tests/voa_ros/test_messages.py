@@ -37,8 +37,8 @@ def header(low: float, high: float, increment: float, beams: int) -> LaserScan:
     ],
 )
 def test_headers_of_drivers_pass(low: float, high: float, increment: float, beams: int) -> None:
-    told = header(low, high, increment, beams)
-    for sent in (told, upside_down(told), decode_laser_scan(encode_laser_scan(told))):
+    measured = header(low, high, increment, beams)
+    for sent in (measured, upside_down(measured), decode_laser_scan(encode_laser_scan(measured))):
         assert header_contradiction(sent) is None
 
 
@@ -49,7 +49,7 @@ def test_headers_of_drivers_pass(low: float, high: float, increment: float, beam
         (3.14159, -3.12414, 0.0174533, "say that the angles fall, angle_increment 0.0174533 says that they grow"),
     ],
 )
-def test_angles_that_run_both_ways_are_told_with_all_numbers(
+def test_angles_that_run_both_ways_are_reported_with_all_numbers(
     low: float, high: float, increment: float, says: str
 ) -> None:
     wrong = header_contradiction(header(low, high, increment, 360))
@@ -61,7 +61,7 @@ def test_angles_that_run_both_ways_are_told_with_all_numbers(
 @pytest.mark.parametrize(
     ("increment", "turns"), [(1.0, "57.3"), (-1.0, "57.3"), (math.radians(2.0), "2"), (math.radians(1.06), "1.06")]
 )
-def test_more_than_a_turn_is_told_in_turns(increment: float, turns: str) -> None:
+def test_more_than_a_turn_is_reported_in_turns(increment: float, turns: str) -> None:
     wrong = header_contradiction(header(0.0, 359 * increment, increment, 360))
     assert wrong == (
         f"360 beams of angle_increment {increment:.6g} rad are {turns} turns: expected at most one turn, with angles "
@@ -70,6 +70,6 @@ def test_more_than_a_turn_is_told_in_turns(increment: float, turns: str) -> None
 
 
 @given(scans())
-def test_any_scan_has_a_contradiction_or_none(told: LaserScan) -> None:
-    wrong = header_contradiction(told)
+def test_any_scan_has_a_contradiction_or_none(measured: LaserScan) -> None:
+    wrong = header_contradiction(measured)
     assert wrong is None or "expected" in wrong or "wrong" in wrong

@@ -12,14 +12,14 @@ from voa_ros.messages import LaserScan, Stamp
 from voa_ros.repeats import REMEMBERED, Repeats, payload_digest
 
 
-def repeated(own: Repeats, told: LaserScan) -> bool:
-    return own.is_repeated(told, payload_digest(encode_laser_scan(told)))
+def repeated(own: Repeats, measured: LaserScan) -> bool:
+    return own.is_repeated(measured, payload_digest(encode_laser_scan(measured)))
 
 
 def test_two_bridges_bring_each_scan_twice_and_each_counts_once() -> None:
     own = Repeats()
-    told = [scan(1.0, 2.0, at=0.2 * number) for number in range(1, 60)]
-    for one in told:
+    revolutions = [scan(1.0, 2.0, at=0.2 * number) for number in range(1, 60)]
+    for one in revolutions:
         assert not repeated(own, one)
         assert repeated(own, one)
         assert own.in_a_row == 1
@@ -28,19 +28,19 @@ def test_two_bridges_bring_each_scan_twice_and_each_counts_once() -> None:
 @pytest.mark.parametrize("late", [1, 5, REMEMBERED - 1])
 def test_the_second_bridge_may_be_some_revolutions_late(late: int) -> None:
     own = Repeats()
-    told = [scan(1.0, at=0.2 * number) for number in range(1, 60)]
-    for number, one in enumerate(told):
+    revolutions = [scan(1.0, at=0.2 * number) for number in range(1, 60)]
+    for number, one in enumerate(revolutions):
         assert not repeated(own, one)
         if number >= late:
-            assert repeated(own, told[number - late])
+            assert repeated(own, revolutions[number - late])
 
 
 def test_a_scan_of_long_ago_is_a_new_one() -> None:
     own = Repeats()
-    told = [scan(1.0, at=0.2 * number) for number in range(1, REMEMBERED + 2)]
-    for one in told:
+    revolutions = [scan(1.0, at=0.2 * number) for number in range(1, REMEMBERED + 2)]
+    for one in revolutions:
         repeated(own, one)
-    assert not repeated(own, told[0])
+    assert not repeated(own, revolutions[0])
 
 
 def test_a_frozen_stamp_makes_no_repetition() -> None:
@@ -77,12 +77,12 @@ def test_payloads_have_names_of_their_own(one: bytes, other: bytes) -> None:
 
 
 def test_the_whole_payload_counts() -> None:
-    own, told = Repeats(), scan(1.0, at=1.0)
-    repeated(own, told)
+    own, first = Repeats(), scan(1.0, at=1.0)
+    repeated(own, first)
     for other in (
-        replace(told, frame_id="other"),
-        replace(told, intensities=(1.0,)),
-        replace(told, stamp=Stamp(1, 1)),
-        replace(told, scan_time=0.1),
+        replace(first, frame_id="other"),
+        replace(first, intensities=(1.0,)),
+        replace(first, stamp=Stamp(1, 1)),
+        replace(first, scan_time=0.1),
     ):
         assert not repeated(own, other)

@@ -3,19 +3,8 @@ import math
 import pytest
 
 from voa_msgs.geometry import PoseUncertainty
-from voa_ros.robots import (
-    AmclPlace,
-    AttachmentPlace,
-    InvalidRobots,
-    LookRule,
-    Mount,
-    OdometryPlace,
-    PlanarPose,
-    RobotMapping,
-    SensorPlace,
-    Subscription,
-    load,
-)
+from voa_ros.robot_places import AmclPlace, AttachmentPlace, Mount, OdometryPlace, PlanarPose, SensorPlace
+from voa_ros.robots import InvalidRobots, LookRule, RobotMapping, Subscription, load
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED
 
 FULL = """
@@ -106,7 +95,7 @@ def test_a_file_may_map_nothing_or_many() -> None:
     [
         ('session = "4f1c"', "", "robot 'tb3_1': expected exactly one of 'session' and 'scenario'"),
         ("session", 'scenario = "a"\nsession', "robot 'tb3_1': expected exactly one of 'session' and 'scenario'"),
-        ('name = "tb3_1"', "", "robot no. 1: name: expected, but it is not there"),
+        ('name = "tb3_1"', "", "robot no. 1: name: this field is required"),
         ('name = "tb3_1"', 'name = "tb3/1"', "robot 'tb3/1': name: String should match"),
         ('namespace = "lab/tb3_1"', 'namespace = "a b"', "robot 'tb3_1': namespace: expected a topic like"),
         ('"front/scan"', '""', "robot 'tb3_1': scan: expected a topic like 'tb3_1/scan'"),
@@ -137,14 +126,14 @@ def test_a_file_may_map_nothing_or_many() -> None:
         ("[[robot]]", "[[robot]", "expected TOML: "),
         ("scan =", "place = 3\nscan =", "expected TOML: "),
         (FULL, "robot = [3]", "robot no. 1: expected a table"),
-        (FULL, FULL + FULL, "robot: 'tb3_1' twice: expected each name once"),
+        (FULL, FULL + FULL, "robot: the name 'tb3_1' is given twice: expected a different name for each robot"),
     ],
 )
-def test_a_mistake_is_told_by_robot_and_field(old: str, new: str, line: str) -> None:
+def test_a_mistake_is_reported_by_robot_and_field(old: str, new: str, line: str) -> None:
     assert old in FULL
     with pytest.raises(InvalidRobots) as refused:
         load(FULL.replace(old, new, 1))
-    assert any(line in told for told in str(refused.value).splitlines()), str(refused.value)
+    assert any(line in reported for reported in str(refused.value).splitlines()), str(refused.value)
 
 
 def test_a_name_that_ros_could_not_have_needs_a_namespace() -> None:

@@ -31,9 +31,9 @@ def test_each_beam_is_what_rep_117_makes_of_it() -> None:
 
 
 def test_float32s_noise_is_gone_and_the_grid_is_untouched() -> None:
-    heard = decode_laser_scan(encode_laser_scan(replace(scan(0.123, 0.12), range_min=0.12)))
-    message = scan_message(heard)
-    assert heard.ranges != (0.123, 0.12)
+    received = decode_laser_scan(encode_laser_scan(replace(scan(0.123, 0.12), range_min=0.12)))
+    message = scan_message(received)
+    assert received.ranges != (0.123, 0.12)
     assert (message.ranges, message.range_min, message.range_max) == ([0.123, 0.12], 0.12, 3.5)
     assert (message.angle_min, message.angle_increment) == (0.0, float32(math.tau / 360))
 
@@ -45,17 +45,17 @@ def test_limits_that_say_nothing_are_the_lidars(near: float, far: float) -> None
 
 
 def test_the_stamp_is_kept() -> None:
-    told = replace(scan(1.0), stamp=Stamp(7, 8))
-    assert scan_message(told).stamp == {"sec": 7, "nanosec": 8, "frame_id": "base_scan"}
-    assert scan_message(told, {"scans": 3}).stamp == {"scans": 3}
+    measured = replace(scan(1.0), stamp=Stamp(7, 8))
+    assert scan_message(measured).stamp == {"sec": 7, "nanosec": 8, "frame_id": "base_scan"}
+    assert scan_message(measured, {"scans": 3}).stamp == {"scans": 3}
 
 
 @given(scans())
-def test_any_scan_becomes_a_message_that_passes(told: LaserScan) -> None:
-    message = scan_message(decode_laser_scan(encode_laser_scan(told)))
+def test_any_scan_becomes_a_message_that_passes(measured: LaserScan) -> None:
+    message = scan_message(decode_laser_scan(encode_laser_scan(measured)))
     assert Scan.model_validate_json(message.model_dump_json()) == message
-    assert len(message.ranges) == len(told.ranges)
-    for index, value in enumerate(told.ranges):
+    assert len(message.ranges) == len(measured.ranges)
+    for index, value in enumerate(measured.ranges):
         assert (index in message.no_return) == (value == INF)
         assert (message.ranges[index] is None) == (not 0.0 <= value < INF)
         assert (message.ranges[index] == 0.0) == (value == 0.0)
@@ -91,17 +91,17 @@ def median_of(values: Sequence[float]) -> float:
     ],
 )
 def test_the_median_of_a_beam(values: list[float], expected: float) -> None:
-    found = median_of(values)
-    assert math.isnan(found) if math.isnan(expected) else found == expected
+    median = median_of(values)
+    assert math.isnan(median) if math.isnan(expected) else median == expected
 
 
 @given(st.lists(FLOATS, min_size=1, max_size=9), st.randoms(use_true_random=False))
 def test_the_median_does_not_depend_on_the_order_and_was_measured(values: list[float], random: Any) -> None:
-    found = median_of(values)
+    median = median_of(values)
     shuffled = list(values)
     random.shuffle(shuffled)
-    assert repr(median_of(shuffled)).removeprefix("-") == repr(found).removeprefix("-")
-    assert math.isnan(found) or found in values
+    assert repr(median_of(shuffled)).removeprefix("-") == repr(median).removeprefix("-")
+    assert math.isnan(median) or median in values
 
 
 def test_beams_are_taken_one_by_one() -> None:

@@ -15,7 +15,7 @@ from voa_ros.topics import (
     RmwAttachment,
     TopicKey,
     expressions,
-    met,
+    match_key,
     parse_key,
     resolve,
     rmw_key,
@@ -39,27 +39,27 @@ def test_the_hashes_are_those_that_rosbags_computes(type_: MessageType) -> None:
 
 
 @given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232))
-def test_a_topic_is_met_in_all_its_forms_and_found_in_each(topic: str, type_: MessageType, domain: int) -> None:
+def test_the_expressions_of_a_topic_match_all_its_forms(topic: str, type_: MessageType, domain: int) -> None:
     bridge, rmw = expressions(topic, domain)
     humble = f"{domain}/{topic}/{type_.dds_name}/TypeHashNotSupported"
     assert bridge == topic
-    assert parse_key(topic) == met(topic, topic) == TopicKey(topic)
+    assert parse_key(topic) == match_key(topic, topic) == TopicKey(topic)
     for key in (rmw_key(topic, type_, domain), humble):
         assert meets(rmw, key)
-        assert parse_key(key) == met(topic, key, domain) == TopicKey(topic, type_.name, domain)
+        assert parse_key(key) == match_key(topic, key, domain) == TopicKey(topic, type_.name, domain)
 
 
 @given(TOPICS, st.sampled_from(TYPES), st.integers(0, 232), st.integers(0, 232))
 def test_only_the_domain_that_is_mapped_is_met(topic: str, type_: MessageType, mapped: int, other: int) -> None:
     key = rmw_key(topic, type_, other)
-    assert (met(topic, key, mapped) is not None) == (mapped == other)
+    assert (match_key(topic, key, mapped) is not None) == (mapped == other)
     assert meets(expressions(topic, mapped)[1], key) == (mapped == other)
-    assert met(topic, topic, mapped) == TopicKey(topic)  # a bridge's key has no domain
+    assert match_key(topic, topic, mapped) == TopicKey(topic)  # a bridge's key has no domain
 
 
 def test_the_domain_is_0_unless_it_is_said() -> None:
-    assert met("scan", rmw_key("scan", LASER_SCAN)) == TopicKey("scan", LASER_SCAN.name, 0)
-    assert met("scan", rmw_key("scan", LASER_SCAN, 5)) is None
+    assert match_key("scan", rmw_key("scan", LASER_SCAN)) == TopicKey("scan", LASER_SCAN.name, 0)
+    assert match_key("scan", rmw_key("scan", LASER_SCAN, 5)) is None
 
 
 def test_a_key_of_rmw_zenoh_as_it_was_seen() -> None:
@@ -69,14 +69,14 @@ def test_a_key_of_rmw_zenoh_as_it_was_seen() -> None:
 
 
 def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> None:
-    told = met("scan", "0/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab")
-    assert told == TopicKey("scan", "sensor_msgs/msg/PointCloud2", 0)
+    parsed = match_key("scan", "0/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab")
+    assert parsed == TopicKey("scan", "sensor_msgs/msg/PointCloud2", 0)
     for key in ("tb3_1/scan/front/filtered", "0/front/scan/sensor_msgs::msg::dds_::LaserScan_/x", "a/scan/b c/d"):
-        assert met("scan", key) is None
+        assert match_key("scan", key) is None
 
 
 @pytest.mark.parametrize(
-    ("told", "name"),
+    ("text", "name"),
     [
         ("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/LaserScan"),
         ("sensor_msgs/LaserScan", "sensor_msgs/msg/LaserScan"),
@@ -85,8 +85,8 @@ def test_another_type_on_a_topic_is_met_and_another_topic_below_it_is_not() -> N
         ("charset=utf-8", None),
     ],
 )
-def test_a_type_has_one_name_however_it_is_told(told: str, name: str | None) -> None:
-    assert type_name(told) == name
+def test_a_type_has_one_name_in_every_form(text: str, name: str | None) -> None:
+    assert type_name(text) == name
 
 
 @pytest.mark.parametrize(

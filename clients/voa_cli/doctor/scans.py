@@ -9,7 +9,7 @@ from voa_recordings.limits import BEAMS
 from voa_ros.grids import BeamGrid, same_grid
 from voa_ros.messages import LaserScan, header_contradiction
 from voa_ros.robots import RobotMapping
-from voa_ros.turns import TurnGatherer
+from voa_ros.segments import SegmentJoiner
 
 _WHOLE_TURN = BeamGrid(360, -math.pi, math.tau / 360)
 
@@ -65,5 +65,5 @@ def layout(scans: Sequence[LaserScan]) -> str:
 
 def in_segments(scans: Sequence[LaserScan]) -> bool:
     """True if scans are segments of revolutions, as a picoScan sends them."""
-    gatherer = TurnGatherer[None](_WHOLE_TURN)
+    gatherer = SegmentJoiner[None](_WHOLE_TURN)
     return any(gatherer.receive(scan, None, 0.0) is None for scan in scans)

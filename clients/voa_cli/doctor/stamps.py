@@ -8,7 +8,8 @@ from voa_cli.doctor.findings import Finding
 from voa_cli.doctor.over_http import CLOCK_S
 from voa_cli.doctor.scans import in_segments
 from voa_ros.messages import LaserScan, Odometry, PoseWithCovariance, Stamp
-from voa_ros.robots import AttachmentPlace, RobotMapping, SensorPlace
+from voa_ros.robot_places import AttachmentPlace, SensorPlace
+from voa_ros.robots import RobotMapping
 
 _TRAVELS_S = 0.5
 """Largest plausible age of a received scan, seconds: a revolution of 0.2 s, and the time on the network."""

@@ -24,7 +24,7 @@ from voa_msgs.robots import RobotReport
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import ScanRequest, Session, SessionRequest
 from voa_ros.cdr import encode_laser_scan, encode_odometry
-from voa_ros.looks import AWAY_BY_POSE
+from voa_ros.look_taker import AWAY_BY_POSE
 from voa_ros.messages import Odometry, Pose, Stamp
 
 Publish = Callable[[str, bytes], None]

@@ -16,10 +16,10 @@ from voa_recordings.files.reading import Recording
 from voa_recordings.limits import most_beams
 from voa_recordings.replay.mappings import check_places
 from voa_ros.grids import BeamGrid
-from voa_ros.mapped import MappedLooks, Received, UnreadableMessage, UnusableMessage
+from voa_ros.looks import GatheredLook, look_name
+from voa_ros.pipeline import LookPipeline, Received, UnreadableMessage, UnusableMessage
 from voa_ros.robots import RobotMapping
-from voa_ros.taken import Taken, look_name
-from voa_ros.topics import LASER_SCAN, MessageType, met
+from voa_ros.topics import LASER_SCAN, MessageType, match_key
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def replay_looks(
         target = mapping.session or mapping.scenario or ""
         if target not in sessions:
             sessions[target] = client.create_session(SessionRequest(scenario=scenario.id)).id
-        robots.append(_Robot(mapping, sessions[target], MappedLooks(mapping, grid, most)))
+        robots.append(_Robot(mapping, sessions[target], LookPipeline(mapping, grid, most)))
     looks: list[Look] = []
     try:
         _send_looks(client, recording, robots, looks)
@@ -114,7 +114,7 @@ def replay_looks(
 class _Robot:
     """A robot of the mapping: the scans received so far, and its next look."""
 
-    def __init__(self, mapping: RobotMapping, session: str, looks: MappedLooks) -> None:
+    def __init__(self, mapping: RobotMapping, session: str, looks: LookPipeline) -> None:
         self.name = mapping.name
         self.topic = f"/{mapping.scan_topic}"
         self.session = session
@@ -124,7 +124,7 @@ class _Robot:
         self._looks = looks
         self._accepted = 0
 
-    def receive(self, message: RecordedMessage) -> Taken | None:
+    def receive(self, message: RecordedMessage) -> GatheredLook | None:
         """Take a message of the recording if it is on one of the robot's topics; return the look that it completes."""
         type_ = self._type_of(message)
         if type_ is None:
@@ -140,9 +140,9 @@ class _Robot:
             self.scans += type_ == LASER_SCAN and not isinstance(error, UnreadableMessage)
             return None
         self.scans += type_ == LASER_SCAN
-        return taken if isinstance(taken, Taken) else None
+        return taken if isinstance(taken, GatheredLook) else None
 
-    def send(self, client: Client, taken: Taken) -> Look:
+    def send(self, client: Client, taken: GatheredLook) -> Look:
         """Send a look; if it is not accepted, the next revolutions of the same stop make another."""
         key = look_name(self.name, self.session, self._accepted + 1, taken)
         try:
@@ -173,7 +173,7 @@ class _Robot:
         """Return the type of the mapped topic that a message is on; None: on none of them, or in another domain."""
         for subscription in self._mapping.subscriptions:
             key = message.key or message.topic.removeprefix("/")  # a key of rmw_zenoh has the domain in it
-            if met(subscription.topic, key, self._mapping.domain) is not None:
+            if match_key(subscription.topic, key, self._mapping.domain) is not None:
                 return subscription.type
         return None
 

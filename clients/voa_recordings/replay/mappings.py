@@ -10,7 +10,8 @@ from voa_client import VoaClientError
 from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_recordings.files.reading import Recording
-from voa_ros.robots import AttachmentPlace, InvalidRobots, RobotMapping, SensorPlace, load
+from voa_ros.robot_places import AttachmentPlace, SensorPlace
+from voa_ros.robots import InvalidRobots, RobotMapping, load
 from voa_ros.topics import LASER_SCAN
 
 _SESSION = "replay"

@@ -11,7 +11,17 @@ from voa_service.http import openapi, problems
 from voa_service.http.access import Access
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.refusals import refusal_response
-from voa_service.http.routes import events, health, objects, observations, rankings, robots, scenarios, sessions
+from voa_service.http.routes import (
+    events,
+    health,
+    objects,
+    observations,
+    rankings,
+    robots,
+    scenarios,
+    sessions,
+    stateless,
+)
 from voa_service.services import Services
 
 _DESCRIPTION = (
@@ -37,7 +47,7 @@ def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, observations, events, rankings, robots, health):
+    for module in (objects, scenarios, sessions, observations, events, rankings, stateless, robots, health):
         app.include_router(module.routes(services))
     problems.install(app)
     openapi.install(app, services.limits)

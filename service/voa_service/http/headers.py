@@ -1,4 +1,4 @@
-"""The headers of versions and of repeated requests: ETag, If-Match and Idempotency-Key."""
+"""The headers of the contract: ETag, If-Match, Idempotency-Key."""
 
 import re
 from typing import Annotated
@@ -7,18 +7,13 @@ from fastapi import Header
 
 IfMatch = Annotated[
     str | None,
-    Header(
-        alias="If-Match",
-        description='Condition: the session is at this version, `"v<version>"`; otherwise 412.',
-        examples=['"v3"'],
-    ),
+    Header(alias="If-Match", description='Version that the session must have, as `"v<version>"`.', examples=['"v3"']),
 ]
 Key = Annotated[
     str | None,
     Header(
         alias="Idempotency-Key",
-        description="Name that the caller gives this request: sent again under it, it gets the first response and "
-        "changes nothing.",
+        description="Idempotency key: a request that is repeated with it gets the first response and changes nothing.",
         min_length=1,
         max_length=255,
     ),
@@ -28,13 +23,13 @@ _STRONG_TAG = re.compile(r'^(?:"v(\d{1,18})"|v(\d{1,18}))$')
 
 
 def etag(version: int) -> dict[str, str]:
-    """Return the ETag header of a version of a session."""
+    """The header that names a version."""
     return {"ETag": f'"v{version}"'}
 
 
 def versions(if_match: str | None) -> frozenset[int] | None:
-    """Return the versions that an If-Match accepts; None: any version. A tag of another form matches no version."""
+    """The versions that an If-Match accepts; None: any. A tag that is none of ours matches nothing."""
     if if_match is None or if_match.strip() == "*":
         return None
-    matches = (_STRONG_TAG.match(tag.strip()) for tag in if_match.split(","))
-    return frozenset(int(match[1] or match[2]) for match in matches if match)
+    found = (_STRONG_TAG.match(tag.strip()) for tag in if_match.split(","))
+    return frozenset(int(match[1] or match[2]) for match in found if match)

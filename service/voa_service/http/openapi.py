@@ -1,74 +1,152 @@
-"""The OpenAPI document, made true: problem documents are what errors are, and limits stand in the schemas."""
+"""OpenAPI document: summaries, tags, the problems of each operation by status, and the limits of the service."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from voa_msgs.problems import Problem
+from voa_service.failures import (
+    Failure,
+    Forbidden,
+    InvalidRequest,
+    MalformedForm,
+    MalformedJson,
+    MisdirectedRequest,
+    NotReady,
+    Overloaded,
+    TooLarge,
+    UnsupportedMediaType,
+    WireVersionMismatch,
+)
 from voa_service.http.problems import MEDIA_TYPE
 from voa_service.settings import Limits
 
-_TITLES = {
-    400: "The body is not JSON",
-    403: "The call comes from a page of another site",
-    404: "There is no such thing",
-    409: "It contradicts what is there",
-    412: "The session has moved on",
-    413: "More than this service takes at once",
-    415: "Not a type of body, or of mesh, that this call takes",
-    421: "The service does not go by that name",
-    422: "The request is not as expected",
-    503: "Too much to do at the moment, or not able to work",
-}
+TAGS = [
+    {"name": "objects", "description": "Upload and list the meshes of objects, and compute how they rest on a table."},
+    {
+        "name": "scenarios",
+        "description": "Store and check scenarios (object, poses, grasps, scores, lidar, sensor configurations, update "
+        "rule and prior), predict scans, and list the known lidars.",
+    },
+    {
+        "name": "sessions",
+        "description": "Open sessions, update their beliefs by scans and grasp outcomes, and read or follow them.",
+    },
+    {"name": "rankings", "description": "Rank the looks and the grasps of a session by their value under its belief."},
+    {
+        "name": "stateless",
+        "description": "Update a belief and rank looks with the belief in the request, so that nothing is stored.",
+    },
+    {"name": "robots", "description": "List the robots that send scans, request looks, and claim robots for sessions."},
+    {"name": "health", "description": "Probe whether a process is alive and ready, and read its metrics."},
+]
+"""Tags of the operations, in the order of the document; each operation has exactly one."""
 
 _WORDS = {"integer": "maximum", "array": "maxItems", "object": "maxProperties"}
-_ANY_CALL = (403, 415, 421, 422)
-"""From a page of another site; with a body of another type; under another name; with parameters that it has not."""
+_PROBLEMS = "x-problems"
+_ANY_CALL: tuple[type[Failure], ...] = (
+    WireVersionMismatch,
+    Forbidden,
+    UnsupportedMediaType,
+    MisdirectedRequest,
+    InvalidRequest,
+    Overloaded,
+    NotReady,
+)
+_WITH_BODY: dict[str, tuple[type[Failure], ...]] = {
+    "application/json": (MalformedJson, TooLarge),
+    "multipart/form-data": (MalformedForm, TooLarge),
+}
 
 
-def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """`responses=` of a route that may answer with these problems."""
-    return {status: {"description": _TITLES[status], "model": Problem} for status in statuses}
+def problems(*kinds: type[Failure]) -> dict[int | str, dict[str, Any]]:
+    """Describe the problems that are particular to a route, as its `responses`.
+
+    The problems that every call, or every call with a body, may have are added to the document for all routes.
+
+    Args:
+        kinds: failures with which the route may respond.
+
+    Returns:
+        Responses of FastAPI by status.
+    """
+    responses: dict[int | str, dict[str, Any]] = {}
+    for kind in kinds:
+        response = responses.setdefault(kind.status, {"description": "", "model": Problem, _PROBLEMS: []})
+        response[_PROBLEMS].append([kind.kind, kind.title])
+    return responses
 
 
 def install(app: FastAPI, limits: Limits) -> None:
-    """Have `app` describe itself with its limits."""
+    """Make `app` describe itself with its limits and problems."""
 
     def describe() -> dict[str, Any]:
         if app.openapi_schema is None:
-            document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
-            for path, operations in document["paths"].items():
-                for operation in operations.values():
-                    if path.startswith("/v1/"):
-                        _add_problems(operation["responses"])
-                    _mark_problems(operation["responses"])
-            schemas = document["components"]["schemas"]
-            for unused in ("HTTPValidationError", "ValidationError"):
-                schemas.pop(unused, None)
-            _state_limits(schemas, limits)
-            app.openapi_schema = document
+            app.openapi_schema = _document(app, limits)
         return app.openapi_schema
 
     app.openapi = describe  # type: ignore[method-assign] # FastAPI's documented way to extend the document
 
 
-def _add_problems(responses: dict[str, Any]) -> None:
-    """Add what every call may be answered, whatever it does, after the problems of its own."""
-    schema = {"$ref": f"#/components/schemas/{Problem.__name__}"}
-    for status in _ANY_CALL:
-        answer = {"description": _TITLES[status], "content": {"application/json": {"schema": schema}}}
-        responses.setdefault(str(status), answer)
+def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
+    document = get_openapi(
+        title=app.title, version=app.version, description=app.description, routes=app.routes, tags=TAGS
+    )
+    for path, operations in document["paths"].items():
+        for operation in operations.values():
+            _summarise(operation)
+            if path.startswith("/v1/"):
+                _add_problems(operation["responses"], _of_any_call(operation))
+            _describe_problems(operation["responses"])
+    schemas = document["components"]["schemas"]
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    _state_limits(schemas, limits)
+    return document
 
 
-def _mark_problems(responses: dict[str, Any]) -> None:
-    for status, response in responses.items():
-        content = response.get("content", {})
-        if status >= "400" and "application/json" in content:
-            content[MEDIA_TYPE] = content.pop("application/json")
+def _summarise(operation: dict[str, Any]) -> None:
+    """Split the docstring of a route: its first sentence is the summary, the rest the description."""
+    summary, _, rest = operation.pop("description").partition("\n\n")
+    operation["summary"] = " ".join(summary.split()).removesuffix(".")
+    if rest:
+        operation["description"] = rest
+
+
+def _of_any_call(operation: dict[str, Any]) -> Iterable[type[Failure]]:
+    """List the failures of every call, and those of every call with such a body."""
+    for media_type in operation.get("requestBody", {}).get("content", {}):
+        yield from _WITH_BODY[media_type]
+    yield from _ANY_CALL
+
+
+def _add_problems(responses: dict[str, Any], kinds: Iterable[type[Failure]]) -> None:
+    """Add failures after those that the route names itself; FastAPI's own response for 422 is replaced."""
+    for kind in kinds:
+        response = responses.setdefault(str(kind.status), {})
+        entries = response.setdefault(_PROBLEMS, [])
+        if [kind.kind, kind.title] not in entries:
+            entries.append([kind.kind, kind.title])
+
+
+def _describe_problems(responses: dict[str, Any]) -> None:
+    """Replace the marks of problems by descriptions, and by schemas that list the kinds."""
+    for status in [status for status, response in responses.items() if _PROBLEMS in response]:
+        entries = responses[status][_PROBLEMS]
+        schema = {
+            "$ref": f"#/components/schemas/{Problem.__name__}",
+            "properties": {"type": {"enum": [f"urn:voa:problem:{kind}" for kind, _ in entries]}},
+        }
+        responses[status] = {
+            "description": "; ".join(f"{title} (`{kind}`)" for kind, title in entries),
+            "content": {MEDIA_TYPE: {"schema": schema}},
+        }
 
 
 def _state_limits(node: Any, limits: Limits) -> None:
+    """Replace the name of each limit in the schemas by its number."""
     if isinstance(node, dict):
         name = node.pop("x-limit", None)
         if name is not None:

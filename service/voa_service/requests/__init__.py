@@ -6,5 +6,4 @@
 | `limits`      | refuses bodies with too many bytes, values or keys before they are parsed              |
 | `attachments` | reads the attachment of a request on Zenoh, which may say where a scan was taken       |
 | `idempotency` | makes the idempotency key of a write, and the write that the store records             |
-| `large_json`  | writes large messages as JSON, and reads them back, without stopping the other threads |
 """

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from voa_msgs import large_json
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
@@ -17,7 +18,6 @@ from voa_service.mapping.scenarios import filled_in
 from voa_service.mapping.sensors import candidates
 from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Clock, Store
-from voa_service.requests import large_json
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 from voa_store.records import ListedScenario, StoredScenario

@@ -14,7 +14,6 @@ Functions that a Zenoh thread calls return at once: they put their work into a b
 | `latched`      | subscribes to topics whose newest message is kept, such as AMCL's pose                    |
 | `applying`     | applies a look to its session once, whichever replicas do so                              |
 | `ledger`       | knows which looks of a robot its session has, so that each stop counts once               |
-| `stops`        | compares two looks: were they taken at one stop of the robot?                             |
 | `replicas`     | the replicas that are alive, and which of them is responsible for a sample                |
 | `mailboxes`    | bounded queues of samples, one for each sender                                            |
 | `deferred`     | work that waits in case the responsible replica does not do it                            |

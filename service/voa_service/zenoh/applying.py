@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from voa_ros.taken import Taken, look_name
+from voa_ros.looks import GatheredLook, look_name
 from voa_service.failures import Failure, IdempotencyKeyReused, LookCounted, NotAccepted
 from voa_service.guard import guarded
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
@@ -26,11 +26,12 @@ class DueLook:
     """
 
     robot: str
-    taken: Taken
+    taken: GatheredLook
     ledger: LookLedger
     since: int
 
 
+@guarded()
 def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
     """Apply a look to its session, unless another replica has applied it.
 

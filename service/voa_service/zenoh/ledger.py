@@ -10,9 +10,9 @@ are no stops (modes `every` and `on_request`), a look is identified by its diges
 from collections import deque
 
 from voa_msgs.sessions import ScanRequest
-from voa_ros.taken import Taken, robot_of
+from voa_ros.looks import GatheredLook, robot_of
+from voa_ros.stops import SameStop
 from voa_service.usecases.sessions import Sessions
-from voa_service.zenoh.stops import SameStop
 
 _NEWEST = 50
 """Number of newest versions of a session that are searched for looks of a robot when the robot joins the session."""
@@ -79,16 +79,16 @@ class LookLedger:
         newest = self._sessions.robot_looks(self.session, self._robot, min(count, _NEWEST))
         return any(look.digest not in self._digests for look in newest)
 
-    def take(self, taken: Taken) -> None:
+    def take(self, taken: GatheredLook) -> None:
         """Note that this process gives out a look."""
         self._digests.append(taken.digest)
 
-    def doubt(self, taken: Taken) -> None:
+    def doubt(self, taken: GatheredLook) -> None:
         """Note that a look of this process may or may not be in the session, because its response was lost."""
         if taken.digest in self._digests:
             self._digests.remove(taken.digest)
 
-    def next_number(self, taken: Taken, since: int) -> int | None:
+    def next_number(self, taken: GatheredLook, since: int) -> int | None:
         """Return the number under which a look is to be applied.
 
         Args:
@@ -114,7 +114,7 @@ class LookLedger:
         self._recognise(number)
         self._versions.append(version)
 
-    def _by_digest(self, taken: Taken, count: int) -> bool:
+    def _by_digest(self, taken: GatheredLook, count: int) -> bool:
         """Return True for a look in the session with this digest that was not recognised before; recognises it."""
         self._all_until = max(self._all_until, count - _REMEMBERED)
         if count == self._all_until:
@@ -131,7 +131,7 @@ class LookLedger:
             self._all_until += 1
         self._numbers = {each for each in self._numbers if each > self._all_until}
 
-    def _by_stop(self, taken: Taken, since: int, same_stop: SameStop) -> bool:
+    def _by_stop(self, taken: GatheredLook, since: int, same_stop: SameStop) -> bool:
         """Return True for a look in the session at this stop that was not recognised before; recognises the oldest."""
         for version, look in self._looks_after(since):
             if version not in self._versions and same_stop(taken.request, look):

@@ -13,7 +13,7 @@ MOST_WAITING = 16_384
 MOST_WAITING_BYTES = 64 * 2**20
 """Bytes of samples that may wait in all boxes together."""
 _SHARE = 4
-"""Each box may hold one part in so many of all that may wait, so that a fast sender leaves room for others."""
+"""Each box may hold 1/_SHARE of the items and bytes that may wait, so that a fast sender leaves room for others."""
 
 
 class Mailboxes(Generic[T]):

@@ -10,9 +10,11 @@ import time
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.grids import BeamGrid
-from voa_ros.mapped import ContradictoryHeader, MappedLooks, Received, UnusableMessage
-from voa_ros.robots import AttachmentPlace, RobotMapping
-from voa_ros.taken import Taken
+from voa_ros.looks import GatheredLook
+from voa_ros.pipeline import ContradictoryHeader, LookPipeline, Received, UnusableMessage
+from voa_ros.robot_places import AttachmentPlace
+from voa_ros.robots import RobotMapping
+from voa_ros.stops import SameStop, same_stop
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
 from voa_service.guard import guarded
@@ -21,7 +23,6 @@ from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
 from voa_service.zenoh.samples import Sample
-from voa_service.zenoh.stops import SameStop, same_stop
 
 FOLLOW_SECONDS = 1.0
 """Polling interval for changes of the mapping file, and of the session of a robot, in seconds."""
@@ -43,7 +44,7 @@ class MappedRobot:
         self.mapping = mapping
         self.name = mapping.name
         self._services = services
-        self._looks: MappedLooks | None = None
+        self._looks: LookPipeline | None = None
         self._session: str | None = None
         self._scenario: str | None = None
         self._ledger: LookLedger | None = None
@@ -115,14 +116,14 @@ class MappedRobot:
                 raise BeamGridMismatch(str(error)) from error
             except UnusableMessage as error:
                 raise InvalidRequest(str(error)) from error
-            if isinstance(received, Taken):
+            if isinstance(received, GatheredLook):
                 return self._due(received)
             self._read_looks_of_others(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
 
-    def _due(self, taken: Taken) -> DueLook | None:
+    def _due(self, taken: GatheredLook) -> DueLook | None:
         """Make a look due; None where another replica applied a look at this stop while the robot's session changed.
 
         Raises:
@@ -147,10 +148,10 @@ class MappedRobot:
         ledger.take(taken)
         return DueLook(self.name, taken, ledger, ledger.version)
 
-    def _is_taken(self, newest: ScanRequest | None, taken: Taken) -> bool:
+    def _is_taken(self, newest: ScanRequest | None, taken: GatheredLook) -> bool:
         return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
 
-    def _read_looks_of_others(self, looks: MappedLooks) -> None:
+    def _read_looks_of_others(self, looks: LookPipeline) -> None:
         """Read, once at each stop, the looks of other replicas, and note one that was taken at this stop."""
         rule = self.mapping.look
         if rule.mode == "every" or looks.standing < min(_SHOWS_STOP, rule.scans - 1):
@@ -175,7 +176,7 @@ class MappedRobot:
             raise not_found("session yet on scenario", self.mapping.scenario or "")
         return session
 
-    def _following(self, received: MessageType) -> MappedLooks | None:
+    def _following(self, received: MessageType) -> LookPipeline | None:
         """Return the looks that are being gathered, after polling the robot's session where that is due.
 
         Returns:
@@ -199,7 +200,7 @@ class MappedRobot:
             raise self._absent.with_traceback(None)
         return None
 
-    def _looks_or_fail(self) -> MappedLooks:
+    def _looks_or_fail(self) -> LookPipeline:
         if self._looks is None:
             raise not_found("scenario", self._scenario or "")
         return self._looks
@@ -240,7 +241,7 @@ class MappedRobot:
         grid = model.scenario.lidar.grid
         self._scenario = scenario
         beams = BeamGrid(grid.beams, grid.angle_min, grid.angle_increment)
-        self._looks = MappedLooks(self.mapping, beams, self._services.limits.beams)
+        self._looks = LookPipeline(self.mapping, beams, self._services.limits.beams)
         self._same_stop = same_stop(self.mapping.look, beams)
         if self._requested:
             self._requested = False

@@ -19,7 +19,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from voa_ros.robots import RobotMapping, Subscription, load
-from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, met
+from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, match_key
 from voa_service.failures import Failure, InvalidRequest, NotAccepted, Overloaded, TooLarge
 from voa_service.guard import guarded
 from voa_service.services import Services
@@ -145,7 +145,7 @@ class Ros2:
     def _receive(self, robot: MappedRobot, subscription: Subscription, sample: zenoh.Sample) -> None:
         """Queue a message for a worker thread, or refuse it; called in a Zenoh thread."""
         key, type_ = str(sample.key_expr), subscription.type
-        named = met(subscription.topic, key, robot.mapping.domain)
+        named = match_key(subscription.topic, key, robot.mapping.domain)
         if sample.kind != zenoh.SampleKind.PUT or named is None:
             return
         if named.type_name not in (None, type_.name):
@@ -197,8 +197,7 @@ class Ros2:
         """Apply a look unless the session has it; after a failure the robot's stop may make another look."""
         robot, due = look.robot, look.due
         try:
-            with guarded():
-                outcome = apply_look(self._services.updates, due)
+            outcome = apply_look(self._services.updates, due)
         except Failure as failure:
             robot.rejected(due, failure.kind)
             raise

@@ -32,7 +32,7 @@ def quantised(ranges: Floats, step_m: float) -> Floats:
 
 @dataclass(frozen=True)
 class Turn:
-    """One revolution of a lidar at one place.
+    """Revolution of a lidar at one place.
 
     Attributes:
         scene: the world.
@@ -130,8 +130,8 @@ class Driver:
         """Publish revolutions.
 
         Args:
-            scene: the world.
-            pose_at: where the lidar is, asked for the begin of each revolution.
+            scene: the scene around the lidar.
+            pose_at: pose of the lidar, evaluated at the beginning of each revolution.
             count: revolutions; there are `messages_per_turn` messages for each.
             hz: nominal revolutions a second.
             rng: the same generator state gives the same messages.

@@ -43,10 +43,10 @@ def _publish(turn: Turn) -> list[LaserScan]:
     low, high = math.radians(degrees.min()), math.radians(degrees.max())
     increment = math.radians(speed / RATE_HZ)
     beams = math.ceil((high - low) / increment)
-    found = np.full(beams, np.nan)
+    beam_ranges = np.full(beams, np.nan)
     index = np.floor((np.radians(degrees) - low) / increment).astype(int)
     inside = (index >= 0) & (index < beams)
-    np.fmin.at(found, index[inside], ranges[inside])
+    np.fmin.at(beam_ranges, index[inside], ranges[inside])
     header = Header(
         stamp_s=turn.start_s + turn.period_s,
         frame_id="base_scan",
@@ -58,7 +58,7 @@ def _publish(turn: Turn) -> list[LaserScan]:
         range_min=0.0,
         range_max=100.0,
     )
-    return [header.message(found, np.where(np.isnan(found), np.nan, 200.0))]
+    return [header.message(beam_ranges, np.where(np.isnan(beam_ranges), np.nan, 200.0))]
 
 
 LDS_02 = Driver("lds-02", "lds-02", (5.0, 10.0), _publish, reach_increments=1.0, wandering=0.003)

@@ -29,8 +29,8 @@ def _publish(turn: Turn) -> list[LaserScan]:
     increment = math.tau / (beams - 1)
     index = np.ceil(clockwise / increment).astype(int)
     inside = given & (index < beams)
-    found = np.full(beams, np.nan)
-    np.fmin.at(found, beams - 1 - index[inside], ranges[inside])
+    beam_ranges = np.full(beams, np.nan)
+    np.fmin.at(beam_ranges, beams - 1 - index[inside], ranges[inside])
     header = Header(
         stamp_s=turn.start_s + turn.period_s,
         frame_id="base_laser",
@@ -42,7 +42,7 @@ def _publish(turn: Turn) -> list[LaserScan]:
         range_min=0.02,
         range_max=25.0,
     )
-    return [header.message(found, np.where(np.isnan(found), np.nan, 200.0))]
+    return [header.message(beam_ranges, np.where(np.isnan(beam_ranges), np.nan, 200.0))]
 
 
 LD19 = Driver("ld19", "ld19", (5.0, 10.0), _publish, reach_increments=1.0, wandering=0.005)

@@ -30,7 +30,7 @@ def _publish(turn: Turn, rate_hz: float, range_max: float) -> list[LaserScan]:
         if math.isfinite(value):
             first = int(math.degrees(phase) * multiple)
             nodes[first : first + multiple] = value
-    found = np.where(nodes == 0.0, np.inf, nodes)[::-1]
+    beam_ranges = np.where(nodes == 0.0, np.inf, nodes)[::-1]
     header = Header(
         stamp_s=turn.start_s,
         frame_id="laser",
@@ -42,7 +42,7 @@ def _publish(turn: Turn, rate_hz: float, range_max: float) -> list[LaserScan]:
         range_min=0.15,
         range_max=range_max,
     )
-    return [header.message(found, np.where(np.isinf(found), 0.0, 47.0))]
+    return [header.message(beam_ranges, np.where(np.isinf(beam_ranges), 0.0, 47.0))]
 
 
 def _publish_a1(turn: Turn) -> list[LaserScan]:

@@ -29,8 +29,8 @@ def _publish(turn: Turn, rate_hz: float, step_m: float, near_m: float, far_m: fl
     beams = int((high - low) / increment + np.float32(1.0))
     index = np.ceil((directions.astype(np.float32) - low) / increment).astype(int)
     inside = (ranges >= near_m) & (ranges <= far_m) & (index >= 0) & (index < beams)
-    found = np.zeros(beams)
-    found[index[inside]] = ranges[inside]
+    beam_ranges = np.zeros(beams)
+    beam_ranges[index[inside]] = ranges[inside]
     header = Header(
         stamp_s=turn.start_s,
         frame_id="laser_frame",
@@ -42,7 +42,7 @@ def _publish(turn: Turn, rate_hz: float, step_m: float, near_m: float, far_m: fl
         range_min=near_m,
         range_max=far_m,
     )
-    return [header.message(found, np.zeros(beams))]
+    return [header.message(beam_ranges, np.zeros(beams))]
 
 
 def _publish_x4(turn: Turn) -> list[LaserScan]:

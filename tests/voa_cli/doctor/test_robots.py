@@ -14,7 +14,7 @@ from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.robots import LookReport, RobotReport, Robots
 from voa_msgs.warnings import ProbableMistake, WarningKind
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan
-from voa_ros.mapped import MappedLooks, Received
+from voa_ros.pipeline import LookPipeline, Received
 from voa_ros.topics import LASER_SCAN
 
 NOW = datetime(2026, 1, 1, tzinfo=UTC)
@@ -120,7 +120,7 @@ def in_turn(*names: str) -> Any:
     return lambda number: names[number % len(names)]
 
 
-def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
+def as_reported(looks: LookPipeline, messages: list[Received]) -> RobotReport:
     """Report of the service on a robot after these messages."""
     came = play(looks, messages)
     count = sum(message.type == LASER_SCAN for message in messages)
@@ -162,7 +162,7 @@ def as_reported(looks: MappedLooks, messages: list[Received]) -> RobotReport:
     ids=["mirrored", "degrees", "beams", "frames", "frame", "repeated", "odometry", "AMCL"],
 )
 def test_conditions_that_are_not_met_while_something_is_wrong(
-    looks: MappedLooks, messages: list[Received], seen: str, advice: str
+    looks: LookPipeline, messages: list[Received], seen: str, advice: str
 ) -> None:
     (result,) = check_robots(Robots(items=[as_reported(looks, messages)]), NOW)
     assert (result.state, seen in result.seen, advice in result.advice) == ("wrong", True, True), result
@@ -173,7 +173,7 @@ def test_a_parked_robot_whose_every_scan_is_a_look_is_warned_of() -> None:
     result = list(check_robots(Robots(items=[report]), NOW))
     assert [finding.check for finding in result] == ["robot r1", "robot r1: every-while-parked"]
     assert result[1].state == "warning"
-    assert "the belief grows falsely certain" in result[1].seen
+    assert "the belief becomes falsely certain" in result[1].seen
     assert "stationary" in result[1].advice
 
 

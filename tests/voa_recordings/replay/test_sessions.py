@@ -127,7 +127,7 @@ def test_a_message_that_is_none_is_an_error(
 ) -> None:
     path = written(tmp_path / "x.mcap", [*content, ("s1", "history", b"{}")])
     assert main(["replay", str(path), "--url", process]) == 1
-    assert "/voa/s1/history: version: expected, but it is not there" in capsys.readouterr().err
+    assert "/voa/s1/history: version: this field is required" in capsys.readouterr().err
 
 
 def test_a_mesh_is_given_where_the_service_has_none(

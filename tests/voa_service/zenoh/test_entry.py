@@ -96,7 +96,7 @@ def test_the_service_says_that_it_is_connected(bus: Stranger, service: Service) 
 
 
 def test_every_commit_is_published_whoever_made_it(bus: Stranger, service: Service, data_id: str) -> None:
-    heard = bus.hear(bus.keys.belief("*"))
+    heard = bus.subscribe(bus.keys.belief("*"))
     session = service.open(data_id)
     service.post(f"/v1/sessions/{session}/scans", GOOD)  # over HTTP
     bus.call("scan.apply", {"session": session} | GOOD)
@@ -112,7 +112,7 @@ def test_every_commit_is_published_whoever_made_it(bus: Stranger, service: Servi
 
 
 def test_what_changes_nothing_is_not_published(bus: Stranger, service: Service, session: str) -> None:
-    heard = bus.hear(bus.keys.belief(session))
+    heard = bus.subscribe(bus.keys.belief(session))
     nothing = bus.call("scan.apply", {"session": session} | scan_of([None] * 4))
     assert nothing["update"]["reason"] == "no_beams"
     first = bus.call("scan.apply", {"session": session} | GOOD, id="k")
@@ -160,7 +160,7 @@ def test_the_place_of_a_scan_may_stand_beside_it(bus: Stranger, service: Service
 def test_a_scan_that_cannot_be_used_is_seen(
     bus: Stranger, service: Service, session: str, name: str, payload: bytes, kind: str
 ) -> None:
-    heard = bus.hear(bus.keys.refused("*", "*"))
+    heard = bus.subscribe(bus.keys.refused("*", "*"))
     wait_for(lambda: _can_hear(bus, heard), "the subscription")
     bus.session.put(bus.keys.scan(session, name), payload, encoding="application/json")
     wait_for(lambda: report(service, name)["refused"] == 1, "the refusal")
@@ -175,7 +175,7 @@ def test_a_scan_that_cannot_be_used_is_seen(
 def test_cdr_of_another_type_is_refused_with_both_types(
     bus: Stranger, service: Service, session: str, encoding: str
 ) -> None:
-    heard = bus.hear(bus.keys.refused("*", "*"))
+    heard = bus.subscribe(bus.keys.refused("*", "*"))
     wait_for(lambda: _can_hear(bus, heard), "the subscription")
     bus.session.put(bus.keys.scan(session, "foreign"), encode_odometry(odometry(0.0, 0.0, 0.0)), encoding=encoding)
     told = wait_for(lambda: [each for each in heard if each.key == bus.keys.refused(session, "foreign")], "the problem")

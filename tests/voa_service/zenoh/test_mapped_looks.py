@@ -67,7 +67,7 @@ def test_a_look_that_is_not_accepted_is_published_counted_and_shown_and_the_next
     own: Lab, session: str
 ) -> None:
     own.map(robot(session, look="{ scans = 3 }"))
-    heard = own.bus.hear(own.bus.keys.refused(session, "tb3_1"))
+    heard = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     own.revolutions(4, ranges=NOTHING)
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
     shown = own.report()
@@ -101,7 +101,7 @@ def test_a_requested_look_that_is_not_accepted_stays_requested(own: Lab, session
 
 @pytest.mark.parametrize("body", [scan_of([None] * 4), laser_scan(NOTHING, 100.0)])
 def test_a_raw_scan_that_is_not_accepted_is_published_too(own: Lab, session: str, body: bytes | Json) -> None:
-    heard = own.bus.hear(own.bus.keys.refused(session, "r1"))
+    heard = own.bus.subscribe(own.bus.keys.refused(session, "r1"))
     beside: Json = {"sensor": "Q1"} if isinstance(body, bytes) else {}
     own.bus.put_scan(session, body, **beside)
     wait_for(lambda: heard, "the refusal")
@@ -122,7 +122,7 @@ def contradicting() -> bytes:
 
 
 def test_a_header_that_contradicts_itself_is_refused_with_both_numbers(own: Lab, session: str) -> None:
-    heard = own.bus.hear(own.bus.keys.refused(session, "*"))
+    heard = own.bus.subscribe(own.bus.keys.refused(session, "*"))
     own.map(robot(session))
     own.bus.put_scan(session, contradicting(), sensor="Q1")
     own.put("tb3_1/scan", contradicting())
@@ -268,7 +268,7 @@ def test_a_look_that_the_database_did_not_take_is_taken_again(
     own: Lab, session: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own.map(robot(session, look="{ scans = 3 }"))
-    heard = own.bus.hear(own.bus.keys.refused(session, "tb3_1"))
+    heard = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     store = own.service.inside.sessions.store
     monkeypatch.setattr(store, "change", failing_once(store.change))
     own.revolutions(3)

@@ -42,7 +42,7 @@ class Pair:
         self.bus = bus
         self.scenario = services[0].create(data_scenario())
         self._mapping = mapping
-        self._beliefs = bus.hear(bus.keys.belief("*"))
+        self._beliefs = bus.subscribe(bus.keys.belief("*"))
         wait_for(self._both_are_heard, "the subscription")
 
     def open(self) -> str:
@@ -213,7 +213,7 @@ def test_a_robot_is_told_once_that_its_scan_was_refused_and_both_replicas_know(
     pair: Pair, payload: bytes, kind: str
 ) -> None:
     session = pair.open()
-    heard = pair.bus.hear(pair.bus.keys.refused(session, "*"))
+    heard = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
     for robot in ROBOTS:
         put(pair, session, robot, payload)
 
@@ -226,7 +226,7 @@ def test_a_robot_is_told_once_that_its_scan_was_refused_and_both_replicas_know(
 
 def test_a_mapped_robot_is_told_once_of_each_refusal_and_both_replicas_know(pair: Pair) -> None:
     session = pair.open()
-    heard = pair.bus.hear(pair.bus.keys.refused(session, "*"))
+    heard = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
     pair.map(session, "Q9")
     unreadable, of_an_unknown_place = b"\0\1\0\0 no scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0)
     for number, payload in enumerate((unreadable, of_an_unknown_place), start=1):

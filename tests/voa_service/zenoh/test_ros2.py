@@ -178,7 +178,7 @@ def test_a_payload_that_is_no_scan_is_refused_and_seen(
     own: Lab, session: str, what: str, payload: bytes, kind: str, says: str
 ) -> None:
     own.map(robot(session))
-    told = own.bus.hear(own.bus.keys.refused(session, "tb3_1"))
+    told = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     own.put("tb3_1/scan", payload)
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
     assert own.report()["last_refusal"].startswith(f"{kind}: ")

@@ -1,1 +1,1 @@
-"""The resources, a file each; every file is a function from `Services` to a router."""
+"""Routes of the HTTP interface, one file per resource, each with a function from `Services` to a router."""

@@ -1,4 +1,4 @@
-"""/v1/sessions/{id}/events: a session's versions as they come, as server-sent events."""
+"""Route /v1/sessions/{id}/events: the versions of a session as server-sent events."""
 
 import asyncio
 from collections.abc import AsyncIterator, Sequence
@@ -10,26 +10,28 @@ from fastapi.sse import format_sse_event
 from starlette.responses import StreamingResponse
 from starlette.types import Message, Send
 
-from voa_service.failures import not_found
+from voa_service.failures import NotFound, not_found
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
+from voa_service.http.routes.responses import SessionId
 from voa_service.runtime.feeds import Feed, Feeds, Version
 from voa_service.services import Services
 from voa_service.usecases.pages import position
 
 _ALIVE_SECONDS = 15.0
 _STALLED_SECONDS = 30.0
-"""A follower that takes nothing for so long, its buffers full, is dropped; it may come back with `Last-Event-ID`."""
+"""Seconds after which a follower that reads nothing is disconnected; it can reconnect with `Last-Event-ID`."""
 _AGAIN_SECONDS = 0.25
 _HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 
 LastEventId = Annotated[
-    str | None, Header(alias="Last-Event-ID", description="The last version received: what came after it is sent.")
+    str | None,
+    Header(alias="Last-Event-ID", description="Last version that was received: the versions after it are sent."),
 ]
 
 
 def routes(services: Services) -> APIRouter:
-    """Follow a session."""
+    """Make the route by which clients follow a session."""
     router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
 
     @router.get(
@@ -38,15 +40,17 @@ def routes(services: Services) -> APIRouter:
         responses={
             200: {
                 "content": {"text/event-stream": {"schema": {"type": "string"}}},
-                "description": "Versions, without end",
+                "description": "The versions of the session as server-sent events, until it is deleted.",
             },
-            **problems(404, 422, 503),
+            **problems(NotFound),
         },
     )
-    async def follow_session(id: str, last_event_id: LastEventId = None) -> Response:
-        """The current state first, then each new version, whoever made it: `event: session`, its version as `id`.
+    async def follow_session(id: SessionId, last_event_id: LastEventId = None) -> Response:
+        """Follow the versions of a session as server-sent events.
 
-        With `Last-Event-ID` every version after that one. `event: deleted` ends the stream.
+        The current version is sent first, then each new version, whichever process stored it: `event: session`, with
+        the version as `id` and the session as `data`. With `Last-Event-ID`, every version after that one is sent.
+        `event: deleted` ends the stream.
         """
         seen = None if last_event_id is None else position(last_event_id)
         first = await services.feeds.first(id, seen)
@@ -59,10 +63,10 @@ def routes(services: Services) -> APIRouter:
 
 
 class EventStream(StreamingResponse):
-    """A stream that ends where its reader takes nothing for long."""
+    """Stream that ends when its client reads nothing for `_STALLED_SECONDS`."""
 
     async def stream_response(self, send: Send) -> None:
-        """Send what comes, each piece within `_STALLED_SECONDS`."""
+        """Send each piece of the stream, or end it when sending takes longer than `_STALLED_SECONDS`."""
 
         async def within(message: Message) -> None:
             async with asyncio.timeout(_STALLED_SECONDS):
@@ -71,17 +75,19 @@ class EventStream(StreamingResponse):
         try:
             await super().stream_response(within)
         except TimeoutError:
-            structlog.get_logger().warning("a follower was dropped", stalled_seconds=_STALLED_SECONDS)
+            structlog.get_logger().warning(
+                "a follower that read nothing was disconnected", stalled_seconds=_STALLED_SECONDS
+            )
 
 
 async def events_of(feeds: Feeds, id_: str, seen: int | None, first: Sequence[Version]) -> AsyncIterator[bytes]:
-    """Write a session's versions as events: `first`, then every later one in order.
+    """Write the versions of a session as events: those in `first`, then every newer one in order.
 
     Args:
-        feeds: where later ones come from.
-        id_: of the session.
-        seen: the last version that the follower has; None: it has none, and `first` is the newest.
-        first: read already.
+        feeds: source of the newer versions.
+        id_: identifier of the session.
+        seen: newest version that the follower has; None: it has none, and `first` is the newest.
+        first: versions that were read already.
     """
     async with feeds.following(id_) as feed:
         news: Sequence[Version] | None = first
@@ -102,7 +108,7 @@ async def events_of(feeds: Feeds, id_: str, seen: int | None, first: Sequence[Ve
 
 
 async def _next(feed: Feed, seen: int | None) -> Sequence[Version]:
-    """The versions above `seen` that there are now; read from the store where the feed no longer has them all."""
+    """Return the versions above `seen`, from the store where the feed no longer holds all of them."""
     news = None if seen is None else feed.after(seen)
     while news is None and not feed.closed:
         news = await feed.missed(seen) or None
@@ -112,7 +118,7 @@ async def _next(feed: Feed, seen: int | None) -> Sequence[Version]:
 
 
 async def _waited(turn: asyncio.Event) -> bool:
-    """Whether something changed before it was time for a sign of life."""
+    """True if the feed changed before a keep-alive comment was due."""
     try:
         async with asyncio.timeout(_ALIVE_SECONDS):
             await turn.wait()

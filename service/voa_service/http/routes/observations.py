@@ -1,4 +1,4 @@
-"""What moves a session: scans, grasp outcomes, replaced beliefs; and /v1/updates, which stores nothing."""
+"""Routes that change the belief of a session: by a scan, by the outcome of a grasp, or by another belief."""
 
 from fastapi import APIRouter, Request, Response
 
@@ -7,39 +7,50 @@ from voa_msgs.sessions import (
     OutcomeRequest,
     ScanRequest,
     Session,
-    UpdatedEstimate,
     UpdatedSession,
-    UpdateRequest,
+)
+from voa_service.failures import (
+    BeamGridMismatch,
+    IdempotencyKeyReused,
+    MeshRequired,
+    NotFound,
+    StaleVersion,
+    UnknownReference,
 )
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
-from voa_service.http.routes.responses import answer, versioned
+from voa_service.http.routes.responses import SessionId, versioned
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
 from voa_store.records import StoredResponse
 
-_WRITE_PROBLEMS = problems(400, 404, 412, 413, 422, 503)
+_WRITE_PROBLEMS = (NotFound, StaleVersion, IdempotencyKeyReused)
 
 
 def routes(services: Services) -> APIRouter:
-    """Scans in, beliefs out."""
+    """Make the routes that change the belief of a session."""
     router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
     updates = services.updates
 
     @router.post(
         "/sessions/{id}/scans",
         response_model=UpdatedSession,
-        responses=_WRITE_PROBLEMS,
+        responses=problems(*_WRITE_PROBLEMS, UnknownReference, MeshRequired, BeamGridMismatch),
+        response_description="The session after the scan, with its version as ETag.",
     )
     async def apply_scan(
-        id: str,
+        id: SessionId,
         request: ScanRequest,
         http: Request,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
-        """Update the belief by a raw scan; one that is not accepted changes nothing and says why."""
+        """Update the belief of a session by a scan.
+
+        A scan that is not accepted gives status 200 too: `update.accepted` is false, `update.reason` says why, and the
+        version stays.
+        """
         body = await http.body()
 
         def done() -> StoredResponse:
@@ -48,15 +59,20 @@ def routes(services: Services) -> APIRouter:
 
         return await versioned(services.writes, done)
 
-    @router.put("/sessions/{id}/belief", response_model=Session, responses=_WRITE_PROBLEMS)
+    @router.put(
+        "/sessions/{id}/belief",
+        response_model=Session,
+        responses=problems(*_WRITE_PROBLEMS),
+        response_description="The session with the new belief, with its version as ETag.",
+    )
     async def put_belief(
-        id: str,
+        id: SessionId,
         request: BeliefRequest,
         http: Request,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
-        """Replace the belief; null: back to the session's prior."""
+        """Replace the belief of a session, or reset it to the prior."""
         body = await http.body()
 
         def done() -> StoredResponse:
@@ -68,16 +84,20 @@ def routes(services: Services) -> APIRouter:
     @router.post(
         "/sessions/{id}/grasp-outcomes",
         response_model=UpdatedSession,
-        responses=_WRITE_PROBLEMS,
+        responses=problems(*_WRITE_PROBLEMS, UnknownReference),
+        response_description="The session after the outcome, with its version as ETag.",
     )
     async def report_outcome(
-        id: str,
+        id: SessionId,
         request: OutcomeRequest,
         http: Request,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
-        """Update the belief by what came of a grasp attempt that left the object where it was."""
+        """Update the belief of a session by the outcome of a grasp attempt.
+
+        The attempt must have left the object where it was.
+        """
         body = await http.body()
 
         def done() -> StoredResponse:
@@ -85,10 +105,5 @@ def routes(services: Services) -> APIRouter:
             return updates.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
-
-    @router.post("/updates", response_model=UpdatedEstimate, responses=problems(400, 413, 422, 503), tags=["stateless"])
-    async def update_once(request: UpdateRequest) -> Response:
-        """Update the belief in the request (null: the scenario's prior); nothing is stored."""
-        return await answer(services.reads, lambda: updates.update_once(request))
 
     return router

@@ -1,65 +1,91 @@
-"""/v1/sessions/{id}/voa, /v1/sessions/{id}/grasps and /v1/rankings."""
+"""Routes /v1/sessions/{id}/voa and /v1/sessions/{id}/grasps: rankings of looks and of grasps."""
 
 from collections.abc import Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from voa_msgs.rankings import Definition, RankedGrasps, Ranking, RankingRequest, VoaRequest
+from voa_msgs.rankings import Definition, RankedGrasps, Ranking, VoaRequest
+from voa_service.failures import MeshRequired, NotFound, TooLarge, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
-from voa_service.http.routes.responses import answer, unless_gone
+from voa_service.http.routes.responses import SessionId, answer, unless_gone
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
 
 
 def routes(services: Services) -> APIRouter:
-    """Where to look, what to grasp."""
+    """Make the routes that rank the looks and the grasps of a session."""
     router = APIRouter(prefix="/v1", tags=["rankings"], route_class=strict_route(services.reader))
     rankings = services.rankings
 
-    async def ranked(ask: Callable[[], Question]) -> Response:
-        question = await services.reads.run(lambda: _with_key(ask()))
-        answer = await services.heavy.share(question.key, lambda check: rankings.answer(question, check))
-        return Response(answer.to(question), media_type="application/json")
-
-    @router.get("/sessions/{id}/voa", response_model=Ranking, responses=problems(404, 413, 422, 503))
+    @router.get(
+        "/sessions/{id}/voa",
+        response_model=Ranking,
+        responses=problems(NotFound, TooLarge, MeshRequired),
+        response_description="The looks, the largest net value first.",
+    )
     async def rank_looks(
-        id: str,
+        id: SessionId,
         http: Request,
-        definition: Annotated[Definition, Query(description="Of VOA.")] = "posterior",
-        outcomes: Annotated[bool, Query(description="Whether to list what each look could find.")] = False,
+        definition: Annotated[
+            Definition,
+            Query(description="Definition of VOA: gain of the best expected score, or of the executed grasp's."),
+        ] = "posterior",
+        outcomes: Annotated[
+            bool, Query(description="True to list, for each look, the expected result at each pose.")
+        ] = False,
     ) -> Response:
-        """The scenario's sensor configurations by what looking from them is worth."""
+        """Rank the sensor configurations of the scenario by Value of Assistance."""
         request = VoaRequest(definition=definition, outcomes=outcomes)
-        return await unless_gone(http, ranked(lambda: rankings.of_session(id, request)))
+        return await unless_gone(http, ranked(services, lambda: rankings.of_session(id, request)))
 
-    @router.post("/sessions/{id}/voa", response_model=Ranking, responses=problems(400, 404, 413, 422, 503))
-    async def rank_given_looks(id: str, http: Request, request: VoaRequest | None = None) -> Response:
-        """The same for any sensor poses, over the grasps that are reachable now."""
-        asked = request or VoaRequest()
-        return await unless_gone(http, ranked(lambda: rankings.of_session(id, asked)))
+    @router.post(
+        "/sessions/{id}/voa",
+        response_model=Ranking,
+        responses=problems(NotFound, UnknownReference, MeshRequired),
+        response_description="The looks, the largest net value first.",
+    )
+    async def rank_given_looks(id: SessionId, http: Request, request: VoaRequest | None = None) -> Response:
+        """Rank the given sensor poses by Value of Assistance.
 
-    @router.get("/sessions/{id}/grasps", response_model=RankedGrasps, responses=problems(404, 422, 503))
+        The request may list any sensor poses, and the grasps that the arm can reach now. Without a body, all sensor
+        configurations and grasps of the scenario are ranked.
+        """
+        return await unless_gone(http, ranked(services, lambda: rankings.of_session(id, request or VoaRequest())))
+
+    @router.get(
+        "/sessions/{id}/grasps",
+        response_model=RankedGrasps,
+        responses=problems(NotFound, UnknownReference),
+        response_description="The grasps, the largest expected score first.",
+    )
     async def rank_grasps(
-        id: str,
+        id: SessionId,
         grasps: Annotated[
             list[str] | None,
-            Query(description="The grasps that are reachable now, repeated or with commas between; without it, all."),
+            Query(description="Grasps that the arm can reach now, repeated or separated by commas; without it, all."),
         ] = None,
     ) -> Response:
-        """Grasps by their expected score."""
+        """Rank the grasps by expected score under the belief of a session."""
         return await answer(services.reads, lambda: rankings.grasps(id, grasps))
-
-    @router.post("/rankings", response_model=Ranking, responses=problems(400, 413, 422, 503), tags=["stateless"])
-    async def rank_once(request: RankingRequest, http: Request) -> Response:
-        """Rank looks for the belief in the request (null: the scenario's prior); nothing is stored."""
-        return await unless_gone(http, ranked(lambda: rankings.once(request)))
 
     return router
 
 
+async def ranked(services: Services, read: Callable[[], Question]) -> Response:
+    """Respond with a ranking; equal requests at the same time share one computation.
+
+    Args:
+        services: use cases and work queues.
+        read: reads from the store what is to be ranked; runs in the queue of reads.
+    """
+    question = await services.reads.run(lambda: _with_key(read()))
+    ranking = await services.heavy.share(question.key, lambda check: services.rankings.answer(question, check))
+    return Response(ranking.to(question), media_type="application/json")
+
+
 def _with_key(question: Question) -> Question:
-    """The question, its key worked out in this thread."""
-    assert question.key  # noqa: S101 - it is kept from here on
+    """Return the question after computing its key in this thread."""
+    assert question.key  # noqa: S101 - it is cached from now on
     return question

@@ -1,34 +1,52 @@
-"""/v1/robots: what was heard of robots on Zenoh."""
+"""Routes /v1/robots: reports about robots on Zenoh, requests for looks, and claims."""
 
 from fastapi import APIRouter, Response
 
 from voa_msgs.robots import ClaimRequest, RobotReport, Robots
+from voa_service.failures import ClaimConflict, NotFound, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
-from voa_service.http.routes.responses import answer
+from voa_service.http.routes.responses import RobotName, answer
 from voa_service.services import Services
 
 
 def routes(services: Services) -> APIRouter:
-    """See which robots are heard, ask one for a look, say whose session one is."""
+    """Make the routes that list robots, request looks of them, and claim them for sessions."""
     router = APIRouter(prefix="/v1/robots", tags=["robots"], route_class=strict_route(services.reader))
 
-    @router.get("", response_model=Robots, responses=problems(503))
+    @router.get("", response_model=Robots, response_description="The robots, by name.")
     async def list_robots() -> Response:
-        """Robots whose scans this process heard since it started, or whose topics are mapped."""
+        """List the robots whose scans were received, or whose topics are mapped.
+
+        The counts are of the scans that this process of the service has received since it started.
+        """
         return await answer(services.reads, services.robots.reports)
 
-    @router.post("/{robot}/look", response_model=RobotReport, responses=problems(404, 422, 503))
-    async def request_look(robot: str) -> Response:
-        """The next scans of a mapped robot whose looks are on request are to be one."""
+    @router.post(
+        "/{robot}/look",
+        response_model=RobotReport,
+        responses=problems(NotFound),
+        response_description="The report about the robot.",
+    )
+    async def request_look(robot: RobotName) -> Response:
+        """Request a look from a mapped robot: its next scans become one.
+
+        The mapping of the robot must have the look mode `on_request`.
+        """
         return await answer(services.reads, lambda: services.robots.request_look(robot))
 
-    @router.put("/{robot}/session", response_model=RobotReport, responses=problems(400, 404, 409, 413, 422, 503))
-    async def claim_robot(robot: str, request: ClaimRequest) -> Response:
-        """Say whose session a mapped robot's scans are for from now on; null: nobody's until the next claim.
+    @router.put(
+        "/{robot}/session",
+        response_model=RobotReport,
+        responses=problems(NotFound, ClaimConflict, UnknownReference),
+        response_description="The report about the robot.",
+    )
+    async def claim_robot(robot: RobotName, request: ClaimRequest) -> Response:
+        """Claim a mapped robot for a session: its scans are applied to that session from now on.
 
-        A robot that nobody has claimed belongs to the newest session on its scenario when its first look is due, and
-        stays there until that session is deleted or another one claims it.
+        With null, its scans are applied to no session until the next claim. The first look of a robot that was never
+        claimed claims it for the newest session on its scenario. A claim ends when the session is deleted, or when
+        another session claims the robot.
         """
 
         def claimed() -> RobotReport:

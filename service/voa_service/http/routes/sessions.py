@@ -1,4 +1,4 @@
-"""/v1/sessions."""
+"""Routes /v1/sessions: open, list, read and delete sessions, and read their histories."""
 
 from fastapi import APIRouter, Request, Response
 
@@ -8,23 +8,34 @@ from voa_msgs.sessions import (
     SessionPage,
     SessionRequest,
 )
+from voa_service.failures import ClaimConflict, IdempotencyKeyReused, NotFound, StaleVersion, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
-from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, answer, versioned
+from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, SessionId, answer, versioned
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.services import Services
 from voa_store.records import StoredResponse
 
 
 def routes(services: Services) -> APIRouter:
-    """Open sessions, read them, remove them."""
+    """Make the routes that open, read and delete sessions."""
     router = APIRouter(prefix="/v1", tags=["sessions"], route_class=strict_route(services.reader))
     sessions = services.sessions
 
-    @router.post("/sessions", status_code=201, response_model=Session, responses=problems(400, 409, 413, 422, 503))
+    @router.post(
+        "/sessions",
+        status_code=201,
+        response_model=Session,
+        responses=problems(ClaimConflict, IdempotencyKeyReused, UnknownReference),
+        response_description="The session was opened.",
+    )
     async def create_session(request: SessionRequest, http: Request, key: Key = None) -> Response:
-        """Open a session: version 0, the prior as belief; the scans of `robots` go to it from now on."""
+        """Open a session on a scenario.
+
+        The session starts at version 0 with the prior as its belief. The scans of the mapped robots that `robots` names
+        are applied to it from now on.
+        """
         body = await http.body()
 
         def done() -> StoredResponse:
@@ -33,34 +44,52 @@ def routes(services: Services) -> APIRouter:
 
         return await versioned(services.writes, done, 201)
 
-    @router.get("/sessions", response_model=SessionPage, responses=problems(422, 503))
+    @router.get("/sessions", response_model=SessionPage, response_description="A page of sessions, oldest first.")
     async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
-        """All sessions without their beliefs, oldest first."""
+        """List the sessions without their beliefs, oldest first."""
         return await answer(services.reads, lambda: sessions.list(limit, after))
 
-    @router.get("/sessions/{id}", response_model=Session, responses=problems(404, 422, 503))
-    async def get_session(id: str) -> Response:
-        """One session as it stands."""
+    @router.get(
+        "/sessions/{id}",
+        response_model=Session,
+        responses=problems(NotFound),
+        response_description="The session, with its version as ETag.",
+    )
+    async def get_session(id: SessionId) -> Response:
+        """Read the current belief and best grasp of a session."""
         return await versioned(services.reads, lambda: sessions.response(id))
 
-    @router.delete("/sessions/{id}", status_code=204, responses=problems(404, 412, 422, 503))
+    @router.delete(
+        "/sessions/{id}",
+        status_code=204,
+        responses=problems(NotFound, StaleVersion, IdempotencyKeyReused),
+        response_description="The session was deleted.",
+    )
     async def delete_session(
-        id: str,
+        id: SessionId,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
-        """Remove a session and its history."""
+        """Delete a session and its history."""
         named = idempotency_key(key, scope_of(id), "delete", None)
         await services.writes.run(lambda: sessions.delete(id, named, versions(if_match)))
         return Response(status_code=204)
 
-    @router.get("/sessions/{id}/history", response_model=HistoryPage, responses=problems(404, 422, 503))
+    @router.get(
+        "/sessions/{id}/history",
+        response_model=HistoryPage,
+        responses=problems(NotFound),
+        response_description="A page of versions in ascending order, the prior first.",
+    )
     async def get_history(
-        id: str,
+        id: SessionId,
         limit: PageLimit = DEFAULT_PAGE,
         after: After = None,
     ) -> Response:
-        """Every version and what made it, the prior first: enough to replay the session."""
+        """List the versions of a session with the requests that caused them.
+
+        The history is complete: applying its requests again gives the same beliefs.
+        """
         return await answer(services.reads, lambda: sessions.history(id, limit, after))
 
     return router

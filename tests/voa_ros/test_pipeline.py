@@ -22,11 +22,11 @@ from tests.voa_ros.parking import (
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.keys import Attachment
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_odometry
-from voa_ros.looks import PARKED
-from voa_ros.mapped import Received, UnusableMessage
+from voa_ros.look_taker import PARKED
+from voa_ros.looks import GatheredLook
 from voa_ros.messages import LaserScan, Odometry, Pose, Stamp
 from voa_ros.motions import Motion, composed
-from voa_ros.taken import Taken
+from voa_ros.pipeline import Received, UnusableMessage
 from voa_ros.topics import LASER_SCAN, ODOMETRY
 
 # --- places
@@ -94,20 +94,22 @@ def test_attachments_say_the_place() -> None:
 def test_an_attachment_that_says_nothing_is_refused() -> None:
     came = play(mapped('from = "attachment"'), ParkingRobot(stops=STOPS[:1]).messages())
     assert came.looks == []
-    assert set(came.refused) == {"it is not known where the lidar was: the attachment of the scan does not say"}
+    assert set(came.refused) == {"it is not known where the lidar was: the attachment of the scan does not state it"}
 
 
 def test_an_attachment_stays_with_its_scan_where_the_lidar_sees_a_quarter_turn() -> None:
     quarter = (GRID.beams + 3) // 4
-    looks, found = mapped('from = "attachment"', look='mode = "every"'), []
+    looks, taken = mapped('from = "attachment"', look='mode = "every"'), []
     for number, name in enumerate("ABCD"):
-        told = LaserScan(
+        measured = LaserScan(
             Stamp(number + 1), "f", 0.0, 1.5, GRID.angle_increment, 0.0, 0.1, 0.1, 8.0, (1.0 + number,) * quarter
         )
-        answer = looks.receive(Received(LASER_SCAN, encode_laser_scan(told), float(number), Attachment(sensor=name)))
-        if isinstance(answer, Taken):
-            found.append((answer.request.sensor, answer.request.scan.ranges[0]))
-    assert found == [("A", 1.0), ("B", 2.0), ("C", 3.0), ("D", 4.0)]
+        answer = looks.receive(
+            Received(LASER_SCAN, encode_laser_scan(measured), float(number), Attachment(sensor=name))
+        )
+        if isinstance(answer, GatheredLook):
+            taken.append((answer.request.sensor, answer.request.scan.ranges[0]))
+    assert taken == [("A", 1.0), ("B", 2.0), ("C", 3.0), ("D", 4.0)]
 
 
 @pytest.mark.parametrize("layout", ["steady", "irregular", "segments"])
@@ -120,17 +122,17 @@ def test_a_lidar_at_a_named_place_looks_once_a_stop_by_the_scene(hz: float, layo
 # --- scans that arrive twice, of other frames, and that cannot be used
 
 
-@pytest.mark.parametrize("later_s", [0.0, 0.004, 0.3])
+@pytest.mark.parametrize("delay_s", [0.0, 0.004, 0.3])
 @pytest.mark.parametrize("whose", ["none", "both"])
-def test_two_bridges_make_no_second_look(later_s: float, whose: str) -> None:
+def test_two_bridges_make_no_second_look(delay_s: float, whose: str) -> None:
     clock = true if whose == "none" else lambda now_s: now_s - 3.0 * (now_s >= PARKED_AT_S)
     once = list(ParkingRobot(scan_clock=clock, odometry_clock=clock).messages())
-    twice = [*once, *(replace(message, received_s=message.received_s + later_s) for message in once)]
+    twice = [*once, *(replace(message, received_s=message.received_s + delay_s) for message in once)]
     came = play(mapped(), sorted(twice, key=lambda message: message.received_s))
     check_looks(came, STOPS)
     assert not any("received before" in reason for reason in came.waiting)
     alone = play(mapped(), once)
-    if whose == "none" and later_s == 0.0:
+    if whose == "none" and delay_s == 0.0:
         assert [look.digest for look in came.looks] == [look.digest for look in alone.looks]
 
 
@@ -150,9 +152,9 @@ def echoes() -> Iterator[Received]:
             yield message
             continue
         for echo in range(3):
-            told = decode_laser_scan(message.payload)
-            ranges = tuple(value + echo for value in told.ranges)
-            yield replace(message, payload=encode_laser_scan(replace(told, frame_id=f"echo_{echo}", ranges=ranges)))
+            measured = decode_laser_scan(message.payload)
+            ranges = tuple(value + echo for value in measured.ranges)
+            yield replace(message, payload=encode_laser_scan(replace(measured, frame_id=f"echo_{echo}", ranges=ranges)))
 
 
 def test_one_of_several_echoes_is_used_where_the_mapping_says_which() -> None:
@@ -178,10 +180,10 @@ def test_a_frame_that_never_comes_is_waited_for() -> None:
 def test_a_header_that_contradicts_itself_is_refused_and_what_is_waited_for_says_so() -> None:
     looks = mapped()
     scans = [message for message in ParkingRobot().messages() if message.type == LASER_SCAN]
-    told = decode_laser_scan(scans[0].payload)
+    measured = decode_laser_scan(scans[0].payload)
     for wrong, words in [
-        (replace(told, angle_increment=-told.angle_increment), "one of them is wrong"),
-        (replace(told, angle_increment=1.0, angle_max=119.0), "19.1 turns"),
+        (replace(measured, angle_increment=-measured.angle_increment), "one of them is wrong"),
+        (replace(measured, angle_increment=1.0, angle_max=119.0), "19.1 turns"),
     ]:
         with pytest.raises(UnusableMessage, match=words):
             looks.receive(replace(scans[0], payload=encode_laser_scan(wrong)))
@@ -222,7 +224,7 @@ def test_segments_say_how_many_there_are() -> None:
     looks = mapped('from = "sensor"\nsensor = "E"')
     sent = [message for message in ParkingRobot(layout="segments").messages() if message.type == LASER_SCAN]
     play(looks, sent[:5])
-    assert looks.waiting_for == "a whole turn of the lidar: segments of it so far: 4"
+    assert looks.waiting_for == "a whole revolution of the lidar: 4 segments received so far"
 
 
 def test_every_scan_of_a_parked_robot_is_warned_of() -> None:
@@ -266,15 +268,15 @@ def test_looks_that_are_not_accepted_are_taken_again_and_counted_once() -> None:
     looks, accepted, tries = mapped(), [], 0
     for message in ParkingRobot().messages():
         try:
-            found = looks.receive(message)
+            result = looks.receive(message)
         except UnusableMessage:
             continue
-        if isinstance(found, Taken):
+        if isinstance(result, GatheredLook):
             tries += 1
             if tries % 2:
-                looks.rejected("no_beams", found.request)
+                looks.rejected("no_beams", result.request)
             else:
-                accepted.append(found)
+                accepted.append(result)
     assert tries == 2 * len(STOPS)
     check_looks(parking.Outcome(accepted), STOPS)
 
@@ -283,8 +285,8 @@ def test_two_processes_take_the_same_looks() -> None:
     one, other = mapped(), mapped()
     sent = list(ParkingRobot().messages())
     first = play(one, sent)
-    later = play(other, [message for message in sent if message.received_s >= START_S + parking.PARKED_S + 1.0])
-    assert [look.digest for look in later.looks] == [look.digest for look in first.looks[1:]]
+    resumed = play(other, [message for message in sent if message.received_s >= START_S + parking.PARKED_S + 1.0])
+    assert [look.digest for look in resumed.looks] == [look.digest for look in first.looks[1:]]
 
 
 def test_a_process_that_starts_while_the_robot_is_parked_takes_no_second_look() -> None:

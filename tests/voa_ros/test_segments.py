@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from tests.voa_ros.ros_messages import scan
 from voa_ros.grids import BeamGrid
 from voa_ros.messages import LaserScan, Stamp
-from voa_ros.turns import MOST_SEGMENTS, PARTIAL_SHARE, Turn, TurnGatherer
+from voa_ros.segments import MOST_SEGMENTS, PARTIAL_SHARE, JoinedScan, SegmentJoiner
 
 GRID = BeamGrid(360, -math.pi, math.tau / 360)
 SEGMENTS = 12
 BEAMS = 60
-"""Of a segment: half a degree each."""
+"""Beams of a segment, half a degree each."""
 PERIOD_S = 0.1
 
 
@@ -34,20 +34,20 @@ def segment(number: int, of: int = SEGMENTS, value: float = 1.0) -> LaserScan:
     )
 
 
-def gatherer(first: int = 0, of: int = SEGMENTS, grid: BeamGrid = GRID) -> TurnGatherer[int]:
+def gatherer(first: int = 0, of: int = SEGMENTS, grid: BeamGrid = GRID) -> SegmentJoiner[int]:
     """A gatherer that has passed the very first segment on: the one opposite to the first that follows."""
-    own: TurnGatherer[int] = TurnGatherer(grid)
+    own: SegmentJoiner[int] = SegmentJoiner(grid)
     opposite = segment(first + of // 2, of)
-    assert own.receive(opposite, -1, 0.0) == Turn(opposite, -1)
+    assert own.receive(opposite, -1, 0.0) == JoinedScan(opposite, -1)
     return own
 
 
-def gathered(own: TurnGatherer[int], numbers: Iterable[int], of: int = SEGMENTS) -> list[Turn[int]]:
+def gathered(own: SegmentJoiner[int], numbers: Iterable[int], of: int = SEGMENTS) -> list[JoinedScan[int]]:
     turns = [own.receive(segment(number, of, 1.0 + number), number, PERIOD_S * number / of) for number in numbers]
     return [turn for turn in turns if turn is not None]
 
 
-def values(turn: Turn[int]) -> set[float]:
+def values(turn: JoinedScan[int]) -> set[float]:
     return {value for value in turn.scan.ranges if not math.isnan(value)}
 
 
@@ -108,18 +108,18 @@ def test_what_is_so_far_is_counted() -> None:
 def test_segments_before_a_pause_are_of_another_turn() -> None:
     own = gatherer()
     gathered(own, range(6))
-    later = range(60 * SEGMENTS + 6, 61 * SEGMENTS + 6)  # six seconds on, the other half first
-    (turn,) = gathered(own, later)
-    assert values(turn) == {1.0 + number for number in later}
+    after = range(60 * SEGMENTS + 6, 61 * SEGMENTS + 6)  # six seconds on, the other half first
+    (turn,) = gathered(own, after)
+    assert values(turn) == {1.0 + number for number in after}
 
 
 @pytest.mark.parametrize("share", [PARTIAL_SHARE, 0.9, 1.0, 1.003])
 def test_scans_of_the_whole_turn_pass_at_once(share: float) -> None:
-    own: TurnGatherer[str] = TurnGatherer(GRID)
+    own: SegmentJoiner[str] = SegmentJoiner(GRID)
     beams = math.ceil(360 * share)
-    told = replace(scan(*[1.0] * beams), angle_min=0.0, angle_increment=math.tau / 360)
+    measured = replace(scan(*[1.0] * beams), angle_min=0.0, angle_increment=math.tau / 360)
     for name in ("a", "b"):
-        assert own.receive(told, name, 0.0) == Turn(told, name)
+        assert own.receive(measured, name, 0.0) == JoinedScan(measured, name)
     assert own.segments == 0
 
 
@@ -132,16 +132,16 @@ def test_a_whole_turn_ends_what_was_gathered() -> None:
 
 
 def test_a_lidar_of_a_quarter_turn_passes_at_once() -> None:
-    own: TurnGatherer[int] = TurnGatherer(GRID)
-    told = [replace(scan(*[1.0 + number] * 90), stamp=Stamp(number), angle_min=-0.8) for number in range(5)]
-    turns = [own.receive(each, number, float(number)) for number, each in enumerate(told)]
-    assert turns == [Turn(each, number) for number, each in enumerate(told)]
+    own: SegmentJoiner[int] = SegmentJoiner(GRID)
+    measured = [replace(scan(*[1.0 + number] * 90), stamp=Stamp(number), angle_min=-0.8) for number in range(5)]
+    turns = [own.receive(each, number, float(number)) for number, each in enumerate(measured)]
+    assert turns == [JoinedScan(each, number) for number, each in enumerate(measured)]
 
 
 def test_a_lidar_whose_scenario_is_a_quarter_turn_passes_at_once() -> None:
-    own: TurnGatherer[int] = TurnGatherer(BeamGrid(90, -math.pi / 4, math.tau / 360))
-    told = replace(scan(*[1.0] * 90), angle_min=-math.pi / 4)
-    assert own.receive(told, 0, 0.0) == Turn(told, 0)
+    own: SegmentJoiner[int] = SegmentJoiner(BeamGrid(90, -math.pi / 4, math.tau / 360))
+    measured = replace(scan(*[1.0] * 90), angle_min=-math.pi / 4)
+    assert own.receive(measured, 0, 0.0) == JoinedScan(measured, 0)
 
 
 @pytest.mark.parametrize("of", [4, 12])
@@ -168,14 +168,14 @@ def test_segments_that_overlap_a_little_are_segments_in_every_turn() -> None:
     own = gatherer()
     wide = [replace(one, ranges=one.ranges + one.ranges[:9]) for one in map(segment, range(5 * SEGMENTS))]
     turns = [own.receive(one, number, 0.1 * number) for number, one in enumerate(wide)]
-    found = [turn for turn in turns if turn is not None]
-    assert len(found) >= 4
-    assert all(len(turn.scan.ranges) == GRID.beams for turn in found)
-    assert all(sum(map(math.isnan, turn.scan.ranges)) <= 60 for turn in found)
+    complete = [turn for turn in turns if turn is not None]
+    assert len(complete) >= 4
+    assert all(len(turn.scan.ranges) == GRID.beams for turn in complete)
+    assert all(sum(map(math.isnan, turn.scan.ranges)) <= 60 for turn in complete)
 
 
 def test_the_message_of_a_turn_with_a_gap_is_that_of_its_last_segment() -> None:
-    """It is the segment after it, of the next turn, that shows that no more will come."""
+    """Check that a revolution ends when a segment of the next one arrives."""
     (turn,) = gathered(gatherer(), [0, 1, 2, 3, SEGMENTS])
     assert (turn.message, values(turn)) == (3, {1.0, 2.0, 3.0, 4.0})
 
@@ -190,7 +190,7 @@ def test_stamps_that_lie_do_not_spoil_the_time_of_a_turn(stamp: Stamp) -> None:
 
 
 def test_segments_without_end_take_no_memory() -> None:
-    own: TurnGatherer[int] = TurnGatherer(BeamGrid(10_000, 0.0, math.tau / 10_000))
+    own: SegmentJoiner[int] = SegmentJoiner(BeamGrid(10_000, 0.0, math.tau / 10_000))
     for number in range(4 * MOST_SEGMENTS):
         own.receive(replace(scan(1.0, increment=1e-5), angle_min=1e-4 * number), number, 0.0)
         assert own.segments <= MOST_SEGMENTS

@@ -23,8 +23,8 @@ from tests.voa_ros.parking import (
     true,
     with_amcl,
 )
-from voa_ros.mapped import Received
 from voa_ros.motions import Motion
+from voa_ros.pipeline import Received
 from voa_ros.topics import LASER_SCAN
 
 ORIGIN = Motion(0.3, -0.2, 0.7)
@@ -108,7 +108,7 @@ STEPS = st.lists(st.tuples(st.floats(0.0, 32.0), st.floats(-100.0, 100.0)), max_
 
 
 def stepping(steps: list[tuple[float, float]]) -> Clock:
-    """A clock that is set, so long after the start, by so much; each time anew."""
+    """A clock that is set, so long after the start, by so much; again each time."""
     return lambda now_s: now_s + sum(by_s for after_s, by_s in steps if now_s >= START_S + after_s)
 
 
@@ -123,7 +123,7 @@ def test_clocks_may_be_set_at_any_time_by_any_amount(
 
 @pytest.mark.parametrize("hz", HZ)
 def test_a_simulation_that_starts_again_is_a_new_drive(hz: float) -> None:
-    """Robot, odometry and stamps begin anew, and the stamps are to the last bit those of before."""
+    """Robot, odometry and stamps start again, and the stamps are to the last bit those of before."""
     once = list(
         ParkingRobot(
             hz, scan_clock=lambda now_s: now_s - START_S, odometry_clock=lambda now_s: now_s - START_S

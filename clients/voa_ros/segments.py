@@ -1,8 +1,8 @@
-"""Whole revolutions out of the segments that some lidars send.
+"""Join the segments of a revolution, which some lidars publish one by one.
 
-A picoScan150 publishes each revolution in segments of some 30 degrees. One segment is no look: where two scans in a row
-cover much less than the scenario's lidar, and other angles, they are segments. These are kept until they complete the
-turn, or until one comes that covers the same angles again, which begins the next turn.
+A picoScan150 publishes each revolution in segments of about 30 degrees. Two successive scans that cover much less than
+the scenario's lidar, and different angles, are recognised as segments. Segments are kept until they cover the whole
+revolution, or until one covers the same angles again, which starts the next revolution.
 """
 
 import math
@@ -14,25 +14,26 @@ from voa_ros.grids import BeamGrid, grid_of, on_grid
 from voa_ros.messages import LaserScan
 
 PARTIAL_SHARE = 0.7
-"""A scan that covers less of the lidar's angles than this share may be a segment of a turn."""
+"""Share of the lidar's angles; a scan that covers less may be a segment."""
 MOST_SEGMENTS = 256
+"""Most segments of one revolution."""
 LONGEST_TURN_S = 2.0
-"""A segment that arrives so much later than the one before it belongs to another turn."""
+"""Longest time between two segments of one revolution, seconds."""
 _DISJOINT = 0.1
-"""Scans that share less of their angles are different segments."""
+"""Share of common angles below which two scans are different segments."""
 _AGAIN = 0.5
-"""Scans that share more of their angles cover the same ones."""
+"""Share of common angles above which two scans cover the same angles."""
 
 M = TypeVar("M")
 
 
 @dataclass(frozen=True)
-class Turn(Generic[M]):
-    """A whole turn of a lidar.
+class JoinedScan(Generic[M]):
+    """Scan of a whole revolution.
 
     Attributes:
-        scan: all its beams.
-        message: that brought the last of them.
+        scan: all beams of the revolution.
+        message: message that brought the last segment.
     """
 
     scan: LaserScan
@@ -46,84 +47,84 @@ class _Segment(Generic[M]):
     received_s: float
 
 
-class TurnGatherer(Generic[M]):
-    """Joins the segments of a turn; scans that cover the whole turn pass at once."""
+class SegmentJoiner(Generic[M]):
+    """Joiner of the segments of revolutions; scans that cover a whole revolution pass unchanged."""
 
     def __init__(self, grid: BeamGrid) -> None:
-        """Begin with no segment.
+        """Start with no segment.
 
         Args:
-            grid: of the scenario's lidar, on which the segments are joined.
+            grid: grid of the scenario's lidar, on which the segments are joined.
         """
         self._grid = grid
         self._before: LaserScan | None = None
         self._segments: list[_Segment[M]] = []
         self._in_segments = False
-        """Whether the scan before was a segment."""
+        """True if the previous scan was a segment."""
 
     @property
     def segments(self) -> int:
-        """Segments of the turn that is not complete yet."""
+        """Number of segments of the revolution that is not complete yet."""
         return len(self._segments)
 
-    def receive(self, scan: LaserScan, message: M, received_s: float) -> Turn[M] | None:
-        """Take the next scan; returns a whole turn where there is one now, else None.
+    def receive(self, scan: LaserScan, message: M, received_s: float) -> JoinedScan[M] | None:
+        """Add the next scan; returns the scan of a whole revolution if it is complete now, else None.
 
-        The very first segment is passed on as if it were a turn: only the next one shows that it was a segment. A lidar
-        that always covers the same few angles has no segments.
+        The very first segment is returned as if it were a revolution, because only the next one shows that it was a
+        segment. A lidar that always covers the same few angles has no segments.
 
         Args:
-            scan: a segment or a whole turn.
-            message: that brought it; comes back with the turn.
-            received_s: when it arrived, by any steady clock.
+            scan: a segment or a whole revolution.
+            message: message that brought the scan; it is returned with the revolution.
+            received_s: time of arrival, seconds by any steady clock.
         """
         before, self._before = self._before, scan
         self._in_segments = before is not None and self._is_segment(scan, before)
         if not self._in_segments:
             self._segments.clear()
-            return Turn(scan, message)
+            return JoinedScan(scan, message)
         segment = _Segment(scan, message, received_s)
         if self._segments and received_s - self._segments[-1].received_s > LONGEST_TURN_S:
             self._segments.clear()
         if any(_overlap(scan, other.scan) > _AGAIN for other in self._segments) or self.segments >= MOST_SEGMENTS:
-            turn = self._joined()
+            revolution = self._joined()
             self._segments = [segment]
-            return turn
+            return revolution
         self._segments.append(segment)
         covered = sum(_shared_rad(grid_of(other.scan), self._grid) for other in self._segments)
         if covered < self._grid.span_rad - 1.5 * abs(self._grid.angle_increment):
             return None
-        turn = self._joined()
+        revolution = self._joined()
         self._segments = []
-        return turn
+        return revolution
 
     def _is_segment(self, scan: LaserScan, before: LaserScan) -> bool:
         partial = _shared_rad(grid_of(scan), self._grid) < PARTIAL_SHARE * self._grid.span_rad
         return partial and _overlap(scan, before) < (_AGAIN if self._in_segments else _DISJOINT)
 
-    def _joined(self) -> Turn[M]:
+    def _joined(self) -> JoinedScan[M]:
         scans = [segment.scan for segment in self._segments]
         whole = scans[0]
         if len(scans) > 1:
             whole = replace(on_grid(scans, self._grid), scan_time=_duration_s(scans))
-        return Turn(whole, self._segments[-1].message)
+        return JoinedScan(whole, self._segments[-1].message)
 
 
 def _duration_s(segments: Sequence[LaserScan]) -> float:
-    """Seconds from the first ray of the first segment to the last ray of the last; as the first says if stamps lie."""
+    """Seconds from the first ray of the first segment to the last ray of the last; implausible stamps are not used."""
     first, last = segments[0], segments[-1]
     seconds = last.stamp.seconds - first.stamp.seconds + (last.scan_time if math.isfinite(last.scan_time) else 0.0)
     return seconds if 0.0 < seconds <= LONGEST_TURN_S else first.scan_time
 
 
 def _overlap(one: LaserScan, other: LaserScan) -> float:
-    """Share of the smaller of two spans that both cover, modulo a full turn."""
+    """Share of the smaller of two spans of angles that both scans cover, modulo a full turn."""
     first, second = grid_of(one), grid_of(other)
     return _shared_rad(first, second) / min(first.span_rad, second.span_rad)
 
 
 def _shared_rad(one: BeamGrid, other: BeamGrid) -> float:
-    """Angle that two grids both cover, modulo a full turn."""
+    """Angle that two grids both cover, radians, modulo a full turn."""
     apart = math.remainder(_middle(one) - _middle(other), math.tau)
     half, whole = min(one.span_rad, math.tau) / 2.0, min(other.span_rad, math.tau) / 2.0
     return sum(

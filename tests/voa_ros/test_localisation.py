@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 
 from tests.voa_ros.ros_messages import COORDINATES, COVARIANCES, STAMPS, odometry, scan, scans
 from voa_msgs.geometry import PoseUncertainty, UncertainSensorPose
+from voa_ros.localisation import Localisation, lidar_pose, localisation, middle_s, robot_pose
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.motions import Motion, composed, inverse, wrapped
-from voa_ros.places import Localisation, lidar_pose, localisation, middle_s, robot_pose
-from voa_ros.robots import AmclPlace, Mount, PlanarPose, load
+from voa_ros.robot_places import AmclPlace, Mount, PlanarPose
+from voa_ros.robots import load
 from voa_ros.tracks import NoPose, PoseTrack, RobotPose
 
 YAWS = st.floats(-100.0, 100.0)
@@ -25,7 +26,7 @@ def track(*poses: tuple[float, float, float, float], max_age_s: float = 0.2) -> 
     return own
 
 
-def found(own: PoseTrack, at_s: float) -> tuple[float, float, float]:
+def pose_of(own: PoseTrack, at_s: float) -> tuple[float, float, float]:
     pose = own.at(at_s)
     assert isinstance(pose, RobotPose), pose
     assert pose.at_s == at_s
@@ -44,29 +45,29 @@ def close(one: UncertainSensorPose | NoPose, x: float, y: float, yaw_rad: float)
 
 def test_between_two_poses_is_the_straight_line() -> None:
     own = track((10.0, 0.0, 0.0, 0.0), (10.1, 1.0, 2.0, 0.4))
-    assert found(own, 10.025) == pytest.approx((0.25, 0.5, 0.1))
-    assert found(own, 10.1) == pytest.approx((1.0, 2.0, 0.4))
+    assert pose_of(own, 10.025) == pytest.approx((0.25, 0.5, 0.1))
+    assert pose_of(own, 10.1) == pytest.approx((1.0, 2.0, 0.4))
 
 
 @pytest.mark.parametrize(
     ("before", "after", "middle"), [(3.1, -3.1, math.pi), (-3.1, 3.0, 3.0915927), (6.4, 0.0, 0.0584)]
 )
 def test_a_turn_goes_the_short_way(before: float, after: float, middle: float) -> None:
-    _, _, yaw_rad = found(track((0.0, 0.0, 0.0, before), (0.1, 0.0, 0.0, after)), 0.05)
+    _, _, yaw_rad = pose_of(track((0.0, 0.0, 0.0, before), (0.1, 0.0, 0.0, after)), 0.05)
     assert wrapped(yaw_rad - middle) == pytest.approx(0.0, abs=1e-4)
 
 
 def test_past_the_end_the_nearest_pose_holds_for_a_while() -> None:
     own = track((10.0, 1.0, 2.0, 3.0))
-    assert found(own, 10.19) == found(own, 9.81) == (1.0, 2.0, 3.0)
+    assert pose_of(own, 10.19) == pose_of(own, 9.81) == (1.0, 2.0, 3.0)
     assert reason(own.at(13.2)) == "the nearest pose is 3.2 s older than the scan: expected at most 0.2 s"
     assert reason(own.at(9.0)) == "the nearest pose is 1 s newer than the scan: expected at most 0.2 s"
 
 
 def test_over_a_long_gap_there_is_no_line() -> None:
     own = track((10.0, 0.0, 0.0, 0.0), (11.0, 1.0, 0.0, 0.0))
-    assert found(own, 10.1) == (0.0, 0.0, 0.0)
-    assert found(own, 10.9) == (1.0, 0.0, 0.0)
+    assert pose_of(own, 10.1) == (0.0, 0.0, 0.0)
+    assert pose_of(own, 10.9) == (1.0, 0.0, 0.0)
     assert "0.5 s" in reason(own.at(10.5))
 
 
@@ -77,16 +78,16 @@ def test_an_empty_track_is_said() -> None:
 @given(st.permutations(range(8)), st.floats(0.0, 0.14))
 def test_the_order_of_arrival_does_not_matter(order: list[int], at_s: float) -> None:
     poses = [(0.02 * step, float(step), 0.0, 0.0) for step in range(8)]
-    assert found(track(*(poses[step] for step in order)), at_s) == found(track(*poses), at_s)
+    assert pose_of(track(*(poses[step] for step in order)), at_s) == pose_of(track(*poses), at_s)
 
 
-def test_of_two_poses_with_one_stamp_the_later_received_holds() -> None:
-    assert found(track((1.0, 1.0, 0.0, 0.0), (1.0, 2.0, 0.0, 0.0)), 1.0) == (2.0, 0.0, 0.0)
+def test_of_two_poses_with_one_stamp_the_last_received_counts() -> None:
+    assert pose_of(track((1.0, 1.0, 0.0, 0.0), (1.0, 2.0, 0.0, 0.0)), 1.0) == (2.0, 0.0, 0.0)
 
 
 def test_a_clock_that_was_set_back_starts_a_new_track() -> None:
     own = track((100.0, 1.0, 0.0, 0.0), (3.0, 2.0, 0.0, 0.0))
-    assert found(own, 3.0) == (2.0, 0.0, 0.0)
+    assert pose_of(own, 3.0) == (2.0, 0.0, 0.0)
     assert "97 s older" in reason(own.at(100.0))
 
 
@@ -96,7 +97,7 @@ def test_old_poses_are_forgotten() -> None:
         own.receive(RobotPose(0.01 * step, 0.0, 0.0, 0.0), 0.0)
     assert "newer" in reason(own.at(9.0))
     own.receive(RobotPose(9.85, 5.0, 0.0, 0.0), 0.0)  # late, and older than all that are kept
-    assert found(own, 9.9) == (0.0, 0.0, 0.0)
+    assert pose_of(own, 9.9) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -115,8 +116,8 @@ def test_the_time_of_a_scan_is_the_middle_of_its_revolution(stamp: Any, scan_tim
 
 
 @given(scans(most=1), st.sampled_from(["first_ray", "after_revolution"]))
-def test_any_scan_has_a_time(told: LaserScan, stamp: Any) -> None:
-    assert abs(middle_s(told, stamp) - told.stamp.seconds) <= 1.0
+def test_any_scan_has_a_time(message: LaserScan, stamp: Any) -> None:
+    assert abs(middle_s(message, stamp) - message.stamp.seconds) <= 1.0
 
 
 @given(MOTIONS, MOTIONS, MOTIONS)
@@ -148,8 +149,8 @@ def test_variances_become_standard_deviations() -> None:
     off = lidar_pose(robot, Mount(x=0.3, y=0.4), PlanarPose(yaw_rad=1.0)).std
     assert off is not None
     assert (off.xy_m, off.yaw_rad) == pytest.approx((math.sqrt(0.0002 + 0.0004 * 0.25 / 2), 0.02))
-    told = PoseUncertainty(xy_m=0.5)
-    assert lidar_pose(robot, Mount(), PlanarPose(), told).std == told
+    std = PoseUncertainty(xy_m=0.5)
+    assert lidar_pose(robot, Mount(), PlanarPose(), std).std == std
 
 
 POSES = st.builds(Pose.planar, COORDINATES, COORDINATES, YAWS)
@@ -162,8 +163,8 @@ ORIGINS = st.builds(PlanarPose, x=COORDINATES, y=COORDINATES, yaw_rad=YAWS)
 
 
 @given(SOME_AMCL, MOUNTS, ORIGINS)
-def test_any_pose_becomes_a_message_that_passes(told: PoseWithCovariance, mount: Mount, origin: PlanarPose) -> None:
-    pose = lidar_pose(robot_pose(told), mount, origin)
+def test_any_pose_becomes_a_message_that_passes(message: PoseWithCovariance, mount: Mount, origin: PlanarPose) -> None:
+    pose = lidar_pose(robot_pose(message), mount, origin)
     assert UncertainSensorPose.model_validate_json(pose.model_dump_json()) == pose
 
 
@@ -248,7 +249,7 @@ def test_amcl_that_is_gone_is_not_carried_without_end() -> None:
     own.odometry(odometry(0.0, 0.0, 0.0, at=1.0))
     own.amcl(amcl(3.0, 0.0, 0.0, at=1.0))
     own.odometry(odometry(0.6, 0.0, 0.0, at=1.1))
-    assert reason(own.at(1.1)) == "AMCL's newest pose is 0.6 m back by odometry: expected at most 0.5 m"
+    assert reason(own.at(1.1)) == "the robot has driven 0.6 m since AMCL's newest pose: expected at most 0.5 m"
 
 
 def test_a_latched_amcl_pose_is_where_the_robot_is_now() -> None:
@@ -282,7 +283,7 @@ def test_a_clock_that_is_set_back_keeps_amcls_pose(back_s: float) -> None:
     assert close(own.own.at(100.0 - back_s, 100.05), 3.15, 0.0, 0.0)
 
 
-def test_a_simulation_whose_odometry_starts_again_elsewhere_needs_amcl_anew() -> None:
+def test_a_simulation_whose_odometry_starts_again_elsewhere_needs_a_new_pose_of_amcl() -> None:
     own = Located('from = "amcl"')
     own.odometry(odometry(2.0, 0.0, 0.0, at=100.0))
     own.amcl(amcl(3.0, 0.0, 0.0, at=100.0))
@@ -375,9 +376,9 @@ def test_a_clock_that_is_set_back_onto_its_own_stamps(moving: float, back_s: flo
 def test_poses_that_arrive_twice_are_no_clock_that_was_set_back() -> None:
     own = Located('from = "odometry"')
     for step in range(100):
-        for later in (0, 6):  # another bridge, 0.3 s slower
-            if step >= later:
-                at_s = 0.05 * (step - later)
+        for delay in (0, 6):  # another bridge, 0.3 s slower
+            if step >= delay:
+                at_s = 0.05 * (step - delay)
                 own.odometry(odometry(at_s, 0.0, 0.0, at=at_s), received_s=0.05 * step)
         if step >= 10:
             assert close(own.at(0.05 * step), 0.05 * step + 0.1, 0.0, 0.0)
