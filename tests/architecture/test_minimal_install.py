@@ -11,6 +11,7 @@ import pytest
 
 VIA = re.compile(r"(?m)^    #(?: via)? +([a-z0-9-]+)$")
 REPOSITORY = Path(__file__).resolve().parents[2]
+FOOTPRINT = REPOSITORY / "tests" / "benchmarks" / "footprint.py"
 BASE = ("httpx2", "pydantic")
 HEAVY = ("numpy", "scipy", "numba", "trimesh", "mujoco", "fastapi", "starlette", "uvicorn", "sqlalchemy", "rich")
 
@@ -69,8 +70,9 @@ def test_client_and_messages_import_and_bring_nothing_heavy(python: Path) -> Non
 
 def test_the_base_install_talks_to_a_service(python: Path, process: str, capsys: pytest.CaptureFixture[str]) -> None:
     program = (
+        "import runpy\n"
         "from voa_client import Client\n"
-        "from tests.benchmarks.footprint import main\n"
+        f"main = runpy.run_path({str(FOOTPRINT)!r})['main']\n"
         f"with Client({process!r}) as client:\n"
         "    assert client.lidars().items\n"
         "    print(client.health().status)\n"

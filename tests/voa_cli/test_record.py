@@ -74,7 +74,7 @@ def test_a_session_is_recorded_and_rebuilt_elsewhere(
     [again] = [item for item in content["sessions"] if item["recorded"] == session]
     assert (again["same"], again["session"]["belief"]) == (True, last.belief)
     assert main(["replay", str(path), "--url", process]) == 0
-    assert "believes exactly what was recorded" in " ".join(capsys.readouterr().out.split())
+    assert "its belief is exactly the recorded one" in " ".join(capsys.readouterr().out.split())
 
 
 def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> None:
