@@ -150,7 +150,7 @@ def _first_episode(demo: Demo, out: Path) -> Section:
 
 
 def _comparison(demo: Demo, out: Path) -> Section:
-    bars = out / "contrast.png"
+    bars = out / "comparison.png"
     comparison_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
     counts = Table(
         "Wilson's intervals; expected: success probability of the attempted grasps, as the service expected it",
@@ -159,7 +159,7 @@ def _comparison(demo: Demo, out: Path) -> Section:
     )
     picture = Picture(bars, "Counts of drops in which the object was lifted.")
     return Section(
-        "contrast",
+        "comparison",
         "The same drops without a look, and with looks",
         (Paragraph(comparison_summary(demo)), counts, picture),
     )
