@@ -140,7 +140,9 @@ def test_a_robot_that_errs_says_so_with_its_pose(lab: Lab, mallet: FleetObject) 
     assert (pose.x, pose.y, pose.yaw_rad) == (there.x, there.y, there.yaw_rad)
 
 
-@pytest.mark.parametrize(("policy", "looks"), [("random", 2), ("nearest", 2), ("none", 0), ("entropy", 2), ("beams", 2)])
+@pytest.mark.parametrize(
+    ("policy", "looks"), [("random", 2), ("nearest", 2), ("none", 0), ("entropy", 2), ("beams", 2)]
+)
 def test_other_policies_use_up_their_looks_and_a_seed_decides_all(
     lab: Lab, mallet: FleetObject, bench: Bench, policy: str, looks: int
 ) -> None:
