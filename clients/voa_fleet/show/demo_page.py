@@ -105,7 +105,7 @@ def comparison_summary(demo: Demo) -> str:
     drops = "Drop 1" if without.attempts == 1 else f"Drops 1 to {without.attempts}"
     return (
         f"{drops} of seed {demo.seed}, each grasped twice in simulation, once without a look and once after up to "
-        f"{demo.most_looks}. Without a look {without.attempts - without.successes} of {without.attempts} grasps "
+        f"{demo.most_looks} looks. Without a look {without.attempts - without.successes} of {without.attempts} grasps "
         f"failed, with looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Range noise and "
         "lost beams are those of an LDS-01; the object lies 5 mm and 0.05 rad (standard deviations) off its pose."
     )
