@@ -14,78 +14,85 @@ OnNoMatch = Literal["reject", "nearest"]
 
 class _Update(Message):
     no_return_m: Positive | None = None
-    """Range, in metres, that stands for a no-return, and upper limit of every return; null: the lidar's `range_max`."""
+    """Range that a no-return counts as, and the most that a return counts as, metres; null: the lidar's `range_max`."""
     on_no_match: OnNoMatch = "reject"
-    """A scan that no pose explains is not accepted (`reject`), or the nearest poses share the belief (`nearest`)."""
+    """Treatment of a scan that no pose explains: not accepted, or the nearest poses share the belief."""
     on_nothing_seen: Literal["reject", "evidence"] = "reject"
-    """A scan in which too few beams see any object is not accepted (`reject`), or is evidence like any other."""
+    """Treatment of a scan in which too few beams see the object: not accepted, or used as evidence like any other."""
     reject_above_rmsd_mm: Positive | None = None
-    """Largest RMSD of the best fit, in mm, with which a scan is accepted; null: any."""
+    """Largest fit, mm, with which a scan is accepted, to reject a wrong object or an empty table; null: no limit."""
     score_floor: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0
-    """Distance from 0 and from 1 that a grasp score keeps, at least, when the outcome of a grasp is weighed."""
+    """Floor of the grasp scores when an outcome updates the belief: they count as at least f and at most 1 - f."""
 
 
 class MarginUpdate(_Update):
-    """Weight 1 if every beam agrees within `margin_m`, else 0."""
+    """Update rule `margin`: weight 1 if every beam agrees with the prediction within a margin, else 0."""
 
     rule: Literal["margin"]
+    """Always `margin`."""
     margin_m: Positive | None = None
-    """Largest difference of two ranges that agree, metres; null: 0.008."""
+    """Largest difference of a beam, metres; null: 0.008."""
 
 
 class ExponentialUpdate(_Update):
-    """Weight exp(-d), where d is the Euclidean norm of the differences of ranges, in metres."""
+    """Update rule `exponential`: weight exp(-d), with d the Euclidean norm of the differences of all beams, metres."""
 
     rule: Literal["exponential"]
+    """Always `exponential`."""
 
 
 class GaussianUpdate(_Update):
-    """Weight exp(-d^2 / (2 sigma_m^2))."""
+    """Update rule `gaussian`: weight exp(-d^2 / (2 sigma_m^2)), d the norm of the differences of all beams, metres."""
 
     rule: Literal["gaussian"]
+    """Always `gaussian`."""
     sigma_m: Positive | None = None
     """Standard deviation of d, metres; null: 1."""
 
 
 class InverseRmsdUpdate(_Update):
-    """Weight 1 / max(RMSD, floor_m)."""
+    """Update rule `inverse_rmsd`: weight 1 / max(RMSD, floor_m), RMSD the root mean square difference of the beams."""
 
     rule: Literal["inverse_rmsd"]
+    """Always `inverse_rmsd`."""
     floor_m: Positive | None = None
-    """Smallest RMSD that counts, metres; null: 0.001."""
+    """Smallest RMSD that is distinguished, metres; null: 0.001."""
 
 
 class BeamUpdate(_Update):
-    """Mixture of hit, short, no-return and random for each beam, tempered; recommended for live robots.
+    """Update rule `beam`: the beam model of Thrun et al. (2005), section 6.3, tempered; recommended for live robots.
 
-    Each parameter that is null gets a default from the lidar.
+    Each beam is a mixture of a hit, a short return, a no-return and a random return. The shares are scaled to sum to 1.
     """
 
     rule: Literal["beam"] = "beam"
+    """Always `beam`."""
     z_hit: NotNegative | None = None
-    """Share of beams that measure the object; the four shares are scaled to sum to 1."""
+    """Share of hits: returns from the predicted surface; null: the rest of the shares."""
     z_short: NotNegative | None = None
-    """Share of beams that something in front of the object stops."""
+    """Share of short returns, from something in front of the object; null: 0.05."""
     z_no_return: NotNegative | None = None
-    """Share of beams that come back empty although the object is there."""
+    """Share of no-returns where a return is predicted; null: the lidar's `dropout` and 0.05."""
     z_random: NotNegative | None = None
-    """Share of beams that measure a random range."""
+    """Share of random returns, uniform up to `range_max`; null: 0.05."""
     sigma_hit_m: Positive | None = None
-    """Standard deviation of a range on the object at close range, metres."""
+    """Standard deviation of a hit at short range, metres; null: the lidar's `noise_m`."""
     lambda_short_per_m: Positive | None = None
-    """Decay of the density of obstacles with range, 1/m."""
+    """Decay of short returns with range, 1/m; null: 1."""
     temper: Annotated[float, Ge(LEAST), Le(1.0)] | None = None
-    """Exponent of the likelihood of a scan: neighbouring beams err together and are no independent witnesses."""
+    """Exponent of the product over all beams, because the errors of neighbouring beams are correlated; null: one
+    independent beam for every 4 degrees."""
 
 
 class PluginUpdate(_Update):
-    """Weights of an update rule that a Python package beside the service provides.
+    """Update rule `plugin`: the weights of a rule that a Python package beside the service provides.
 
     The service finds such rules in the entry points of the group `voa.rules`. A scenario whose rule is not installed
     is refused with a list of those that are.
     """
 
     rule: Literal["plugin"]
+    """Always `plugin`."""
     name: Name
     """Name of the rule, which is the name of its entry point."""
     parameters: dict[Name, Free] = Field(default={})
@@ -105,7 +112,7 @@ BUILT_IN: Mapping[str, type[BuiltInUpdate]] = MappingProxyType(
 )
 """Messages of the built-in rules by name, in the order of `voa_core.rules.registry.RULES`."""
 POLICY_FIELDS = frozenset({"rule", "on_no_match", "on_nothing_seen", "reject_above_rmsd_mm", "score_floor"})
-"""Fields of an update that are no parameters of its rule."""
+"""Fields of an update rule that apply to every rule, and are no parameters of one."""
 
 
 def update_of(name: str, no_return_m: float | None = None, on_no_match: OnNoMatch = "reject") -> UpdateRule:
