@@ -1,14 +1,24 @@
 """The mathematics of Value of Assistance for grasping: numpy in, numpy out; no I/O, no clock, no network.
 
-| to                                            | see                                         |
-|-----------------------------------------------|---------------------------------------------|
-| describe object, poses, grasps                | `objects`, `poses`, `grasps`                |
-| propose poses in which an object can rest     | `stable_poses`, `toppling`, `winding`       |
-| describe the lidar and where it stands        | `lidars`, `workspace`                       |
-| predict scans                                 | `prediction`, `cutting`, `rasterising`      |
-| read measured scans                           | `scans`                                     |
-| turn a scan into weights                      | `rules`, `evidence`                         |
-| hold and update a belief                      | `filtering`, `updating`, `priors`           |
-| value a look, rank looks                      | `weights`, `assistance`, `ranking`          |
-| all of it for one object                      | `scenario`                                  |
+"Paper" is the preliminary evaluation, "longer" the longer version (arXiv 2310.14402); where a file implements neither,
+its docstring names the source.
+
+| to                                    | file                                   | of the paper                        |
+|---------------------------------------|----------------------------------------|-------------------------------------|
+| describe object, poses, lidar, places | `objects`, `poses`, `lidars`           | stable poses, sensing actions       |
+| bound the table                       | `workspace`                            |                                     |
+| propose stable poses of an object     | `stable_poses`, `toppling`, `winding`  | stable poses                        |
+| hold grasp scores, choose a grasp     | `grasps`                               | Definitions 1 and 3, equation 1     |
+| predict scans                         | `prediction`, `cutting`, `rasterising` | Definition 5                        |
+| read measured scans                   | `scans`                                |                                     |
+| turn a scan into weights              | `rules`, `evidence`                    | fit by RMSD; longer: tau 1, 2 and 3 |
+| hold and update a belief              | `filtering`, `updating`                | Definition 4; longer: 1 and 2       |
+| make a prior                          | `priors`                               | longer: appendix                    |
+| value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
+| join all of it for one object         | `scenario`                             |                                     |
+| evaluate a recorded experiment        | `recorded`                             | evaluation 3: VOA against AECD      |
+| find probable mistakes                | `mistakes`                             |                                     |
+
+The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels` and `jit` for compiled
+loops, and `warmup`, which compiles them all.
 """

@@ -34,14 +34,14 @@ _TIE = {"float64": TIE, "float32": 1e-6}
 
 @dataclass(frozen=True, eq=False)
 class Assistance:
-    """What one look is worth.
+    """Value of one look, and the grasps that would be chosen after it.
 
     Attributes:
         voa: expected gain in success probability.
         expected_score_after: expected success probability after the look.
-        outcomes: (k,) indices of the poses that the sensor agent thinks possible.
+        outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0.
         best_grasps: (k,) the grasp chosen after the scan predicted for each; -1 for none.
-        scores: (k,) what that grasp promises then, Qbar*(b_p).
+        scores: (k,) expected score of that grasp then, Qbar*(b_p).
     """
 
     voa: float
@@ -61,16 +61,19 @@ def value_of_assistance(
     sensor_belief: Belief | None = None,
     check: Callable[[], None] = wanted,
 ) -> Assistance:
-    """The VOA of the sensor configuration that `weigher` is for.
+    """Value of Assistance of a look from the sensor configuration whose weights `weigher` holds.
 
     Args:
         weigher: weights between the scans predicted there.
         belief: of the gripper agent, (n,).
         table: the grasps that are reachable.
-        policy: what an impossible scan does.
-        definition: see the module's page.
-        sensor_belief: of the sensor agent; None: the gripper agent's.
-        check: called before each block of weights; what it raises ends the computation.
+        policy: effect of a scan that no possible pose explains.
+        definition: "posterior" (equations 2 and 3 of the preliminary paper) or "executed" (equation 4 of the longer).
+        sensor_belief: of the sensor agent, (n,), for the outer expectation; None: the gripper agent's.
+        check: called before each block of weights; an error that it raises ends the computation.
+
+    Raises:
+        InvalidInput: there is no such definition.
     """
     if definition not in get_args(Definition):
         raise InvalidInput("definition", " or ".join(map(repr, get_args(Definition))), repr(definition))
@@ -88,7 +91,7 @@ def value_of_assistance(
 
 
 def _scored_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
-    """Q[x, p] pair by pair; no grasp scores 0."""
+    """Scores Q[x, p] of pairs of a grasp and a pose, (k,); the grasp -1, which is none, scores 0."""
     return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
 
 
@@ -104,8 +107,8 @@ def _after_each(
 ) -> tuple[NDArray[np.intp], Floats]:
     """Best grasp (-1: none) and its expected score after the scan predicted for each of `outcomes`.
 
-    A score hardly depends on which of nearly equal grasps is chosen, but what a choice then scores at one pose
-    does: with `sure`, choices that the precision of the weights leaves open are made again in logarithms.
+    An expected score hardly depends on the choice between nearly equal grasps, but the score of the chosen grasp at
+    one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms.
 
     One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
     every grasp, and its last entry the normaliser.
@@ -136,10 +139,12 @@ def _after_each(
 
 
 def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """`grasps.choose` for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
+    """Choose a grasp for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
 
-    The third answer says where rounding or underflow may have decided: no score is left, or a float32 cannot tell
-    the best from the next.
+    Returns:
+        Index of the chosen grasp (-1: none) and its expected score for each column, (k,), and flags (k,) of the
+        columns in which rounding or underflow may have decided: no score is left, or in float32 the best score does
+        not differ from the next.
     """
     chosen, tied = np.zeros((2, product.shape[1]), dtype=np.intp)
     best = np.zeros(product.shape[1])
@@ -156,7 +161,10 @@ def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.b
 def _after_one(
     weigher: Weigher, outcome: int, belief: Belief, table: GraspTable, policy: UpdatePolicy
 ) -> tuple[int, float]:
-    """The same for one outcome in logarithms: its weights all but vanish where the belief has mass."""
+    """Best grasp (-1: none) and its expected score after one outcome, in logarithms.
+
+    Needed where the weights nearly vanish at every pose that the belief holds possible.
+    """
     posterior = condition(belief, weigher.log_row(outcome))
     if posterior is not None:
         after = posterior.belief

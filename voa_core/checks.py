@@ -1,4 +1,4 @@
-"""Checks that every value passes on its way in: shapes, finiteness, signs."""
+"""Checks of the values that callers give: shapes, finiteness, signs, names."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 def float_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """A float64 array of `shape` (None: any length), a copy; raises InvalidInput for any other shape or content."""
+    """Copy values to a float64 array of `shape` (None: any length); raises InvalidInput for other shapes or types."""
     wanted = "x".join("n" if size is None else str(size) for size in shape) or "a number"
     try:
         array = np.array(values, dtype=np.float64)
@@ -26,10 +26,10 @@ def float_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) ->
 
 
 def finite_array(field: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
-    """A read-only float64 array of `shape` (None: any length) with finite entries.
+    """Copy values to a read-only float64 array of `shape` (None: any length) with finite entries.
 
     Raises:
-        InvalidInput: not numeric, another shape, or an entry is NaN or infinite.
+        InvalidInput: the values are no numbers, have another shape, or an entry is NaN or infinite.
     """
     array = float_array(field, values, shape)
     if not np.isfinite(array).all():
@@ -47,7 +47,7 @@ def number(
     at_least: float | None = None,
     below: float | None = None,
 ) -> float:
-    """`value` as a float within the limits; raises InvalidInput otherwise."""
+    """Convert a value to a finite float within the limits; raises InvalidInput otherwise."""
     value = float(value)
     limits = [
         (above is None or value > above, f"a number above {above}"),
@@ -62,7 +62,7 @@ def number(
 
 
 def unique_names(what: str, names: Sequence[str]) -> tuple[str, ...]:
-    """`names` as a tuple: at least one, none empty, none twice; raises InvalidInput otherwise."""
+    """Convert names to a tuple of at least one, none empty, none twice; raises InvalidInput otherwise."""
     names = tuple(names)
     if not names:
         raise InvalidInput(what, "at least one", "none")
@@ -77,7 +77,7 @@ def unique_names(what: str, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def indices(what: str, names: Sequence[str], known: Sequence[str]) -> NDArray[np.intp]:
-    """Where each of `names` stands in `known`; raises UnknownName or InvalidInput (empty, twice)."""
+    """Find the index of each name in `known`, (k,); raises UnknownName, or InvalidInput for no name or one twice."""
     position = {name: index for index, name in enumerate(known)}
     for name in unique_names(what, names):
         if name not in position:
@@ -86,6 +86,6 @@ def indices(what: str, names: Sequence[str], known: Sequence[str]) -> NDArray[np
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """`array` itself, made read-only."""
+    """Make an array read-only, and return that same array."""
     array.setflags(write=False)
     return array

@@ -1,10 +1,10 @@
-"""Cutting the object at each pose by the lidar's plane: what a planar lidar can see of a mesh.
+"""Cuts of the object by the plane of the lidar, at each pose: the part of a mesh that a planar lidar can see.
 
-A pose needs its own cut only if it tilts or lifts the object differently: poses that differ by a planar
-motion share one, up to a rigid transform in the plane.
+Poses that differ by a motion in the plane share a cut, up to that motion. Only a pose that tilts or lifts the object
+differently needs a cut of its own.
 
 The mesh is a closed set: where vertices lie exactly on the plane, the object touches it, and a beam in the
-plane sees what it touches. So such a plane is cut twice, as if it lay a hair below and a hair above, and both
+plane sees what it touches. Such a plane is cut twice, as if it lay slightly below and slightly above, and both
 contours count. Each of the two treats every vertex as strictly on one side, which keeps contours closed:
 no segment is lost or doubled at a vertex.
 
@@ -38,8 +38,8 @@ class Contours:
         points: (q, 2) float64, metres, each cut in its own planar frame.
         segments: (g, 2) int32, indices of points within their cut.
         point_start, segment_start: (cuts + 1,) offsets of each cut into `points` and `segments`.
-        cut_of_pose: (n,) which cut a pose shares.
-        placement: (n, 4) cos, sin, x, y: from the cut's planar frame to the world.
+        cut_of_pose: (n,) index of the cut that shows each pose.
+        placement: (n, 4) cos, sin, x, y of each pose: the motion from the planar frame of its cut to the world.
     """
 
     points: Floats
@@ -93,14 +93,14 @@ def _cut_each(
     frames: Floats,
     levels: Floats,
 ) -> tuple[Floats, Ints, NDArray[np.int64], NDArray[np.int64]]:
-    """All cuts: `points`, `segments`, `point_start` and `segment_start` of Contours.
+    """Cut the object once for each frame: `points`, `segments`, `point_start` and `segment_start` of Contours.
 
     Args:
         vertices: (v, 3).
         faces: (f, 3) vertices of each face.
         sides: (f, 3) edges of each face, the first between its first two corners.
         boxed, centres, halves: of `Object.boxes`.
-        frames: (k, 3, 3) what turns the object into the frame of each cut; the last row is the plane's normal.
+        frames: (k, 3, 3) rotations of the object into the frame of each cut; the last row is the plane's normal.
         levels: (k,) height over the plane of the object's origin.
     """
     points, segments = np.zeros((64, 2)), np.zeros((64, 2), dtype=np.int32)
@@ -125,7 +125,7 @@ def _cut_each(
 
 @kernel
 def _with_room(rows: NDArray[Any], needed: int) -> NDArray[Any]:
-    """`rows`, or a copy with room for more, so that at least `needed` rows fit."""
+    """Give `rows` (q, 2) room for at least `needed` rows: itself, or a larger copy."""
     if needed <= len(rows):
         return rows
     larger = np.zeros((2 * needed, 2), dtype=rows.dtype)
@@ -144,7 +144,7 @@ def _meet(
     level: float,
     heights: Floats,
 ) -> tuple[Ints, bool]:
-    """Indices of the faces that the plane meets, and whether it touches a vertex; `heights` of their corners."""
+    """Find the faces that the plane meets, and if it touches a vertex; writes the `heights` of their corners."""
     gaps = np.zeros(centres.shape[1])
     for box in range(len(gaps)):
         above = up[0] * centres[0, box] + up[1] * centres[1, box] + up[2] * centres[2, box] + level
@@ -187,14 +187,14 @@ def _contour(
 ) -> tuple[Floats, Ints]:
     """Segments of the faces whose corners lie on both sides; one point per cut edge, shared by its two faces.
 
-    `point_of_edge` is -1 throughout, and is so again afterwards.
+    `point_of_edge` is scratch space: -1 everywhere before and after the call.
     """
     points, edges = np.zeros((2 * len(met), 2)), np.zeros(2 * len(met), dtype=np.int32)
     segments = np.zeros((len(met), 2), dtype=np.int32)
     n_points = 0
     n_segments = 0
     for f in met:
-        found = 0
+        ends = 0
         for k in range(3):
             low, high = faces[f, k], faces[f, (k + 1) % 3]
             if _is_above(heights[low], touching_is_above) == _is_above(heights[high], touching_is_above):
@@ -209,9 +209,9 @@ def _contour(
                 point_of_edge[e] = n_points
                 edges[n_points] = e
                 n_points += 1
-            segments[n_segments, found] = point_of_edge[e]
-            found += 1
-        if found > 0:
+            segments[n_segments, ends] = point_of_edge[e]
+            ends += 1
+        if ends > 0:
             n_segments += 1
     point_of_edge[edges[:n_points]] = -1
     return points[:n_points], segments[:n_segments]

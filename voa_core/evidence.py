@@ -1,4 +1,4 @@
-"""Comparison of one scan with every pose: a weight each, how well each fits, and whether the scan shows the object."""
+"""Comparison of one scan with every pose: the weight and the fit of each, and if the scan shows the object at all."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,8 @@ from voa_core.checks import Floats
 from voa_core.jit import kernel
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.prediction import ObservationPredictor, Prediction
-from voa_core.rules.rules import UpdateRule, coded, squared_distance
+from voa_core.rules.distances import coded, squared_distance
+from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
 from voa_core.workspace import Workspace
 
@@ -22,12 +23,12 @@ _SLACK_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Which beams of one scan could see the object, and which do (DESIGN.md, "A scan without the object").
+    """Beams of one scan that could see the object, and those that do: for scans in which the object is missing.
 
     Attributes:
         measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.
-        reach: (n, u) up to which range a return sees the object at each pose, in any of its displaced copies; -inf
-            where none returns. With a workspace, whose edge has decided that already, it is inf elsewhere.
+        reach: (n, u) largest range, metres, of a return that sees the object at each pose, in any of its displaced
+            copies; -inf where no copy returns. With a workspace it is inf elsewhere: its edge bounds the returns.
         fewest: (n,) the fewest of the compared beams on which a displaced copy of each pose returns.
     """
 
@@ -36,15 +37,15 @@ class Sight:
     fewest: NDArray[np.intp]
 
     def hits(self, pose: int) -> Floats:
-        """Measured ranges, metres, on the beams on which the scan and a copy of the pose return."""
+        """Measured ranges, (h,) metres, on the h beams on which both the scan and a copy of the pose return."""
         hit: Floats = self.measured[np.isfinite(self.measured) & (self.reach[pose] > -np.inf)]
         return hit
 
     def misses_object(self, possible: NDArray[np.bool_]) -> bool:
-        """Whether fewer beams see the object than a third of those that must, for the possible poses (n,).
+        """True if too few beams see the object for it to lie at one of the possible poses, flags (n,).
 
         With m the fewest returns that a copy of a possible pose predicts, the scan misses the object if m >= 3 and
-        fewer than m / 3 of the beams on which such a copy returns see it. At most 2 returns show nothing either way.
+        fewer than m / 3 of the beams on which such a copy returns see it. Two returns or fewer decide nothing.
         """
         fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
         if fewest < _FEWEST_RETURNS:
@@ -55,14 +56,14 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a scan says, whatever the belief.
+    """Evidence of one scan for every pose, which does not depend on the belief.
 
     Attributes:
-        log_weights: (n,) ln w of each pose.
+        log_weights: (n,) ln w of each pose under the update rule.
         distances: (n,) d of each pose, metres; with an uncertain sensor pose, the smallest over its sigma points.
         hit_rmsds: (n,) RMSD over the beams on which both return, metres, at that sigma point; NaN where there is none.
         beams_compared: number of beams that are not missing.
-        sight: which beams could see the object, and which do.
+        sight: the beams that could see the object, and those that do.
     """
 
     log_weights: Floats
@@ -104,22 +105,23 @@ def evidence_of_scan(
     uncertainty: SensorUncertainty | None = None,
     listed: bool = False,
 ) -> Evidence:
-    """Compare a measured scan with what every pose predicts.
+    """Compare a measured scan with the prediction of every pose.
 
     With an uncertain sensor pose the weight is the mean over its sigma points, and a pose's distance is that
     of the sigma point at which it fits best. Which beam is a return is decided at the stated pose.
 
     Args:
         scan: as measured.
-        sensor: where the lidar stood, or is thought to have stood.
+        sensor: configuration from which the scan was taken, as far as it is known.
         predictor: of the scenario.
-        rule: how differences become weights.
-        workspace: box outside which nothing counts.
+        rule: the update rule, which turns differences into weights.
+        workspace: box outside which no return counts; None: there is none.
         uncertainty: standard deviations of the sensor pose.
         listed: the sensor is one of the scenario's own configurations.
 
     Raises:
-        NoMesh, BeamGridMismatch: as `ObservationPredictor.predict`.
+        NoMesh: there is no prediction for the sensor.
+        BeamGridMismatch: there is no prediction for the beams of the scan.
     """
     lidar = predictor.lidar
     grid = lidar.grid if lidar.grid.agrees_with(scan.grid) else scan.grid
@@ -138,10 +140,10 @@ def evidence_of_beams(
     """Compare the classified beams (r,) of a scan with predictions on the same beams.
 
     Args:
-        beams: of `scans.classify`.
-        predictions: one for each sigma point of the sensor pose, as they are compared (`restricted`).
-        rule: how differences become weights.
-        has_workspace: whether a workspace decided which beams return.
+        beams: metres, as `scans.classify` gives them.
+        predictions: one for each sigma point of the sensor pose, limited by `restricted`.
+        rule: the update rule, which turns differences into weights.
+        has_workspace: True if the beams were classified with a workspace.
     """
     compared = [_compare(beams, prediction, rule) for prediction in predictions]
     log_weights, distances, hit_rmsds = (np.stack(values) for values in zip(*compared, strict=True))
@@ -162,7 +164,7 @@ def restricted(
     lidar: LidarModel,
     workspace: Workspace | None,
 ) -> Prediction:
-    """A prediction as it is compared: within the scan's (else the lidar's) range and the workspace."""
+    """Limit a prediction to the range of the scan (None: of the lidar) and to the workspace, as it is compared."""
     range_max = lidar.range_max if scan is None else scan.limits(lidar)[1]
     angles = prediction.grid.angles[prediction.columns]
     crossing = workspace.crossing(sensor, angles) if workspace else None
@@ -170,7 +172,7 @@ def restricted(
 
 
 def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
-    """One scan, classified (r,), against the scans predicted for every pose at one sensor pose.
+    """Compare one scan, classified (r,), with the scans predicted for every pose at one sensor pose.
 
     Returns:
         ln w, d and RMSD over the beams on which both return (NaN where there is none), each (n,).
@@ -183,7 +185,7 @@ def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[F
     kept = known[prediction.columns]
     observed = np.ascontiguousarray(beams[prediction.columns][kept])[None, :]
     predicted = np.ascontiguousarray(prediction.ranges[:, kept])
-    # On every other beam all poses predict the same, nothing: one comparison serves them all.
+    # On every other beam all poses predict a no-return: one comparison serves them all.
     known[prediction.columns] = False
     rest = beams[known][None, :]
     nothing = np.full_like(rest, NO_RETURN)
@@ -207,7 +209,7 @@ def _hit_rmsds(observed: Floats, predicted: Floats, both: np.ndarray[tuple[int, 
 
 
 def _sight(beams: Floats, predictions: Sequence[Prediction], behind_m: float) -> Sight:
-    """Which of the classified beams (r,) could see a pose in any of its displaced copies, one prediction each.
+    """Find the classified beams (r,) that could see a pose in any of its displaced copies, one prediction each.
 
     A return at most `behind_m` behind the farthest prediction of its beam sees the object.
     """
@@ -230,7 +232,7 @@ def _enter_copy(
 ) -> None:
     """Enter the predictions (n, c) of one displaced copy of every pose into `reach` (n, u) and `fewest` (n,).
 
-    `entry` (c,) says which of the u beams a column is; -1 for one that is not compared.
+    `entry` (c,) is the index among the u beams of each column; -1 for a column that is not compared.
     """
     for pose in range(len(ranges)):
         returns = 0

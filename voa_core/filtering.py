@@ -1,7 +1,7 @@
-"""Bayes' rule over a finite set of poses, in logarithms; the only contact with filterpy.
+"""Bayes' rule over a finite set of poses, in logarithms; the only module that uses filterpy.
 
 `filterpy.discrete_bayes.update` multiplies a prior by a likelihood and divides by the sum. It does so without
-guards (an impossible observation gives NaN), so the guards stand here, before it.
+guards (an impossible observation gives NaN), so this module checks before it calls it.
 """
 
 import math
@@ -35,10 +35,15 @@ class Belief:
 
     @classmethod
     def of(cls, probabilities: object, field: str = "belief", length: int | None = None) -> "Belief":
-        """From numbers that sum to 1 within 1e-6, then made to sum to 1.
+        """Make a belief from probabilities (n,) that sum to 1 within 1e-6; they are then scaled to sum to 1.
+
+        Args:
+            probabilities: one number for each pose, at least 0.
+            field: name of the values in error messages.
+            length: number of poses; None: any.
 
         Raises:
-            InvalidInput: another length, not finite, negative, or another sum.
+            InvalidInput: the length or the sum is another, or a number is negative or not finite.
         """
         p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
         if (p < 0.0).any():
@@ -52,7 +57,7 @@ class Belief:
 
     @classmethod
     def uniform(cls, n: int) -> "Belief":
-        """Every pose equally probable."""
+        """Belief in which each of `n` poses has the same probability."""
         return cls.of(np.full(n, 1.0 / n))
 
     @property
@@ -71,7 +76,7 @@ class Posterior:
 
 
 def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
-    """b'[p] proportional to b[p] w[p]; None where every pose that was possible has weight 0.
+    """Condition a belief by weights (Definition 4): b'[p] is proportional to b[p] w[p].
 
     The product is formed in logarithms and shifted by its maximum before filterpy normalises it: unlike either
     factor, the shifted product always fits a float64.
@@ -81,7 +86,7 @@ def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
         log_weights: (n,) log w, -inf for a weight of 0; never NaN or +inf.
 
     Returns:
-        The posterior, and ln sum_p b[p] w[p].
+        The posterior, and ln sum_p b[p] w[p]; None if every pose that was possible has weight 0.
     """
     joint = prior.log_p + log_weights
     highest = float(joint.max())
@@ -94,5 +99,5 @@ def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
 
 
 def share_equally(chosen: NDArray[np.bool_]) -> Belief:
-    """Equal probabilities over the poses where `chosen` (n,) is true."""
+    """Belief with equal probabilities for the poses at which `chosen` (n,) is true."""
     return Belief.of(chosen / np.count_nonzero(chosen))

@@ -34,9 +34,9 @@ def matrices_of_quaternions(quaternions_wxyz: Floats) -> Floats:
 
 
 def quaternion_of_matrix(matrix: Floats) -> Floats:
-    """The quaternion (w, x, y, z), w >= 0, of one rotation matrix of shape (3, 3).
+    """Quaternion (w, x, y, z), w >= 0, of one rotation matrix of shape (3, 3).
 
-    By the largest eigenvector of Bar-Itzhack's symmetric matrix (J. Guidance 23(6), 2000), which needs no
+    It is the largest eigenvector of Bar-Itzhack's symmetric matrix (J. Guidance 23(6), 2000), which needs no
     case distinction.
     """
     m = matrix
@@ -54,7 +54,7 @@ def quaternion_of_matrix(matrix: Floats) -> Floats:
 
 
 def turn(yaw_rad: float) -> Floats:
-    """The rotation by `yaw_rad` about the vertical, shape (3, 3)."""
+    """Rotation matrix (3, 3) of a turn by `yaw_rad` about the vertical."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
@@ -62,7 +62,7 @@ def turn(yaw_rad: float) -> Floats:
 def upright_rotation(up: Floats) -> Floats:
     """Rotations whose last row is the unit vector `up`: each turns `up` (body frame) to the z axis.
 
-    Depends on `up` alone, so bodies that differ by a turn about the vertical share it.
+    The result depends on `up` alone: bodies that differ by a turn about the vertical share it.
 
     Args:
         up: (..., 3).

@@ -26,7 +26,7 @@ class GraspTable:
 
     @classmethod
     def of_probabilities(cls, names: Sequence[str], probabilities: ArrayLike, poses: int) -> "GraspTable":
-        """From probabilities (m, n); raises InvalidInput where one is outside [0, 1] or the shape differs."""
+        """Make a table from probabilities (m, n); raises InvalidInput for another shape or a value outside [0, 1]."""
         names = unique_names("grasp", names)
         scores = finite_array("scores", probabilities, (len(names), poses))
         if (scores < 0.0).any() or (scores > 1.0).any():
@@ -35,7 +35,7 @@ class GraspTable:
 
     @classmethod
     def of_successes(cls, names: Sequence[str], successes: ArrayLike, attempts: int, poses: int) -> "GraspTable":
-        """From successes (m, n) of `attempts`; raises InvalidInput where one is outside 0..attempts."""
+        """Make a table from numbers of successes (m, n) among `attempts`; raises InvalidInput for one out of range."""
         if attempts < 1:
             raise InvalidInput("attempts", "at least 1", str(attempts))
         counts = finite_array("successes", successes, (len(tuple(names)), poses))
@@ -46,10 +46,11 @@ class GraspTable:
         return cls.of_probabilities(names, counts / attempts, poses)
 
     def reachable(self, names: Sequence[str] | None) -> "GraspTable":
-        """The table of the named grasps alone, in its own order; None: all.
+        """Table of the named grasps alone, in the order of this table; None: all grasps.
 
         Raises:
-            UnknownName, InvalidInput: no such grasp; none named, or one twice.
+            UnknownName: there is no such grasp.
+            InvalidInput: no grasp is named, or one twice.
         """
         if names is None:
             return self
@@ -57,25 +58,28 @@ class GraspTable:
         return GraspTable(tuple(self.names[row] for row in rows), frozen(self.scores[rows]))
 
     def expected_scores(self, belief: Floats) -> Floats:
-        """Qbar(x, b) = sum_p b[p] Q[x, p] for every grasp, (m,) (Definition 3)."""
+        """Expected score of every grasp, Qbar(x, b) = sum_p b[p] Q[x, p] (Definition 3), (m,)."""
         return self.scores @ belief
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A grasp and what it promises: `index` into the table, or None where every grasp scores 0."""
+    """A chosen grasp: its `index` in the table, None where every grasp scores 0, and its expected score."""
 
     index: int | None
     expected_score: float
 
 
 def best_grasp(table: GraspTable, belief: Floats) -> Choice:
-    """x* and Qbar*(b) (equation 1): the first listed within 1e-12 of the best; none when the best is 0."""
+    """Choose the best grasp under a belief (n,): x* and Qbar*(b) of equation 1.
+
+    It is the first listed whose expected score is within 1e-12 of the largest; none where the largest is 0.
+    """
     return choose(table.expected_scores(belief))
 
 
 def choose(expected: Floats) -> Choice:
-    """`best_grasp` from expected scores (m,)."""
+    """Choose the first grasp whose expected score, of (m,), is within 1e-12 of the largest; none if that is 0."""
     best = float(expected.max())
     if best <= 0.0:
         return Choice(None, 0.0)
@@ -83,20 +87,23 @@ def choose(expected: Floats) -> Choice:
 
 
 def ranked(expected: Floats) -> list[int]:
-    """Indices of the grasps, best expected score first; those within 1e-12 (rounded) as listed."""
+    """Rank grasps by expected score (m,), the best first, equal ones (within 1e-12) as listed: their indices."""
     return [int(index) for index in np.argsort(-np.round(expected / TIE), kind="stable")]
 
 
 def log_outcome_weights(scores: Floats, success: bool, score_floor: float = 0.0) -> Floats:
-    """Logarithms of the weights that an attempt gives the poses: Q[x, p] for a success, else 1 - Q[x, p].
+    """Logarithms of the weights of the poses after a grasp attempt, (n,): Q[x, p] after a success, else 1 - Q[x, p].
 
-    It assumes that the attempt left the object where it was.
+    The attempt is assumed to have left the object where it was.
 
     Args:
         scores: (n,) Q[x, p] of the grasp that was tried.
-        success: what came of it.
-        score_floor: scores count as at least this and at most 1 less this, so that 0 of 15 and 15 of 15 do not
-            rule poses out for good; in [0, 0.5].
+        success: True if the attempt succeeded.
+        score_floor: limit, in [0, 0.5], by which scores are kept away from 0 and from 1, so that 0 of 15 and 15 of 15
+            successes do not rule poses out for good.
+
+    Raises:
+        InvalidInput: `score_floor` is not in [0, 0.5].
     """
     if not 0.0 <= score_floor <= 0.5:
         raise InvalidInput("score_floor", "a number from 0 to 0.5", repr(score_floor))

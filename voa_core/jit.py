@@ -1,4 +1,4 @@
-"""The one place that touches numba: kernels are compiled on first use, cached on disk, and release the GIL."""
+"""Compilation of kernels by numba: on first use, cached on disk, and without the GIL while they run."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast

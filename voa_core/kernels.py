@@ -1,4 +1,4 @@
-"""The loops over pairs of scans: one statistic per (observed, predicted) pair, a sum over beams.
+"""Loops over pairs of scans, compiled: one statistic per (observed, predicted) pair, a sum over beams.
 
 `observed` is (m, c), `predicted` (n, c), `out` (m, n), all of one float type.
 """
@@ -24,7 +24,10 @@ _EXP = tuple(1.0 / math.factorial(power) for power in range(14))
 
 @sum_kernel
 def squared_distances(observed: Array, predicted: Array, out: Array) -> None:
-    """Sum of squared differences, directly: the expansion by a matrix product is off by centimetres in float32."""
+    """Sum the squared differences of each pair of scans, metres squared.
+
+    The expansion by a matrix product would be off by centimetres in float32.
+    """
     for i in range(observed.shape[0]):
         for j in range(predicted.shape[0]):
             total = observed.dtype.type(0.0)
@@ -36,7 +39,7 @@ def squared_distances(observed: Array, predicted: Array, out: Array) -> None:
 
 @sum_kernel
 def squared_distances_among(scans: Array, out: Array) -> None:
-    """`squared_distances(scans, scans)` by one triangle."""
+    """Sum the squared differences of each pair of `scans` (n, c), computing one triangle of (n, n) and copying it."""
     n, c = scans.shape
     columns = np.zeros(((c + 3) // 4 * 4, n), dtype=scans.dtype)  # in fours: rows of `out` are gone over less often
     columns[:c] = scans.T
@@ -65,7 +68,7 @@ def _mirror(square: Array) -> None:
 
 @kernel
 def disagreements(observed: Array, predicted: Array, margin: float, out: Array) -> None:
-    """Number of beams that differ by more than `margin` (and a nanometre, for rounding)."""
+    """Count the beams of each pair of scans that differ by more than `margin` metres (and a nanometre for rounding)."""
     for i in range(observed.shape[0]):
         for j in range(predicted.shape[0]):
             count = 0
@@ -92,18 +95,18 @@ def mixture_likelihoods(
     products: Floats,
     logs: Floats,
 ) -> None:
-    """Likelihoods of whole scans under the mixture that `rules.Beam` states, as `products * exp(logs)`.
+    """Likelihoods of whole scans under the mixture of `rules.beam.Beam`, as `products * exp(logs)`.
 
     Each beam multiplies a row of densities, one for every predicted scan, into a row of `products`. The normal
-    density is wanted only where a return is predicted: those h returns are given apart, beam after beam.
+    density is needed only where a return is predicted: those h returns are given separately, beam after beam.
 
     Args:
         observed: (m, c) ranges; inf is a no-return.
         short_decay: (m, c) exp(-lambda z) of the observed range.
         if_none: (m, c) density of the observed return where none is predicted.
         unseen: (c, n) probability of a no-return.
-        start: (c + 1,) where the predicted returns of each beam begin.
-        poses: (h,) which of the n scans predicts them.
+        start: (c + 1,) index of the first predicted return of each beam.
+        poses: (h,) index of the scan, of n, that predicts each return.
         predicted: (h,) their ranges.
         inverse_sigma: (h,) 1 / standard deviation.
         hit_peak: (h,) density of a hit at the predicted range itself.
@@ -113,7 +116,7 @@ def mixture_likelihoods(
         products, logs: (m, n), written.
     """
     row = np.zeros(unseen.shape[1])
-    bits, found = np.zeros(len(row), dtype=np.int64), np.zeros(len(row))
+    bits, normal = np.zeros(len(row), dtype=np.int64), np.zeros(len(row))
     for i in range(len(observed)):
         product, log = products[i], logs[i]
         product[:] = 1.0
@@ -123,12 +126,12 @@ def mixture_likelihoods(
             if z == np.inf:
                 _multiply(product, unseen[k])
             else:
-                _normal(z, predicted[a:b], inverse_sigma[a:b], bits, found)
-                _mix(z, short_decay[i, k], random_density, predicted[a:b], hit_peak[a:b], short_peak[a:b], found)
+                _normal(z, predicted[a:b], inverse_sigma[a:b], bits, normal)
+                _mix(z, short_decay[i, k], random_density, predicted[a:b], hit_peak[a:b], short_peak[a:b], normal)
                 row[:] = if_none[i, k]
                 where = poses[a:b]
                 for h in range(len(where)):
-                    row[where[h]] = found[h]
+                    row[where[h]] = normal[h]
                 _multiply(product, row)
             if (k + 1) % beams_per_logarithm == 0:
                 for j in range(len(product)):
@@ -138,7 +141,7 @@ def mixture_likelihoods(
 
 @kernel
 def _multiply(product: Floats, row: Floats) -> None:
-    """In place, (n,) each; numba would make a temporary array of `product *= row`."""
+    """Multiply `product` by `row` in place, (n,) each; numba would make a temporary array of `product *= row`."""
     for j in range(len(product)):
         product[j] *= row[j]
 
@@ -153,7 +156,7 @@ def _mix(
     short_peak: Floats,
     normal: Floats,
 ) -> None:
-    """Densities of one return under (h,) predicted ones, written over the normal densities' share of their peak."""
+    """Compute the density of one return under each of (h,) predicted ones, over the normal densities in `normal`."""
     for h in range(len(predicted)):
         short = short_decay if z <= predicted[h] else 0.0
         normal[h] = random_density + hit_peak[h] * normal[h] + short_peak[h] * short
@@ -161,7 +164,7 @@ def _mix(
 
 @sum_kernel
 def _normal(z: float, mean: Floats, inverse_sigma: Floats, bits: NDArray[np.int64], out: Floats) -> None:
-    """exp(-((z - mean) / sigma)^2 / 2) for (h,) means, in vector registers; below exp(-700) it is 0.
+    """Compute exp(-((z - mean) / sigma)^2 / 2) for (h,) means, in vector registers; below exp(-700) it is 0.
 
     exp(x) = 2^k exp(r), with r = x - k ln 2 small enough for a short series, and 2^k written as the bits of a
     float64. `bits` is scratch.
@@ -194,7 +197,7 @@ def _normal(z: float, mean: Floats, inverse_sigma: Floats, bits: NDArray[np.int6
 
 @kernel
 def choose_each(product: Array, tie: float, chosen: NDArray[np.intp], best: Floats, tied: NDArray[np.intp]) -> None:
-    """The best grasp of each of k beliefs, in loops that run in vector registers.
+    """Choose the best grasp of each of k beliefs, in loops that run in vector registers.
 
     Args:
         product: (m + 1, k) unnormalised expected scores, the normaliser last.

@@ -1,4 +1,4 @@
-"""The planar lidar: where its beams point, how far it sees, what its zeros mean, how it errs."""
+"""The planar lidar: directions of its beams, range limits, meaning of a zero, noise; and where it stands."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -9,7 +9,7 @@ from voa_core.checks import Floats, number
 from voa_core.errors import InvalidInput
 
 Zero = Literal["missing", "no_return"]
-"""What a range of exactly 0 says: the driver lost the beam, or nothing came back."""
+"""Meaning of a range of exactly 0: the driver lost the beam, or nothing came back."""
 
 GRID_TOLERANCE_RAD = 1e-4
 SMALLEST_INCREMENT_RAD = 1e-6
@@ -41,11 +41,11 @@ class BeamGrid:
 
     @property
     def angles(self) -> Floats:
-        """Shape (beams,), radians."""
+        """Directions of the beams, (beams,) radians, counter-clockwise from the sensor's +x."""
         return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
     def agrees_with(self, other: "BeamGrid") -> bool:
-        """Whether the beams are as many and none points elsewhere by more than 1e-4 rad (whole turns aside)."""
+        """True if both grids have as many beams and no two of them differ by more than 1e-4 rad (whole turns aside)."""
         if self.beams != other.beams:
             return False
         apart = np.remainder(self.angles - other.angles + np.pi, 2.0 * np.pi) - np.pi
@@ -58,12 +58,12 @@ class LidarModel:
 
     Attributes:
         grid: directions of the beams.
-        range_min: metres; a shorter measurement is not to be trusted.
-        range_max: metres; beyond it there is no return.
+        range_min: metres; a shorter measurement counts as missing.
+        range_max: metres; a longer measurement counts as a no-return.
         height_m: height of the scan plane over the table, or None where every sensor configuration has its own.
-        zero: what a range of 0 says.
+        zero: meaning of a range of 0.
         noise_m: standard deviation of a range close by, metres.
-        noise_ratio: standard deviation of a range far away, as a share of it.
+        noise_ratio: standard deviation of a long range, as a share of it; the larger of both counts.
         dropout: share of beams that come back empty from a surface in range.
     """
 
@@ -90,13 +90,13 @@ class LidarModel:
 
 @dataclass(frozen=True)
 class SensorConfiguration:
-    """Where the lidar itself stands in the world frame, and what it costs to get there.
+    """A place from which the lidar can look: its own pose in the world frame, and the cost of going there.
 
     Attributes:
         x, y: metres.
         yaw_rad: direction of beam angle 0, counter-clockwise from the world's +x.
         height_m: height of the scan plane; None: the lidar's.
-        cost: in success probability.
+        cost: of a look from there, in success probability.
     """
 
     name: str
@@ -116,7 +116,7 @@ class SensorConfiguration:
 
 @dataclass(frozen=True)
 class SensorUncertainty:
-    """Standard deviations of a sensor pose that is only roughly known: each of x and y, and the yaw."""
+    """Standard deviations of an uncertain sensor pose: of each of x and y, in metres, and of the yaw, in radians."""
 
     xy_m: float
     yaw_rad: float

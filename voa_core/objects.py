@@ -28,12 +28,12 @@ class Object:
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, scale: float = 1.0) -> "Object":
-        """Build an object from raw arrays; `scale` turns the file's unit into metres.
+        """Make an object from arrays of vertices (v, 3) and faces (f, 3); `scale` is their unit in metres.
 
         Vertices that no face uses are dropped, finite or not; so are faces of which two corners coincide.
 
         Raises:
-            InvalidInput: no faces, an index out of range, or a number that is not finite.
+            InvalidInput: there is no face, an index is out of range, or a number is not finite.
         """
         number("scale", scale, above=0.0)
         corners = np.asarray(faces)
@@ -54,7 +54,7 @@ class Object:
 
     @cached_property
     def digest(self) -> str:
-        """A name for the content: SHA-256 over vertices and faces, hexadecimal."""
+        """Digest of the content: SHA-256 over vertices and faces, hexadecimal."""
         hasher = hashlib.sha256()
         for array in (self.vertices, self.faces):
             hasher.update(np.ascontiguousarray(array).tobytes())
@@ -77,9 +77,9 @@ class Object:
 
     @cached_property
     def boxes(self) -> tuple[NDArray[np.int32], Floats, Floats]:
-        """Boxes around faces that are neighbours in space.
+        """Boxes, each around 16 faces that are neighbours in space: their faces, centres and half extents.
 
-        The faces in each (b, 16), -1 where the last has fewer; its centres (3, b); its half extents (3, b).
+        Faces are indices (b, 16), -1 where the last box has fewer; centres and half extents are (3, b), metres.
         """
         corners = self.vertices[self.faces]
         low, high = corners.min(axis=1), corners.max(axis=1)
@@ -92,7 +92,7 @@ class Object:
 
     @cached_property
     def watertight(self) -> bool:
-        """Whether every edge belongs to exactly two faces."""
+        """True if every edge belongs to exactly two faces."""
         ends, of_face = self.edges
         return bool((np.bincount(of_face.reshape(-1), minlength=len(ends)) == 2).all())
 
@@ -108,7 +108,7 @@ def _compact(points: Floats, corners: NDArray[np.integer]) -> tuple[Floats, NDAr
 
 
 def _morton_codes(places: Floats) -> NDArray[np.int64]:
-    """Where places (k, 3) lie along Morton's curve: the bits of their grid cells, taken in turn."""
+    """Position of points (k, 3) along Morton's curve, (k,): the bits of their grid cells, taken in turn."""
     low, size = places.min(axis=0), float(np.ptp(places, axis=0).max())
     cells = ((places - low) * ((2**_MORTON_BITS - 1) / size if size > 0.0 else 0.0)).astype(np.int64)
     codes = np.zeros(len(places), dtype=np.int64)

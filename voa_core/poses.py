@@ -18,9 +18,9 @@ class PoseSet:
 
     Attributes:
         names: one per pose, all different.
-        positions: (n, 3) in metres, or None where only the names are known.
-        quaternions_wxyz: (n, 4), unit, or None.
-        rotations: (n, 3, 3), or None.
+        positions: (n, 3) of the object's frame, metres; None where only the names are known.
+        quaternions_wxyz: (n, 4) unit quaternions, w first, or None.
+        rotations: (n, 3, 3) rotation matrices, or None.
     """
 
     names: tuple[str, ...]
@@ -32,7 +32,7 @@ class PoseSet:
         return len(self.names)
 
     def subset(self, index: NDArray[np.intp]) -> "PoseSet":
-        """The poses at `index` (k,), in that order."""
+        """Select the poses at `index` (k,), in that order."""
         if self.positions is None or self.quaternions_wxyz is None or self.rotations is None:
             return PoseSet(tuple(self.names[p] for p in index), None, None, None)
         return PoseSet(
@@ -44,15 +44,16 @@ class PoseSet:
 
     @classmethod
     def named(cls, names: Sequence[str]) -> "PoseSet":
-        """Poses of which only the names are known: predictions are then given as data."""
+        """Make poses of which only the names are known, for predictions that are given as data; raises InvalidInput."""
         return cls(unique_names("pose", names), None, None, None)
 
     @classmethod
     def from_arrays(cls, names: Sequence[str], positions: ArrayLike, quaternions_wxyz: ArrayLike) -> "PoseSet":
-        """Poses from positions (n, 3) in metres and quaternions (n, 4), w first.
+        """Make poses from positions (n, 3) in metres and quaternions (n, 4), w first.
 
         Raises:
-            InvalidInput: lengths differ, a name twice, numbers not finite, a quaternion far from unit length.
+            InvalidInput: lengths differ, a name stands twice, a number is not finite, or a quaternion is far from unit
+                length.
         """
         names = unique_names("pose", names)
         where = finite_array("position", positions, (len(names), 3))
@@ -68,21 +69,21 @@ def generate(
     positions_xy: ArrayLike,
     names: Sequence[str] | None = None,
 ) -> PoseSet:
-    """Every stable pose at every yaw at every place on the table.
+    """Make a pose of every stable pose at every yaw at every position on the table.
 
     Args:
         resting: the stable poses, one per way to rest.
         yaws_rad: (y,) turns about the vertical through the object frame's origin.
-        positions_xy: (k, 2) places of the object frame's origin, metres.
+        positions_xy: (k, 2) positions of the object frame's origin, metres.
         names: one per stable pose; default "S1", "S2", ...
 
     Returns:
-        len(resting) * y * k poses, yaw and place varying fastest, named "S1/30deg" with "/x,y" in millimetres
-        where there are several places.
+        len(resting) * y * k poses, the position varying fastest, then the yaw; named "S1/30deg", with "/x,y" in
+        millimetres where there are several positions.
 
     Raises:
-        InvalidInput: nothing to generate from, or two poses would have one name, or names are not one per stable
-            pose.
+        InvalidInput: there is no stable pose, yaw or position; two poses would have one name; or the number of names
+            is not that of the stable poses.
     """
     yaws = finite_array("yaws_rad", yaws_rad, (None,))
     places = finite_array("positions_xy", positions_xy, (None, 2))

@@ -1,6 +1,6 @@
 """Observation prediction: the scan that the mesh at each pose would give at a sensor configuration.
 
-Definition 5 of the paper, by an exact cut instead of a depth camera: `cutting` and `rasterising` do the work.
+Definition 5 of the paper, by an exact cut (`cutting`, `rasterising`) instead of a depth camera.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -37,12 +37,12 @@ class Prediction:
 
     @classmethod
     def of_dense(cls, grid: BeamGrid, ranges: Floats) -> "Prediction":
-        """From ranges (n, r) of every beam."""
+        """Make a prediction from ranges (n, r) of every beam, metres, inf for a no-return."""
         columns = np.flatnonzero(ranges.min(axis=0) < NO_RETURN)
         return cls(grid, frozen(columns), frozen(ranges.take(columns, axis=1)))
 
     def dense(self) -> Floats:
-        """Ranges (n, r) of every beam."""
+        """Ranges of every beam, (n, r) metres, inf for a no-return."""
         ranges = np.full((len(self.ranges), self.grid.beams), NO_RETURN)
         ranges[:, self.columns] = self.ranges
         return ranges
@@ -54,11 +54,11 @@ class Prediction:
 
 
 ContoursAt = Callable[[float], Contours]
-"""The cuts of all poses at a height: a function, so that a caller can keep them."""
+"""A function that gives the cuts of all poses at a height in metres, so that a caller can keep them."""
 
 
 Remember = Callable[[Hashable, Callable[[], Prediction]], Prediction]
-"""Gives the prediction of a key, made by the function unless it is kept: so that a caller can keep some."""
+"""A function that gives the prediction of a key: a kept one, or else the result of the function beside it."""
 
 
 def _keep_none(_key: Hashable, make: Callable[[], Prediction]) -> Prediction:
@@ -67,14 +67,17 @@ def _keep_none(_key: Hashable, make: Callable[[], Prediction]) -> Prediction:
 
 @dataclass(frozen=True, eq=False)
 class ObservationPredictor:
-    """Predicts scans from a mesh, from data, or from both: data for the sensors that it names, else the mesh.
+    """Predictor of scans from a mesh, from data, or from both: data for the sensors that it names, else the mesh.
 
     Attributes:
         poses: the poses that the predictions are for.
-        lidar: whose beams and `range_max` hold.
+        lidar: the lidar, whose beams and `range_max` apply.
         data: predicted ranges (n, r) by sensor name; inf for a no-return.
-        contours_at: the cuts of the mesh by height; None: there is no mesh.
-        remember: keeps predictions, or does not.
+        contours_at: gives the cuts of the mesh at a height; None: there is no mesh.
+        remember: gives kept predictions; by default none is kept.
+
+    Raises:
+        InvalidInput: data are of another shape, or a range is negative.
     """
 
     poses: PoseSet
@@ -92,16 +95,16 @@ class ObservationPredictor:
                 raise InvalidInput(f"predictions of {name!r}", "ranges of at least 0, or none", "a negative one")
 
     def predict(self, sensor: SensorConfiguration, grid: BeamGrid | None = None, *, listed: bool = False) -> Prediction:
-        """The predicted scans of all poses, geometry alone: no workspace, nothing beyond `range_max`.
+        """Predict the scans of all poses by geometry alone: no workspace, no return beyond `range_max`.
 
         Args:
             sensor: where the lidar stands.
-            grid: the beams wanted; None: the lidar's.
-            listed: the sensor is the scenario's own configuration of that name, so its data hold.
+            grid: the beams to predict; None: the lidar's.
+            listed: True if the sensor is the scenario's own configuration of that name, so that its data apply.
 
         Raises:
-            BeamGridMismatch: other beams than the lidar's are wanted, and only data are there.
-            NoMesh: neither data nor a mesh; or no height to cut at.
+            BeamGridMismatch: the beams are not the lidar's, and there are only data for this sensor.
+            NoMesh: there is neither data nor a mesh for this sensor, or no height of the scan plane.
         """
         wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
         place = (sensor.name if listed else None, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
@@ -125,13 +128,13 @@ class ObservationPredictor:
             )
         height = self.lidar.height_m if sensor.height_m is None else sensor.height_m
         if height is None:
-            raise NoMesh(f"sensor {sensor.name!r} has no height_m, nor has the lidar: one must say where to cut")
+            raise NoMesh(f"sensor {sensor.name!r} has no height_m, nor has the lidar: give one of them a height")
         ranges = rasterise(self.contours_at(height), sensor, wanted, self.lidar.range_max)
         return Prediction.of_dense(wanted, ranges)
 
 
 def predictor_of_mesh(object_: Object, poses: PoseSet, lidar: LidarModel) -> ObservationPredictor:
-    """A predictor from a mesh alone, which keeps the cuts of every height that it meets."""
+    """Make a predictor from a mesh alone; it keeps the cuts at every height that it has used."""
     kept: dict[float, Contours] = {}
 
     def contours_at(height_m: float) -> Contours:

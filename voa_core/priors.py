@@ -1,6 +1,6 @@
-"""Beliefs before the first look: the paper's appendix form over the poses' own coordinates.
+"""Priors over the coordinates of the poses (appendix of the longer paper).
 
-Uniform and given priors are `Belief.uniform` and `Belief.of`.
+`filtering.Belief` has uniform priors (`Belief.uniform`) and given ones (`Belief.of`).
 """
 
 from collections.abc import Sequence
@@ -18,15 +18,15 @@ _SAME_TILT = 1e-3
 
 @dataclass(frozen=True)
 class Category:
-    """One way to rest, and how yaw and place are distributed in it.
+    """A way in which the object rests, with the distribution of its yaw and position.
 
-    A pose belongs to it if it is the reference pose after a turn about the vertical and a shift in the plane.
+    A pose belongs to the category if a turn about the vertical and a shift in the plane lead from the reference to it.
 
     Attributes:
-        reference: index of a pose of this category; yaws are counted from it.
+        reference: index of a pose of this category, from which yaws are counted.
         probability: P(category).
-        yaw_mean_rad, yaw_concentration: of the von Mises distribution; concentration 0 is uniform.
-        mean_xy: (2,) metres; None: the place does not matter.
+        yaw_mean_rad, yaw_concentration: parameters of the von Mises distribution; a concentration of 0 is uniform.
+        mean_xy: (2,) metres; None: every position is equally probable.
         covariance_xy: (2, 2) m^2, symmetric positive definite; given with `mean_xy`.
     """
 
@@ -58,14 +58,14 @@ class Category:
 
 
 def pose_model(poses: PoseSet, categories: Sequence[Category]) -> Belief:
-    """P(category) * vonMises(yaw) * Normal(x, y), the densities normalised over each category's poses.
+    """Prior P(category) * vonMises(yaw) * Normal(x, y), the densities normalised over the poses of each category.
 
-    So a category has its probability however many poses stand for it.
+    A category keeps its probability, however many poses belong to it.
 
     Raises:
         NoMesh: the poses have no geometry.
-        InvalidInput: probabilities that do not sum to 1, a pose in no category or in two, a covariance that is
-            none.
+        InvalidInput: the probabilities do not sum to 1, a pose belongs to no category or to two, or a covariance is
+            not positive definite.
     """
     if poses.rotations is None or poses.positions is None:
         raise NoMesh("a pose_model prior needs position and quaternion_wxyz of every pose")

@@ -1,4 +1,4 @@
-"""Which look first, or none: sensor configurations ranked by what they are worth less what they cost."""
+"""Ranking of sensor configurations by net value, which is the Value of Assistance of a look less its cost."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -22,16 +22,16 @@ MIN_GAIN = 0.005
 _TIE = 1e-6
 
 
-class Spread(Protocol):
-    """Applies a function to items, in order: `map`, or the same over a thread pool."""
+class OrderedMap(Protocol):
+    """A function like `map`, which applies a function to items, perhaps on several threads."""
 
     def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterable[B]:
-        """The results, in the order of the items."""
+        """Apply `function` to each item; the results come in the order of the items."""
 
 
 @dataclass(frozen=True, eq=False)
 class RankedLook:
-    """A sensor configuration with what it is worth; `net_value` = VOA - cost."""
+    """A look from a sensor configuration with its value; `net_value` is VOA less cost, in success probability."""
 
     sensor: SensorConfiguration
     assistance: Assistance
@@ -40,10 +40,10 @@ class RankedLook:
 
 @dataclass(frozen=True, eq=False)
 class Ranking:
-    """Looks by net value, the best first, and the best grasp without any.
+    """Looks by net value, the best first, and the best grasp without a look.
 
     Attributes:
-        before: best grasp and its expected score under the belief as it is.
+        before: best grasp and its expected score under the belief before any look.
         looks: ordered by net value rounded to 1e-12, ties as listed.
     """
 
@@ -51,11 +51,11 @@ class Ranking:
     looks: tuple[RankedLook, ...]
 
     def worth_looking(self, min_gain: float = MIN_GAIN) -> bool:
-        """Whether the first look's net value exceeds `min_gain`; else it is time to grasp."""
+        """True if the net value of the first look exceeds `min_gain`; otherwise a grasp is recommended."""
         return self.looks[0].net_value > min_gain
 
     def ties_with_first(self, look: RankedLook) -> bool:
-        """Whether `look` is worth as much as the first, within 1e-6; the first ties with itself."""
+        """True if the net values of `look` and of the first look differ by at most 1e-6; the first ties with itself."""
         return self.looks[0].net_value - look.net_value <= _TIE
 
 
@@ -68,21 +68,21 @@ def rank(
     *,
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
-    spread: Spread = map,
+    ordered_map: OrderedMap = map,
     check: Callable[[], None] = wanted,
 ) -> Ranking:
-    """Rank sensor configurations.
+    """Rank sensor configurations by net value under a belief.
 
     Args:
         sensors: at least one.
-        weigher_of: the weights between the scans predicted at a sensor configuration.
+        weigher_of: gives the weights between the scans predicted at a sensor configuration.
         belief: of the gripper agent.
         table: the grasps that are reachable.
-        policy: what an impossible scan does.
-        definition: of VOA.
-        sensor_belief: of the sensor agent, if another.
-        spread: `map`, or the same over threads.
-        check: called between sensors, predictions and blocks of weights; what it raises ends the ranking.
+        policy: effect of a scan that no possible pose explains.
+        definition: of VOA, see `assistance`.
+        sensor_belief: of the sensor agent, where it differs.
+        ordered_map: `map`, or a function like it that works on several threads.
+        check: called between sensors, predictions and blocks of weights; an error that it raises ends the ranking.
     """
 
     def worth(sensor: SensorConfiguration) -> RankedLook:
@@ -93,6 +93,6 @@ def rank(
         )
         return RankedLook(sensor, assistance, assistance.voa - sensor.cost)
 
-    looks = list(spread(worth, sensors))
+    looks = list(ordered_map(worth, sensors))
     order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")
     return Ranking(best_grasp(table, belief.p), tuple(looks[index] for index in order))

@@ -1,11 +1,11 @@
-"""From contours to ranges: a one-dimensional z-buffer over the beams.
+"""Ranges of the beams from the contours of the object, by a one-dimensional z-buffer over the beams.
 
 Every contour point gets one beam coordinate (its angle in units of the beam spacing), shared by the segments
 that meet there. A segment covers the beams of the half-open interval between its ends' coordinates, so
-neighbouring segments neither both cover a beam nor leave one out. Where a beam meets the segment is exact.
+neighbouring segments neither both cover a beam nor leave one out. The point at which a beam meets the segment is exact.
 
-Most segments lie between two beams. So the points are done first, in loops that run in vector registers, and then
-whole numbers tell the few segments that cover a beam from the others.
+Most segments lie between two beams. Coordinates of points are computed first, in loops that run in vector registers;
+then a comparison of integers selects the few segments that cover a beam.
 """
 
 import math
@@ -22,11 +22,11 @@ from voa_core.scans import NO_RETURN
 
 
 def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, range_max: float) -> Floats:
-    """Ranges that a lidar at `sensor` measures for every pose.
+    """Compute the ranges that a lidar at `sensor` measures for every pose.
 
     Returns:
-        Shape (n, r) float64, metres; inf where nothing is hit within `range_max`. A hit nearer than the
-        lidar's `range_min` stays a hit: the object is there.
+        Shape (n, r) float64, metres; inf for a beam without a hit within `range_max`. A hit nearer than the
+        lidar's `range_min` counts as a hit: the object is there.
     """
     ranges = np.full((len(contours.cut_of_pose), grid.beams), NO_RETURN)
     # A lidar that turns clockwise sees the mirrored world counter-clockwise.
@@ -52,13 +52,13 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
 
 @lru_cache(maxsize=16)
 def _directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
-    """Cosines and sines of the beams' angles, (r,) each: a lidar's beams are always the same."""
+    """Cosines and sines of the beams' angles, (r,) each: kept, because a lidar's beams do not change."""
     angles = mirror * grid.angles
     return frozen(np.cos(angles)), frozen(np.sin(angles))
 
 
 # atan(t) / t as a polynomial in t^2 for |t| <= tan(pi / 8), by Chebyshev interpolation; the error of the
-# angle is below 1e-14 rad. tests/voa_core/test_rasterising.py derives the coefficients anew.
+# angle is below 1e-14 rad. tests/voa_core/test_rasterising.py derives the coefficients again.
 _ATAN = (
     0.9999999999999718,
     -0.33333333330739956,
@@ -132,7 +132,7 @@ def _rasterise(
 
 @sum_kernel
 def _place(outline: Floats, placement: Floats, sensor: Floats, xs: Floats, ys: Floats) -> None:
-    """The points (q, 2) of a cut in the sensor's frame, mirrored for a lidar that turns clockwise."""
+    """Transform the points (q, 2) of a cut to the sensor's frame, mirrored for a lidar that turns clockwise."""
     c, s = placement[0], placement[1]
     tx, ty = placement[2] - sensor[0], placement[3] - sensor[1]
     xx, xy = sensor[2] * c + sensor[3] * s, sensor[3] * c - sensor[2] * s
@@ -145,9 +145,9 @@ def _place(outline: Floats, placement: Floats, sensor: Floats, xs: Floats, ys: F
 
 @sum_kernel
 def _aim(xs: Floats, ys: Floats, angle_min: float, spacing: float, us: Floats, cells: Ints) -> None:
-    """Beam coordinates in [0, turn), and the beam that each follows.
+    """Compute the beam coordinate of each point, in [0, turn), and the beam before it.
 
-    A bearing a hair clockwise of beam 0 rounds to a whole turn: then it is that of beam 0.
+    A bearing slightly clockwise of beam 0 may round to a whole turn: it then counts as that of beam 0.
     """
     turn = 2.0 * math.pi / spacing  # beams in one turn, in general not a whole number
     beams_per_rad = 1.0 / spacing
@@ -177,8 +177,8 @@ def _cover(
 ) -> None:
     """Enter the segments (g, 2) of one contour into the ranges (r,) of one scan.
 
-    In every turn of the grid the coordinate of a point is computed by one formula, whichever segment asks: segments
-    that meet in a point agree, to the last bit, on which of them covers a beam there.
+    In every turn of the grid the coordinate of a point is computed by one formula for all its segments, so that exactly
+    one of two segments that meet in a point covers a beam there.
     """
     turn = 2.0 * math.pi / spacing
     last = len(row) - 1
@@ -208,15 +208,15 @@ def _cover(
 
 @kernel
 def _candidates(joined: Ints, cells: Ints, last: int, turn: float) -> Ints:
-    """Which segments may cover a beam: not those with both ends between the same two.
+    """Select the segments that may cover a beam: not those with both ends between the same two beams.
 
     In a grid of more than one turn, beams of later turns point between those of the first, and in one of two beams
     or less both ends may follow the same beam on different sides: then any segment may.
     """
     any_may = last > turn or turn <= 2.0
-    found = np.zeros(len(joined), dtype=np.int32)
+    candidates = np.zeros(len(joined), dtype=np.int32)
     count = 0
-    for g in range(len(joined)):  # without a branch: which segments do is as good as random
-        found[count] = g
+    for g in range(len(joined)):  # without a branch, which a processor could not predict
+        candidates[count] = g
         count += any_may | (cells[joined[g, 0]] != cells[joined[g, 1]])
-    return found[:count]
+    return candidates[:count]

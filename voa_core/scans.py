@@ -1,6 +1,6 @@
-"""Measured scans: which beam is a return, which says that nothing is there, and which says nothing.
+"""Measured scans, and the classification of their beams as return, no-return or missing.
 
-Inside the core a beam is one float64: its range in metres for a return, `inf` for a no-return, NaN for a
+In classified scans a beam is one float64: its range in metres for a return, `inf` for a no-return, NaN for a
 missing beam. Predicted beams are never missing.
 """
 
@@ -20,13 +20,16 @@ MISSING = np.nan
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """The ranges of one revolution as the driver gave them, and what it said of its own limits.
+    """A scan of one revolution, as the driver of the lidar gave it.
 
     Attributes:
-        ranges: (r,) metres; NaN or -inf: missing, inf: no-return, 0: what the lidar's `zero` says.
+        ranges: (r,) metres; NaN or -inf: missing, inf: no-return, 0: as the lidar's `zero` says.
         grid: the scan's beams.
-        no_return: indices of beams that are no-returns whatever stands in `ranges`.
-        range_min, range_max: metres; None: the lidar's.
+        no_return: indices of beams that are no-returns, regardless of their entry in `ranges`.
+        range_min, range_max: limits between which ranges are trusted, metres; None: the lidar's.
+
+    Raises:
+        InvalidInput: the shape, an index or a limit is wrong.
     """
 
     ranges: Floats
@@ -48,8 +51,17 @@ class Scan:
         if self.range_min is not None and self.range_max is not None and self.range_min > self.range_max:
             raise InvalidInput("range_max", f"at least range_min ({self.range_min})", repr(self.range_max))
 
+    @classmethod
+    def recorded(cls, ranges: Floats, lidar: LidarModel) -> "Scan":
+        """Make a scan on the lidar's beams from recorded ranges (r,), which count however short they are.
+
+        The recording has judged them already: the lidar's `range_min`, below which a measurement is missing, does not
+        apply; raises InvalidInput for another shape.
+        """
+        return cls(ranges, lidar.grid, range_min=0.0)
+
     def limits(self, lidar: LidarModel) -> tuple[float, float]:
-        """`range_min, range_max` in metres: the scan's own where it has them, else the lidar's."""
+        """Limits `range_min, range_max` in metres: the scan's own where it has them, else the lidar's."""
         return (
             lidar.range_min if self.range_min is None else self.range_min,
             lidar.range_max if self.range_max is None else self.range_max,
@@ -57,21 +69,21 @@ class Scan:
 
 
 def scan_of(lidar: LidarModel, ranges: Sequence[float | None], no_return: Sequence[int] = ()) -> Scan:
-    """A scan on the lidar's own beams; None is a missing beam."""
+    """Make a scan on the lidar's own beams from ranges in metres, None for a missing beam; raises InvalidInput."""
     values = np.array([MISSING if value is None else value for value in ranges], dtype=np.float64)
     return Scan(values, BeamGrid(len(values), lidar.grid.angle_min, lidar.grid.angle_increment), tuple(no_return))
 
 
 def classify(scan: Scan, lidar: LidarModel, crossing: Crossing | None) -> Floats:
-    """Every beam of a measured scan as a return (its range), a no-return (inf) or missing (NaN).
+    """Classify every beam of a measured scan as a return (its range), a no-return (inf) or missing (NaN).
 
-    The order is DESIGN.md's, section 4 "Which beam is what". An index in `no_return` goes first: what stands
-    in `ranges` there is ignored.
+    An index in `no_return` takes precedence over the range; then come lost beams, zeros and the range limits. At last,
+    with a workspace, a return before it is missing and a return behind it is a no-return.
 
     Args:
-        scan: as the driver gave it.
-        lidar: its limits hold where the scan has none of its own.
-        crossing: where the scan's beams cross the workspace; None: there is no workspace.
+        scan: as measured.
+        lidar: its limits apply where the scan has none of its own.
+        crossing: distances at which the scan's beams cross the workspace; None: there is no workspace.
 
     Returns:
         Shape (r,).
@@ -94,7 +106,7 @@ def classify(scan: Scan, lidar: LidarModel, crossing: Crossing | None) -> Floats
 
 
 def restrict_prediction(ranges: Floats, range_max: float, crossing: Crossing | None) -> Floats:
-    """Predicted ranges (n, r) as they are compared: a hit beyond `range_max` or outside the workspace is none."""
+    """Limit predicted ranges (n, r) to `range_max` and the workspace: a hit beyond becomes a no-return."""
     seen = ranges <= range_max
     if crossing is not None:
         seen &= crossing.inside(ranges)

@@ -1,10 +1,11 @@
-"""Everything that stays the same while one object is looked at: the mathematics of one scenario."""
+"""A scenario: poses, grasps, lidar, sensor configurations, predictions, update rule and prior of one object."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from voa_core.assistance import Definition
 from voa_core.errors import UnknownName
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
 from voa_core.filtering import Belief
@@ -12,8 +13,8 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
-from voa_core.ranking import MIN_GAIN
-from voa_core.rules.rules import UpdateRule
+from voa_core.ranking import MIN_GAIN, Ranking, rank
+from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher, wanted
@@ -22,9 +23,18 @@ from voa_core.workspace import Workspace
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """Poses, grasps, lidar, sensor configurations, predictions, update rule and prior; immutable.
+    """A scenario, immutable: all that is needed to update beliefs and to rank looks for one object.
 
-    `min_gain` is the net value, in success probability, that a look must exceed to be recommended.
+    Attributes:
+        poses: the n poses that the object may have.
+        table: scores of the grasps at the poses.
+        sensors: configurations from which the lidar can look.
+        predictor: predicts the scan of each pose at a sensor configuration.
+        rule: the update rule.
+        policy: effect of scans that do not fit.
+        prior: the belief before the first observation.
+        workspace: box outside which no return counts; None: there is none.
+        min_gain: net value, in success probability, that a look must exceed to be recommended.
     """
 
     poses: PoseSet
@@ -39,25 +49,30 @@ class Scenario:
 
     @property
     def lidar(self) -> LidarModel:
-        """The lidar that the predictions are for."""
+        """Lidar with which scans are taken and for which they are predicted."""
         return self.predictor.lidar
 
     def sensor(self, name: str) -> SensorConfiguration:
-        """The scenario's own sensor configuration of that name; raises UnknownName."""
+        """Find the scenario's sensor configuration of a name; raises UnknownName."""
         for sensor in self.sensors:
             if sensor.name == name:
                 return sensor
         raise UnknownName("sensor", name, [sensor.name for sensor in self.sensors])
 
     def lists(self, sensor: SensorConfiguration) -> bool:
-        """Whether it is one of the scenario's own, whose data predictions hold; what it costs does not matter."""
+        """True if the scenario lists a sensor configuration, whatever its cost: then data predictions apply to it."""
         place = (sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
         return place in [(own.name, own.x, own.y, own.yaw_rad, own.height_m) for own in self.sensors]
 
     def evidence(
         self, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None
     ) -> Evidence:
-        """What a scan from `sensor` says of every pose; raises as `evidence_of_scan`."""
+        """Compare a scan that was taken from `sensor` with every pose.
+
+        Raises:
+            NoMesh: there is no prediction for the sensor.
+            BeamGridMismatch: there is no prediction for the beams of the scan.
+        """
         return evidence_of_scan(
             scan,
             sensor,
@@ -76,15 +91,47 @@ class Scenario:
         keep: bool,
         check: Callable[[], None] = wanted,
     ) -> Weigher:
-        """The weights between the scans predicted at `sensor`, as they are compared there.
+        """Compute the weights between the scans that the poses predict at `sensor`.
 
-        `check` is called between prediction and weights; what it raises ends the computation.
+        Args:
+            sensor: a sensor configuration.
+            dtype: float64 or float32, of the weights.
+            keep: True to compute all weights now and to keep them.
+            check: called between prediction and weights; an error that it raises ends the computation.
+
+        Raises:
+            NoMesh: there is no prediction for the sensor.
         """
         prediction = self.predictor.predict(sensor, listed=self.lists(sensor))
         check()
         compared = restricted(prediction, sensor, None, self.lidar, self.workspace)
         return Weigher.of(self.rule, compared, dtype, keep=keep, check=check)
 
-    def rankable(self, names: Sequence[str] | None) -> tuple[SensorConfiguration, ...]:
-        """The named sensor configurations, all of them for None; raises UnknownName."""
-        return self.sensors if names is None else tuple(self.sensor(name) for name in names)
+    def rank(
+        self,
+        belief: Belief | None = None,
+        sensors: Sequence[str] | None = None,
+        *,
+        definition: Definition = "posterior",
+        sensor_belief: Belief | None = None,
+    ) -> Ranking:
+        """Rank looks by net value, in float64.
+
+        Args:
+            belief: of the gripper agent, (n,); None: the prior.
+            sensors: names of the sensor configurations to rank; None: all.
+            definition: of VOA, see `assistance`.
+            sensor_belief: of the sensor agent, (n,); None: the gripper agent's.
+
+        Raises:
+            UnknownName: there is no such sensor configuration.
+        """
+        return rank(
+            self.sensors if sensors is None else [self.sensor(name) for name in sensors],
+            lambda sensor: self.weigher(sensor, np.float64, keep=False),
+            self.prior if belief is None else belief,
+            self.table,
+            self.policy,
+            definition=definition,
+            sensor_belief=sensor_belief,
+        )

@@ -1,7 +1,7 @@
-"""How an object can rest on the table, and how probable each way is.
+"""Stable poses: the ways in which an object can rest on the table, and the probability of each.
 
-An object touches the table with its convex hull; how that topples is told by `toppling`. What is told here is where
-the centre of mass lies, and where the object's frame is when it rests.
+An object touches the table with its convex hull, whose rests `toppling` computes. This module finds the centre of mass,
+and the pose of the object's frame in each rest.
 """
 
 from __future__ import annotations
@@ -19,12 +19,18 @@ from voa_core.winding import outward_faces
 
 MOST_POINTS = 200_000
 MOST_HULL_FACES = 50_000
-_THINNEST = 1e-8  # of its size: what is thinner has no volume to rest on
+_THINNEST = 1e-8  # of the size of the object: a thinner one has no volume to rest on
 
 
 @dataclass(frozen=True)
 class StablePose:
-    """One way to rest on z = 0: object frame in the world, and the probability of landing so."""
+    """A pose in which the object rests on the table, z = 0, with the probability that a dropped object ends so.
+
+    Attributes:
+        position: (x, y, z) of the object's frame in the world, metres; the centre of mass lies over x = y = 0.
+        quaternion_wxyz: orientation of the object's frame in the world, w first.
+        probability: of this rest after a drop in a random orientation.
+    """
 
     position: tuple[float, float, float]
     quaternion_wxyz: tuple[float, float, float, float]
@@ -32,14 +38,14 @@ class StablePose:
 
 
 def propose_stable_poses(object_: Object) -> list[StablePose]:
-    """List the physically distinct ways to rest, most probable first; probabilities sum to 1.
+    """Propose the stable poses of an object, most probable first; the probabilities sum to 1.
 
-    A way to rest that topples at less than 9 degrees of tilt in its weakest direction is merged into the one that it
-    falls to, the facets of a curved wall into one; every other is listed, however improbable.
+    A rest that topples at less than 9 degrees of tilt in its weakest direction is merged into the rest that it falls
+    to, and the facets of a curved wall into one; every other is listed, however improbable.
 
     Args:
-        object_: a mesh; its density is taken as uniform. Where it is not watertight, or has only one side, its
-            convex hull's centre of mass is taken. The frame's origin may lie far from it.
+        object_: a mesh of uniform density. If it is not watertight, or has only one side, the centre of mass is that of
+            its convex hull. The origin of its frame may lie far from it.
 
     Raises:
         InvalidInput: the mesh has no volume to rest on (flat, or fewer than four points), more than 200 000 points,
@@ -52,8 +58,8 @@ def propose_stable_poses(object_: Object) -> list[StablePose]:
 
 
 def _about_centre_of_mass(object_: Object, origin: Floats) -> tuple[Body, Floats]:
-    """The convex hull with the centre of mass at its origin; and that centre, seen from `origin`."""
-    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - a part of everybody's start-up
+    """Compute the convex hull with the centre of mass at its origin, and that centre relative to `origin`."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - slow to import, and needed for this alone
 
     points = object_.vertices[np.unique(object_.faces)] - origin
     size = float(np.ptp(points, axis=0).max())
@@ -73,7 +79,7 @@ def _about_centre_of_mass(object_: Object, origin: Floats) -> tuple[Body, Floats
 
 
 def _centres_of_mass(object_: Object, origin: Floats, hull: Floats) -> list[Floats]:
-    """The mesh's, if it encloses a volume, then that of its hull, whose triangles (t, 3, 3) are not oriented."""
+    """Centres of mass to try: the mesh's, if it encloses a volume, then that of its hull of triangles (t, 3, 3)."""
     centres = []
     faces = outward_faces(object_)
     if faces is not None:
@@ -91,15 +97,15 @@ def _volumes(corners: Floats) -> Floats:
 
 
 def _centroid(corners: Floats, volumes: Floats) -> Floats:
-    """Of tetrahedra from the origin to triangles (f, 3, 3) with these signed volumes; NaN or infinite for none."""
+    """Centroid of the tetrahedra from the origin to triangles (f, 3, 3) with signed volumes; NaN or inf without one."""
     with np.errstate(divide="ignore", invalid="ignore"):
         centroid: Floats = volumes @ corners.sum(axis=1) / (4.0 * volumes.sum())
     return centroid
 
 
-def _at_most(what: str, most: int, found: int) -> None:
-    if found > most:
-        raise InvalidInput("object", f"a mesh of at most {most} {what}, to rest on the table", f"{found}: simplify it")
+def _at_most(what: str, most: int, count: int) -> None:
+    if count > most:
+        raise InvalidInput("object", f"a mesh of at most {most} {what}, to rest on the table", f"{count}: simplify it")
 
 
 def _no_volume() -> InvalidInput:

@@ -1,9 +1,9 @@
-"""How a convex body topples from face to face until it lies still, and which of its rests hold.
+"""Rests of a convex body: the faces on which it lies still, and from which faces it topples to each.
 
 The height of the centre of mass over the table is a landscape over the directions that may point down. Its nodes are
 the faces of the body, its valleys the edges: toppling over an edge follows the arc from one face's normal to the
-other's. A rest is a node from which every arc rises. Where the body goes from any other face, and how probable it is
-that it lands on a face at all, is quasi-static (Goldberg et al., "Part pose statistics", IEEE Trans. Robotics and
+other's. A rest is a node from which every arc rises. The way from any other face, and the
+probability of landing on each face, are quasi-static (Goldberg et al., "Part pose statistics", IEEE Trans. Robotics and
 Automation 15(5), 1999).
 """
 
@@ -22,7 +22,7 @@ Indices = NDArray[np.intp]
 
 _FLAT_RAD = 1e-6  # neighbouring triangles whose normals differ by less are one face
 HOLDS_RAD = math.radians(9.0)
-"""A rest that can be tilted by this much in any direction without toppling is one of its own."""
+"""Tilt that a rest must withstand in every direction to be listed; a less stable one is merged into its neighbour."""
 _ROUNDING = 1e-9  # of a height, in favour of a rest that topples at exactly that tilt
 
 
@@ -67,12 +67,12 @@ class Body:
 
 @dataclass(frozen=True)
 class Rest:
-    """A way to lie still.
+    """A rest of a body: an orientation in which it lies still.
 
     Attributes:
         down: unit vector (3,) in the body's frame that points to the table.
         height: of the centre of mass over the table, in metres.
-        probability: of ending there when dropped in a random orientation.
+        probability: that the body ends there when it is dropped in a random orientation.
     """
 
     down: Floats
@@ -97,7 +97,7 @@ class _Arcs:
     Attributes:
         start, end: (e,) indices of faces.
         inside: (e,) metres by which the centre of mass, dropped on the plane of `start`, lies inside the edge.
-        leaving: (e,) where on the way from the centroid of `start` to the dropped centre of mass the edge is crossed.
+        leaving: (e,) share of the way from the centroid of `start` to the dropped centre of mass where it is crossed.
         passes: (e,) metres, the greatest height of the centre of mass while the body topples over the edge.
     """
 
@@ -109,14 +109,14 @@ class _Arcs:
 
 
 def rests(body: Body, holds_rad: float = HOLDS_RAD) -> list[Rest]:
-    """List the ways in which a body lies still, those that do not hold merged into the one they fall to.
+    """List the rests of a body; a rest that does not hold is merged into the one that the body falls to.
 
     Args:
         body: the convex hull of an object, about its centre of mass.
-        holds_rad: the tilt that a rest withstands in its weakest direction.
+        holds_rad: tilt that a listed rest withstands in its weakest direction.
 
     Returns:
-        In no particular order; the probabilities sum to 1.
+        The rests, in no particular order; their probabilities sum to 1.
     """
     faces, face_of = _faces(body)
     arcs = _arcs(body, faces, face_of)
@@ -131,8 +131,8 @@ def rests(body: Body, holds_rad: float = HOLDS_RAD) -> list[Rest]:
 
 
 def _faces(body: Body) -> tuple[_Faces, Indices]:
-    """Take triangles in one plane together, in the plane of the largest; also the face of each triangle."""
-    from scipy.sparse import coo_array  # noqa: PLC0415 - a part of everybody's start-up, needed for this alone
+    """Join triangles in one plane to faces, each in the plane of its largest; also each triangle's face."""
+    from scipy.sparse import coo_array  # noqa: PLC0415 - slow to import, and needed for this alone
     from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
 
     start = np.repeat(np.arange(len(body.triangles)), 3)
@@ -173,7 +173,7 @@ def _arcs(body: Body, faces: _Faces, face_of: Indices) -> _Arcs:
 
 
 def _ends_at(faces: _Faces, arcs: _Arcs) -> Indices:
-    """The face on which the body lies still after it was put on each face, (f,).
+    """Find the face on which the body lies still after it was put on each face, (f,).
 
     It topples over the edge that is crossed first on the way from the face's centroid to the point under the centre of
     mass. The centre of mass sinks each time; equal heights, known to rounding only, are ordered by index, so that no
@@ -193,16 +193,15 @@ def _ends_at(faces: _Faces, arcs: _Arcs) -> Indices:
 
 
 def _merged(faces: _Faces, arcs: _Arcs, ends_at: Indices, holds_rad: float) -> Indices:
-    """The rest that each rest is merged into, (f,); itself for one that holds.
+    """Find the rest into which each rest is merged, (f,); itself for one that holds.
 
     From the lowest pass upwards, the shallower of the two basins that meet there joins the deeper if it does not hold.
     Over one edge a body whose centre of mass lies at height h topples at the tilt t with cos t = h / height of the
-    pass; that is taken for the tilt where it rolls over several edges too, so that the facets of a wall on which it
-    rolls are one.
+    pass; the same formula is used where it rolls over several edges, so that the facets of a curved wall are one rest.
     """
     a, b = ends_at[arcs.start], ends_at[arcs.end]
     too_high = (1.0 + _ROUNDING) * math.cos(holds_rad) * arcs.passes
-    # Basins only get deeper as they grow: what holds as a single one holds as a part.
+    # Basins only get deeper as they grow: a rest that holds alone holds as a part of a larger basin.
     near = np.flatnonzero((a < b) & (np.maximum(faces.distances[a], faces.distances[b]) > too_high))
     near = near[np.argsort(arcs.passes[near], kind="stable")]
     into, heights = list(range(len(ends_at))), faces.distances.tolist()

@@ -1,4 +1,4 @@
-"""The belief update tau(b, o) (Definition 4), with what happens when a scan says nothing or fits nothing."""
+"""The update of a belief by a scan, tau(b, o) (Definition 4), and the policy for scans that fit no pose."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -19,13 +19,17 @@ NEAREST_SHARE = 0.015
 
 @dataclass(frozen=True)
 class UpdatePolicy:
-    """What a scenario wants done with scans that do not fit.
+    """Policy of a scenario for scans that do not fit, and for outcomes of grasps.
 
     Attributes:
-        on_no_match: what a scan does to which every possible pose gives weight 0.
-        on_nothing_seen: what a scan does in which too few beams see the object, see `evidence.Sight`.
-        reject_above_rmsd_mm: a scan whose best fit is worse than this is not accepted; None: any is.
-        score_floor: for grasp outcomes, see `grasps.log_outcome_weights`.
+        on_no_match: effect of a scan that has weight 0 at every possible pose: it is rejected, or the nearest poses
+            share the belief.
+        on_nothing_seen: effect of a scan in which too few beams see the object (`evidence.Sight`).
+        reject_above_rmsd_mm: largest RMSD of the best fit with which a scan is accepted, millimetres; None: any.
+        score_floor: limit of grasp scores in outcomes, see `grasps.log_outcome_weights`.
+
+    Raises:
+        InvalidInput: a value is not one of those allowed.
     """
 
     on_no_match: OnNoMatch = "reject"
@@ -45,13 +49,13 @@ class UpdatePolicy:
 
 @dataclass(frozen=True, eq=False)
 class Update:
-    """The outcome of one observation.
+    """Result of one observation.
 
     Attributes:
-        belief: after it; the one before, where it was not accepted.
-        accepted: whether it counts.
-        reason: why not, or `nearest` where the belief was shared out instead of conditioned.
-        log_evidence: ln sum_p b[p] w[p]; None where nothing was conditioned.
+        belief: after the observation; unchanged where that was not accepted.
+        accepted: True if the observation counts.
+        reason: why it was not accepted; or `nearest`, where the nearest poses share the belief.
+        log_evidence: ln sum_p b[p] w[p]; None where the belief was not conditioned.
     """
 
     belief: Belief
@@ -61,10 +65,10 @@ class Update:
 
 
 def update(belief: Belief, evidence: Evidence, policy: UpdatePolicy) -> Update:
-    """The belief after a scan, tau(b, o).
+    """Update a belief by a scan, tau(b, o).
 
-    Not accepted, in this order: a scan without a beam to compare, one in which the object is not, and one whose best
-    fit is too bad. Then Bayes' rule holds, or the policy for a scan that no possible pose explains.
+    A scan is not accepted if, in this order, it has no beam to compare, does not show the object, or its best fit is
+    too bad. Otherwise Bayes' rule applies, or the policy for a scan that no possible pose explains.
     """
     if evidence.beams_compared == 0:
         return Update(belief, False, "no_beams", None)
@@ -82,7 +86,7 @@ def update(belief: Belief, evidence: Evidence, policy: UpdatePolicy) -> Update:
 
 
 def update_by_outcome(belief: Belief, log_weights: Floats) -> Update:
-    """The belief after a grasp attempt, from `grasps.log_outcome_weights`; not accepted if it was impossible."""
+    """Update a belief by the log weights (n,) of `grasps.log_outcome_weights`; an impossible one is not accepted."""
     posterior = condition(belief, log_weights)
     if posterior is None:
         return Update(belief, False, "no_match", None)
@@ -90,6 +94,6 @@ def update_by_outcome(belief: Belief, log_weights: Floats) -> Update:
 
 
 def nearest(distances: Floats) -> Belief:
-    """Equal shares over all poses whose exp(-d) lies within 0.015 of the best one's (the lab's evaluation)."""
+    """Share the belief among the poses whose exp(-d), d (n,) in metres, is within 0.015 of the largest."""
     likeness = np.exp(-distances)
     return share_equally(likeness.max() - likeness <= NEAREST_SHARE)

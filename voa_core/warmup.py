@@ -1,6 +1,6 @@
 """Compile every kernel for the types that the service uses: `python -m voa_core.warmup`.
 
-The compiled code is kept beside the sources, or in NUMBA_CACHE_DIR.
+The compiled code is written beside the sources, or to NUMBA_CACHE_DIR.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.ranking import rank
-from voa_core.rules.rules import RULES, rule_of
+from voa_core.rules.registry import RULES, rule_of
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher

@@ -1,7 +1,7 @@
-"""Weights between predicted scans: what a look would do to the belief, for every pose it could find.
+"""Weights between predicted scans: the effect that a look would have on the belief, for each true pose.
 
 W[q, p] is proportional to the weight that pose p gets when the scan predicted for pose q is observed. It does not
-depend on the belief, so it is worth keeping per sensor configuration.
+depend on the belief, so callers keep it for each sensor configuration.
 """
 
 from collections.abc import Callable
@@ -14,22 +14,23 @@ from numpy.typing import NDArray
 from voa_core.checks import Floats
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
-from voa_core.rules.rules import UpdateRule, squared_distance
+from voa_core.rules.distances import squared_distance
+from voa_core.rules.protocol import UpdateRule
 
-_POSES_AT_ONCE = 2048  # beyond, a matrix is computed in parts of as many numbers: a second at most each
+_POSES_AT_ONCE = 2048  # a larger matrix is computed in parts of as many numbers, at most a second each
 
 
 def wanted() -> None:
-    """Find that the work is still wanted: the check of whoever has none."""
+    """Check that never ends a computation, for callers that have none of their own."""
 
 
 @dataclass(frozen=True, eq=False)
 class Weigher:
-    """The weights between the predicted scans of one sensor configuration, as a rule gives them.
+    """Weights between the predicted scans of one sensor configuration under an update rule.
 
     Attributes:
-        rule: how differences become weights.
-        ranges: (n, c) predicted ranges on the beams on which some pose returns, as they are compared.
+        rule: the update rule.
+        ranges: (n, c) predicted ranges, metres, on the beams on which some pose returns.
         beams: number of beams of a scan; all of them are compared, for predictions have no missing beams.
         dtype: float64 or float32, of the weights.
         matrix: (n, n) all weights where they are kept, else None.
@@ -51,7 +52,15 @@ class Weigher:
         keep: bool,
         check: Callable[[], None] = wanted,
     ) -> "Weigher":
-        """For a prediction; `keep` computes the whole matrix now, large ones in parts with a `check` before each."""
+        """Make the weights of a prediction.
+
+        Args:
+            rule: the update rule.
+            prediction: of all poses at one sensor configuration, limited as it is compared (`evidence.restricted`).
+            dtype: float64 or float32, of the weights.
+            keep: True to compute the whole matrix now, and to keep it.
+            check: called before each part of the matrix; an error that it raises ends the computation.
+        """
         weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype))
         if not keep:
             return weigher
@@ -74,7 +83,7 @@ class Weigher:
         return self.ranges.nbytes + (0 if self.matrix is None else self.matrix.nbytes)
 
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
-        """W[rows, columns], each row scaled by a positive number of its own."""
+        """Weights W[rows, columns], each row scaled by a positive number of its own."""
         n = len(self.ranges)
         if self.matrix is not None:
             if len(rows) == len(columns) == n:
@@ -84,18 +93,18 @@ class Weigher:
         return _scaled(self.rule.log_weights(self.rule.statistic(observed, predicted), self.beams))
 
     def log_row(self, row: int) -> Floats:
-        """ln w of every pose, exact in float64, when the scan predicted for pose `row` is observed; (n,)."""
+        """Logarithm ln w of every pose when the scan predicted for pose `row` is observed, in float64, (n,)."""
         return self.rule.log_weights(self.rule.statistic(self.ranges[row : row + 1], self.ranges)[0], self.beams)
 
     def distances(self, row: int) -> Floats:
-        """d between the scan predicted for pose `row` and those of every pose; (n,) metres."""
+        """Distance d between the scan predicted for pose `row` and that of every pose, (n,) metres."""
         observed = self.ranges[row : row + 1]
         distances: Floats = np.sqrt(squared_distance(observed, self.ranges, self.rule.no_return_m)[0])
         return distances
 
 
 def _scaled(log_weights: Array) -> Array:
-    """Weights whose largest in each row is 1; a row without any weight stays 0."""
+    """Scale weights so that the largest in each row is 1; a row whose weights are all 0 remains 0."""
     highest = log_weights.max(axis=1, keepdims=True)
     highest[highest == -np.inf] = 0.0
     if highest.any():  # not among predictions under most rules: the diagonal holds weights of 1

@@ -1,4 +1,4 @@
-"""Which side of a face is the outside, where a mesh file says it of some faces wrongly."""
+"""Orientation of faces: repair of meshes of which some faces are turned inside out."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from voa_core.objects import Object
 
 Signs = NDArray[np.float64]
 
-_MOST_BODIES = 256  # of different windings; which lies in which takes a look at all pairs
+_MOST_BODIES = 256  # of different orientation; a larger number would need too many comparisons of pairs
 
 
 def outward_faces(object_: Object) -> NDArray[np.int32] | None:
     """Turn flipped faces round, so that every face is counter-clockwise seen from outside the material.
 
-    Faces that share edges are one body; within it all must agree. A body that lies within another keeps its file's
-    sense against that of the outermost around it: a cavity stays a cavity.
+    Faces that share edges are one body, and all faces of a body are made to agree. A body inside another keeps the
+    orientation that it has in the file relative to the outermost body around it: a cavity remains a cavity.
 
     Args:
         object_: a mesh of one body or several.
@@ -47,12 +47,12 @@ def outward_faces(object_: Object) -> NDArray[np.int32] | None:
 
 
 def _agreeing(object_: Object) -> tuple[Signs, NDArray[np.intp]] | None:
-    """For each face whether it must be turned (-1) to agree with its neighbours, and its body; None if none can.
+    """Sign of each face, -1 if it must be turned to agree with its neighbours, and its body; None if they cannot agree.
 
     Every face stands twice in a graph, as it is and turned; two that share an edge are connected in the two ways in
     which they agree. A body with two sides falls into two parts, each of which has every face once.
     """
-    from scipy.sparse import coo_array  # noqa: PLC0415 - a part of everybody's start-up, needed for this alone
+    from scipy.sparse import coo_array  # noqa: PLC0415 - slow to import, and needed for this alone
     from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
 
     count = len(object_.faces)
@@ -73,7 +73,7 @@ def _agreeing(object_: Object) -> tuple[Signs, NDArray[np.intp]] | None:
 
 
 def _outermost(corners: Floats, body_of: NDArray[np.intp], volumes: Floats) -> NDArray[np.intp]:
-    """For each body the largest that encloses it, itself if none does, (b,)."""
+    """Find the largest body that encloses each body, (b,); itself if no other does."""
     count = len(volumes)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, body_of, corners.min(axis=1))
@@ -88,10 +88,9 @@ def _outermost(corners: Floats, body_of: NDArray[np.intp], volumes: Floats) -> N
 
 
 def _encloses(corners: Floats, point: Floats) -> bool:
-    """Whether a point lies within a closed surface of triangles (f, 3, 3): an odd number lies above it.
+    """True if a point lies within a closed surface of triangles (f, 3, 3): then an odd number lies above it.
 
-    The triangles are looked at from a tilted direction, in which no edge of a mesh made on a grid lies exactly over
-    the point.
+    "Above" is a tilted direction, in which no edge of a mesh made on a grid lies exactly over the point.
     """
     up = np.array([0.3141592653589793, 0.2718281828459045, 0.9096])
     up /= np.linalg.norm(up)

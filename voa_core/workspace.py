@@ -1,4 +1,4 @@
-"""The box in the world frame outside which nothing that the lidar sees is the object."""
+"""The workspace: a box in the world frame outside which a return is not the object."""
 
 from dataclasses import dataclass
 
@@ -22,17 +22,17 @@ class Crossing:
     leave: Floats
 
     def before(self, ranges: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Where a range (..., beams) ends before its beam enters; never on a beam that does not cross."""
+        """Flags of ranges (..., beams) that end before their beam enters the box; False on a beam that never enters."""
         return (ranges < self.enter - _EDGE_M) & np.isfinite(self.enter)
 
     def inside(self, ranges: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Where a range (..., beams) ends inside."""
+        """Flags of ranges (..., beams) that end inside the box."""
         return (ranges >= self.enter - _EDGE_M) & (ranges <= self.leave + _EDGE_M)
 
 
 @dataclass(frozen=True)
 class Workspace:
-    """An axis-aligned box over the table, `min` to `max`, metres in the world frame."""
+    """An axis-aligned box over the table, from `min` to `max`, metres in the world frame; raises InvalidInput."""
 
     min: tuple[float, float]
     max: tuple[float, float]
@@ -46,7 +46,7 @@ class Workspace:
             raise InvalidInput("workspace", "min below max in x and y", f"min {self.min}, max {self.max}")
 
     def crossing(self, sensor: SensorConfiguration, angles: Floats) -> Crossing:
-        """Where the beams at `angles` (r,), in the sensor's frame, cross the box (the slab method)."""
+        """Compute where the beams at `angles` (r,), radians in the sensor's frame, cross the box (the slab method)."""
         heading = sensor.yaw_rad + angles
         enter, leave = np.zeros(len(angles)), np.full(len(angles), np.inf)
         for axis, direction in enumerate((np.cos(heading), np.sin(heading))):
@@ -54,7 +54,7 @@ class Workspace:
             with np.errstate(divide="ignore", invalid="ignore"):
                 near = (self.min[axis] - start) / direction
                 far = (self.max[axis] - start) / direction
-            # A beam that runs along the slab crosses it always or never.
+            # A beam that is parallel to the slab lies inside it along its whole length, or nowhere.
             along = direction == 0.0
             always = self.min[axis] <= start <= self.max[axis]
             near = np.where(along, -np.inf if always else np.inf, near)

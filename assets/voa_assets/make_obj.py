@@ -1,17 +1,17 @@
-"""What the makers of meshes share: an order that depends on the shape alone, and the text of an OBJ file."""
+"""Functions of the programs that make meshes: a canonical order of vertices and faces, and OBJ text."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 DECIMALS = 7
-"""Of a metre: far below anything that matters, and above the single precision that manifold3d computes with."""
+"""Decimals of a metre to which vertices are rounded: 0.1 micrometres, more than the single precision of manifold3d."""
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
 """Vertices (v, 3) in metres and faces (f, 3), counter-clockwise seen from outside."""
 
 
 def canonical(points: NDArray[np.float64], corners: NDArray[np.integer]) -> Mesh:
-    """Rounded vertices without repetitions, and faces, in an order that depends on the shape alone."""
+    """Round vertices, remove repetitions, and bring vertices and faces into an order that depends on shape alone."""
     rounded = np.round(np.asarray(points, dtype=np.float64), DECIMALS) + 0.0  # no negative zeros
     vertices, index = np.unique(rounded, axis=0, return_inverse=True)
     faces = index.reshape(-1)[np.asarray(corners)]
@@ -21,7 +21,7 @@ def canonical(points: NDArray[np.float64], corners: NDArray[np.integer]) -> Mesh
 
 
 def obj_text(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> str:
-    """The text of a Wavefront OBJ file, in metres."""
+    """Write a mesh in metres as the text of a Wavefront OBJ file."""
     lines = [f"# {name}, metres; made by make_{name}.py"]
     lines += [f"v {x:.{DECIMALS}f} {y:.{DECIMALS}f} {z:.{DECIMALS}f}" for x, y, z in vertices]
     lines += [f"f {a} {b} {c}" for a, b, c in faces + 1]

@@ -1,4 +1,4 @@
-"""Limits that commands share with `voa serve`, by the same variables of the environment."""
+"""Limits that commands share with `voa serve`, from the same environment variables."""
 
 import os
 from collections.abc import Mapping
@@ -10,22 +10,22 @@ BEAMS = "VOA_LIMITS__BEAMS"
 
 
 class InvalidLimit(VoaClientError):
-    """A limit in the environment that is no positive whole number."""
+    """A limit in the environment is not a positive whole number."""
 
 
 def most_beams(environment: Mapping[str, str] = os.environ) -> int:
-    """How many beams a scan may have: `VOA_LIMITS__BEAMS`, as for `voa serve`; 4096 where it is not set.
+    """Return the largest number of beams of a scan: `VOA_LIMITS__BEAMS`, as for `voa serve`, or 4096 if it is not set.
 
     Raises:
-        InvalidLimit: it is no positive whole number.
+        InvalidLimit: the variable is not a positive whole number.
     """
-    told = environment.get(BEAMS)
-    if told is None:
+    text = environment.get(BEAMS)
+    if text is None:
         return MOST_BEAMS
     try:
-        beams = int(told)
+        beams = int(text)
     except ValueError:
         beams = 0
     if beams < 1:
-        raise InvalidLimit(f"{BEAMS}: expected a positive whole number of beams, got {told!r}")
+        raise InvalidLimit(f"{BEAMS}: expected a positive whole number of beams, got {text!r}")
     return beams

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from voa_assets import lidar_presets
 from voa_msgs.lidars import LidarPreset
 from voa_service.mapping.models import Models
+from voa_service.mapping.rules import load_installed_rules
 from voa_service.meshes.reader import SubprocessMeshReader
 from voa_service.ports import Clock, IdSource
 from voa_service.requests.reading import Reader
@@ -63,7 +64,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     _report(memory)
     threads = Threads(memory.workers)
     cache = Cache(memory.cache * MEBIBYTE)
-    models = Models(store, cache, settings.precision)
+    models = Models(store, cache, settings.precision, load_installed_rules())
     metrics = Metrics()
     reads = WorkQueue("read", _READERS, settings.scan_queue)
     writes = WorkQueue("write", _WRITERS, settings.scan_queue)

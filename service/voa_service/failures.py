@@ -175,6 +175,12 @@ class Damaged(Failure):
     kind, status, title = "damaged", 500, "Stored data is damaged"
 
 
+class RuleFailed(Failure):
+    """An update rule of another package that raised an error or returned no usable result."""
+
+    kind, status, title = "rule-failed", 500, "The update rule of another package failed"
+
+
 class MalformedRequest(Failure):
     """Bytes that are not an HTTP request."""
 
@@ -231,6 +237,9 @@ def of_core(error: VoaError) -> Failure:
             return MeshRequired(str(error))
         case core.BeamGridMismatch():
             return BeamGridMismatch(str(error))
+        case core.RuleFault():
+            structlog.get_logger().error("update_rule_failed", rule=error.name, exc_info=error)
+            return RuleFailed(str(error))
         case InvalidInput():
             problem = f"expected {error.expected}, got {error.got}"
             return InvalidRequest(str(error), errors=[{"field": error.field, "problem": problem}])

@@ -20,7 +20,7 @@ from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.prediction import predictor_of_mesh
 from voa_core.ranking import rank
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scans import Scan
 from voa_core.updating import UpdatePolicy, update
 from voa_core.weights import Weigher

@@ -22,7 +22,7 @@ from voa_core.grasps import GraspTable
 from voa_core.kernels import Array
 from voa_core.lidars import SensorConfiguration
 from voa_core.ranking import Ranking, rank
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 

@@ -20,7 +20,9 @@ from tests.benchmarks import scene
 from tests.benchmarks.measure import Result, faster, interleaved, require
 from voa_core.checks import Floats
 from voa_core.prediction import Prediction
-from voa_core.rules.rules import Beam, UpdateRule, rule_of
+from voa_core.rules.beam import Beam
+from voa_core.rules.protocol import UpdateRule
+from voa_core.rules.registry import rule_of
 from voa_core.weights import Weigher
 
 _POSES, _SENSORS = 500, 64

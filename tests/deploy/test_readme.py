@@ -9,7 +9,7 @@ import zenoh
 from tests.deploy.readme import README, REPOSITORY, Command, agrees, blocks, commands, mentioned
 from tests.support.serving import Service
 from voa_cli.main import main
-from voa_core.rules.rules import RULES
+from voa_core.rules.registry import RULES
 from voa_ros.robots import load
 
 METHODS = re.compile(r"`(GET|POST|PUT|DELETE) ([^`?]+)[^`]*`|`(/[^`?{}]*)`")

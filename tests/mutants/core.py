@@ -113,14 +113,14 @@ MUTANTS = (
         file="voa_core/kernels.py",
         old="_MARGIN_SLACK_M = 1e-9",
         new="_MARGIN_SLACK_M = 0.0",
-        tests="tests/voa_core/test_kernels.py tests/voa_core/test_rules.py",
+        tests="tests/voa_core/test_kernels.py tests/voa_core/rules/test_built_in.py",
     ),
     Mutant(
         name="a margin's slack is a tenth of a millimetre",
         file="voa_core/kernels.py",
         old="_MARGIN_SLACK_M = 1e-9",
         new="_MARGIN_SLACK_M = 1e-4",
-        tests="tests/voa_core/test_kernels.py tests/voa_core/test_rules.py",
+        tests="tests/voa_core/test_kernels.py tests/voa_core/rules/test_built_in.py",
     ),
     Mutant(
         name="grasps tie only where they are equal",

@@ -14,7 +14,7 @@ from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace

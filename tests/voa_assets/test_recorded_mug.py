@@ -12,17 +12,15 @@ import pytest
 from tests.support import make_recorded_mug as maker
 from tests.voa_assets.mugs import lidar_of, object_of
 from voa_assets import lidar_presets, path
-from voa_core.assistance import executed_value, value_of_assistance
 from voa_core.checks import Floats
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable, best_grasp
 from voa_core.lidars import SensorConfiguration
 from voa_core.poses import PoseSet
-from voa_core.prediction import ObservationPredictor, predictor_of_mesh
-from voa_core.rules.rules import rule_of
-from voa_core.scans import Scan
+from voa_core.prediction import predictor_of_mesh
+from voa_core.recorded import scenario_of_recorded, value_recorded_looks
+from voa_core.rules.registry import rule_of
 from voa_core.scenario import Scenario
-from voa_core.updating import UpdatePolicy, update
 
 FOLDER = path("experiments/mug")
 EXPERIMENT: dict[str, Any] = json.loads((FOLDER / "experiment.json").read_text(encoding="utf-8"))
@@ -52,22 +50,8 @@ def column(folder: Path, name: str) -> dict[str, Floats]:
 
 
 def scenario_by(rule: str) -> Scenario:
-    predictor = ObservationPredictor(PoseSet.named(POSES), LIDAR, column(FOLDER, "predicted"))
-    return Scenario(
-        PoseSet.named(POSES),
-        TABLE,
-        tuple(SENSORS),
-        predictor,
-        rule_of(rule, LIDAR, no_return_m=EXPERIMENT["observation"]["no_return"]),
-        UpdatePolicy("nearest"),
-        Belief.uniform(len(POSES)),
-    )
-
-
-def scan_from(ranges: Floats) -> Scan:
-    """As a replay sends it: range_min 0, and every beam without a measured value in `no_return`."""
-    missing = np.flatnonzero(np.isinf(ranges))
-    return Scan(np.where(np.isinf(ranges), np.nan, ranges), LIDAR.grid, tuple(missing.tolist()), range_min=0.0)
+    own = rule_of(rule, LIDAR, no_return_m=EXPERIMENT["observation"]["no_return"])
+    return scenario_of_recorded(POSES, TABLE, LIDAR, own, column(FOLDER, "predicted"))
 
 
 def test_the_best_grasp_before_is_the_expected_one() -> None:
@@ -78,20 +62,16 @@ def test_the_best_grasp_before_is_the_expected_one() -> None:
 
 
 @pytest.mark.parametrize("rule", list(maker.RULES))
-@pytest.mark.parametrize("sensor", SENSORS, ids=lambda sensor: sensor.name)
-def test_the_core_agrees_with_expected_json(rule: str, sensor: SensorConfiguration) -> None:
-    scenario, expected = scenario_by(rule), EXPECTED["rules"][rule][sensor.name]
-    assistance = value_of_assistance(
-        scenario.weigher(sensor, np.float64, keep=True), scenario.prior, TABLE, scenario.policy
-    )
-    assert assistance.voa == pytest.approx(expected["voa"], abs=1e-6)
-    after = []
-    for pose, ranges in zip(POSES, column(FOLDER, "measured")[sensor.name], strict=True):
-        outcome = update(scenario.prior, scenario.evidence(scan_from(ranges), sensor), scenario.policy)
-        after.append(outcome.belief)
-        shares = [expected["belief_after_measured_scan"][pose][other] for other in POSES]
-        np.testing.assert_allclose(outcome.belief.p, shares, rtol=0.0, atol=1e-6)
-    assert executed_value(scenario.prior, after, TABLE) == pytest.approx(expected["aecd"], abs=1e-6)
+def test_the_core_agrees_with_expected_json(rule: str) -> None:
+    values = value_recorded_looks(scenario_by(rule), column(FOLDER, "measured"))
+    assert list(values) == [sensor.name for sensor in SENSORS]
+    for sensor, value in values.items():
+        expected = EXPECTED["rules"][rule][sensor]
+        assert value.voa == pytest.approx(expected["voa"], abs=1e-6)
+        assert value.aecd == pytest.approx(expected["aecd"], abs=1e-6)
+        for pose, done in zip(POSES, value.updates, strict=True):
+            shares = [expected["belief_after_measured_scan"][pose][other] for other in POSES]
+            np.testing.assert_allclose(done.belief.p, shares, rtol=0.0, atol=1e-6)
 
 
 def test_every_rule_and_sensor_is_expected() -> None:

@@ -12,7 +12,7 @@ from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.prediction import Prediction
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 

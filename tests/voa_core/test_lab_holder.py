@@ -4,25 +4,23 @@ import csv
 import json
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from voa_core.assistance import executed_value
 from voa_core.checks import Floats
-from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
-from voa_core.prediction import ObservationPredictor, predictor_of_mesh
-from voa_core.ranking import rank
-from voa_core.rules.rules import rule_of
-from voa_core.scans import Scan
+from voa_core.prediction import predictor_of_mesh
+from voa_core.recorded import scenario_of_recorded, value_recorded_looks
+from voa_core.rules.registry import rule_of
 from voa_core.scenario import Scenario
-from voa_core.updating import UpdatePolicy, update
+from voa_core.updating import UpdatePolicy
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOLDER = Path(os.environ.get("VOA_LAB_HOLDER", REPOSITORY.parent / "shared" / "lab-holder"))
@@ -66,29 +64,17 @@ class Lab:
             ranges[int(row["angle_deg"])] = float(row[name])
         return ranges
 
-    def scenario(self, rule: str) -> Scenario:
-        data = {
-            sensor.name: np.array([self.column("predicted", sensor.name, pose) for pose in self.poses.names])
-            for sensor in self.sensors
-        }
-        return Scenario(
-            PoseSet.named(self.poses.names),
-            self.table,
-            self.sensors,
-            ObservationPredictor(PoseSet.named(self.poses.names), self.lidar, data),
-            rule_of(rule, self.lidar, no_return_m=1.0),
-            UpdatePolicy("nearest"),
-            Belief.uniform(len(self.poses)),
-        )
+    def ranges(self, name: str, sensor: str) -> Floats:
+        """One column of the scans from a sensor, (poses, beams)."""
+        return np.array([self.column(name, sensor, pose) for pose in self.poses.names])
 
-    def belief_after(self, scenario: Scenario, sensor: SensorConfiguration, pose: str) -> Belief:
-        """After the measured scan, as the replay sends it: range_min 0, unmeasured beams declared."""
-        measured = self.column("measured", sensor.name, pose)
-        silent = tuple(int(beam) for beam in np.flatnonzero(np.isinf(measured)))
-        scan = Scan(measured, self.lidar.grid, silent, range_min=0.0)
-        told = update(scenario.prior, scenario.evidence(scan, sensor), scenario.policy)
-        assert told.accepted
-        return told.belief
+    def scenario(self, rule: str) -> Scenario:
+        predicted = {sensor.name: self.ranges("predicted", sensor.name) for sensor in self.sensors}
+        own = rule_of(rule, self.lidar, no_return_m=1.0)
+        return scenario_of_recorded(self.poses.names, self.table, self.lidar, own, predicted)
+
+    def measured(self) -> dict[str, Floats]:
+        return {sensor.name: self.ranges("measured", sensor.name) for sensor in self.sensors}
 
 
 @pytest.fixture(scope="module")
@@ -119,56 +105,33 @@ def test_predictions_from_the_mesh_are_the_recorded_ones_on_every_listed_beam(la
 
 
 def test_before_any_look_the_best_grasp_is_the_authors(lab: Lab) -> None:
-    scenario = lab.scenario("exponential")
-    before = rank(
-        scenario.sensors,
-        lambda s: scenario.weigher(s, np.float64, keep=True),
-        scenario.prior,
-        scenario.table,
-        scenario.policy,
-    ).before
+    before = lab.scenario("exponential").rank().before
     assert before.index is not None
     assert lab.table.names[before.index] == lab.expected["before"]["best_grasp"]
     assert before.expected_score == pytest.approx(lab.expected["before"]["expected_score"], abs=1e-6)
 
 
 @pytest.mark.parametrize("rule", RULES_REPORTED)
-def test_voa_is_the_authors(lab: Lab, rule: str) -> None:
+def test_values_and_beliefs_are_the_authors(lab: Lab, rule: str) -> None:
     scenario = lab.scenario(rule)
-    looks = rank(
-        scenario.sensors,
-        lambda s: scenario.weigher(s, np.float64, keep=True),
-        scenario.prior,
-        scenario.table,
-        scenario.policy,
-    ).looks
-    found = {look.sensor.name: look.assistance.voa for look in looks}
-    expected = {name: answers["voa"] for name, answers in lab.expected["rules"][rule].items()}
-    assert found == pytest.approx(expected, abs=1e-6)
-
-
-@pytest.mark.parametrize("rule", RULES_REPORTED)
-def test_executed_values_and_beliefs_are_the_authors(lab: Lab, rule: str) -> None:
-    scenario = lab.scenario(rule)
-    for sensor in lab.sensors:
-        expected = lab.expected["rules"][rule][sensor.name]
-        after = [lab.belief_after(scenario, sensor, pose) for pose in lab.poses.names]
-        for pose, belief in zip(lab.poses.names, after, strict=True):
-            theirs = expected["belief_after_measured_scan"][pose]
-            found = dict(zip(lab.poses.names, belief.p.tolist(), strict=True))
-            assert found == pytest.approx(theirs, abs=1e-6), (rule, sensor.name, pose)
-        assert executed_value(scenario.prior, after, scenario.table) == pytest.approx(expected["aecd"], abs=1e-6)
+    values = value_recorded_looks(scenario, lab.measured())
+    assert list(values) == list(lab.expected["rules"][rule])
+    for sensor, value in values.items():
+        expected = lab.expected["rules"][rule][sensor]
+        assert value.voa == pytest.approx(expected["voa"], abs=1e-6)
+        assert value.aecd == pytest.approx(expected["aecd"], abs=1e-6)
+        for pose, done in zip(lab.poses.names, value.updates, strict=True):
+            assert done.accepted
+            belief = dict(zip(lab.poses.names, done.belief.p.tolist(), strict=True))
+            assert belief == pytest.approx(expected["belief_after_measured_scan"][pose], abs=1e-6), (rule, sensor, pose)
+    ranked = {look.sensor.name: look.assistance.voa for look in scenario.rank().looks}
+    assert ranked == pytest.approx({sensor: value.voa for sensor, value in values.items()}, abs=1e-12)
 
 
 def test_margin_alone_refuses_21_of_the_24_scans(lab: Lab) -> None:
-    scenario = lab.scenario("margin")
-    refused = 0
-    for sensor in lab.sensors:
-        for pose in lab.poses.names:
-            scan = Scan(lab.column("measured", sensor.name, pose), lab.lidar.grid, range_min=0.0)
-            told = update(scenario.prior, scenario.evidence(scan, sensor), UpdatePolicy("reject"))
-            refused += told.reason == "no_match"
-    assert refused == 21
+    scenario = replace(lab.scenario("margin"), policy=UpdatePolicy("reject"))
+    values = value_recorded_looks(scenario, lab.measured())
+    assert sum(done.reason == "no_match" for value in values.values() for done in value.updates) == 21
 
 
 def _read_obj(path: Path) -> Object:

@@ -10,7 +10,7 @@ from voa_core.grasps import Choice, GraspTable
 from voa_core.lidars import SensorConfiguration
 from voa_core.prediction import Prediction
 from voa_core.ranking import Ranking, rank
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 
@@ -78,8 +78,8 @@ def test_threads_give_the_same_ranking() -> None:
     stands = [SensorConfiguration(str(i), math.sin(i), 0.0, 0.0, cost=0.01 * (i % 3)) for i in range(12)]
     alone = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy())
     with ThreadPoolExecutor(2) as pool:
-        spread = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), spread=pool.map)
-    assert names(spread) == names(alone)
+        threaded = rank(stands, weigher_of, BELIEF, TABLE, UpdatePolicy(), ordered_map=pool.map)
+    assert names(threaded) == names(alone)
 
 
 def test_the_definition_and_the_sensor_agents_belief_reach_every_look() -> None:

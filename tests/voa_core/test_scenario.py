@@ -12,7 +12,8 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
-from voa_core.rules.rules import rule_of
+from voa_core.ranking import rank
+from voa_core.rules.registry import rule_of
 from voa_core.scans import scan_of
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy
@@ -26,6 +27,9 @@ DATA = ObservationPredictor(
     LIDAR,
     {"Q1": np.array([[0.3, math.inf, 1.2, math.inf], [0.6, math.inf, 1.2, math.inf]]), "Q2": np.full((2, 4), math.inf)},
 )
+
+
+BELIEF = Belief.of([0.4, 0.6])
 
 
 def scenario_of(predictor: ObservationPredictor, workspace: Workspace | None = None) -> Scenario:
@@ -44,15 +48,25 @@ def scenario_of(predictor: ObservationPredictor, workspace: Workspace | None = N
 def test_sensors_are_found_by_name() -> None:
     scenario = scenario_of(MESH)
     assert scenario.sensor("Q2") is Q2
-    assert scenario.rankable(None) == (Q1, Q2)
-    assert scenario.rankable(["Q2", "Q1"]) == (Q2, Q1)
     assert scenario.lidar is LIDAR
 
 
 @pytest.mark.parametrize("names", [["Q3"], ["Q1", "Q3"]])
 def test_a_sensor_that_does_not_exist_is_refused_with_those_that_do(names: list[str]) -> None:
     with pytest.raises(UnknownName, match="there is no sensor 'Q3'; there are: 'Q1', 'Q2'"):
-        scenario_of(MESH).rankable(names)
+        scenario_of(MESH).rank(sensors=names)
+
+
+def test_a_scenario_ranks_its_own_sensors_or_some_of_them() -> None:
+    table = GraspTable.of_probabilities(["G", "H"], [[0.9, 0.2], [0.1, 0.8]], 2)
+    scenario = replace(scenario_of(DATA), table=table)
+    expected = rank((Q1, Q2), lambda s: scenario.weigher(s, np.float64, keep=True), BELIEF, table, scenario.policy)
+    ranking = scenario.rank(BELIEF)
+    assert [look.sensor.name for look in ranking.looks] == [look.sensor.name for look in expected.looks] == ["Q1", "Q2"]
+    assert [look.net_value for look in ranking.looks] == [look.net_value for look in expected.looks]
+    assert [look.sensor for look in scenario.rank(sensors=["Q2"]).looks] == [Q2]
+    uniform = scenario.rank(definition="executed", sensor_belief=Belief.uniform(2))
+    assert uniform.looks[0].net_value == scenario.rank(Belief.uniform(2), definition="executed").looks[0].net_value
 
 
 def test_data_hold_where_the_scenarios_own_sensors_stand_and_nowhere_else() -> None:

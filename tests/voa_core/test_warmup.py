@@ -5,19 +5,24 @@ import pytest
 
 from voa_core import kernels, rasterising, warmup
 
-KERNELS = ("squared_distances", "squared_distances_among", "disagreements", "mixture_likelihoods")
+KERNELS = {
+    "squared_distances": "distances",
+    "squared_distances_among": "distances",
+    "disagreements": "margin",
+    "mixture_likelihoods": "beam",
+}
 
 
 def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.MonkeyPatch) -> None:
     met: set[tuple[str, str]] = set()
-    for name in KERNELS:
+    for name, module in KERNELS.items():
         plain = getattr(kernels, name)
 
         def spying(*arguments: object, name: str = name, plain: object = plain) -> None:
             met.add((name, str(getattr(arguments[0], "dtype", None))))
             plain(*arguments)  # type: ignore[operator]
 
-        monkeypatch.setattr(f"voa_core.rules.rules.{name}", spying)
+        monkeypatch.setattr(f"voa_core.rules.{module}.{name}", spying)
     warmup.warm_up()
     assert met == {(name, dtype) for name in KERNELS for dtype in ("float32", "float64")}
 

@@ -7,7 +7,7 @@ from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, parameters_of
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.weights import Weigher
 
 INF = math.inf

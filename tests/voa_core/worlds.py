@@ -15,7 +15,8 @@ from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Prediction, predictor_of_mesh
-from voa_core.rules.rules import RULES, UpdateRule, defaults, rule_of
+from voa_core.rules.protocol import UpdateRule
+from voa_core.rules.registry import RULES, defaults, rule_of
 from voa_core.updating import OnNoMatch, UpdatePolicy
 from voa_core.weights import Weigher
 

@@ -1,4 +1,4 @@
-"""Probable mistakes in scenarios and scans that can be computed all the same.
+"""Probable mistakes in scenarios and scans that can be computed all the same; no result depends on them.
 
-Nothing here changes a result. Scenarios: `scenarios.mistakes_of_scenario`; scans: `scans.mistakes_of_scan`.
+`scenarios.mistakes_of_scenario` searches a scenario, and `scans.mistakes_of_scan` a scan.
 """

@@ -1,4 +1,4 @@
-"""Poses at which the object does not rest on the table: it floats over it, or is sunk into it."""
+"""Mistakes in the heights of poses: the object floats over the table, or is sunk into it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -7,7 +7,7 @@ import numpy as np
 
 from voa_core.checks import Floats
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Mistake, length, listed
+from voa_core.mistakes.mistake import Mistake, length, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
@@ -16,25 +16,25 @@ REST_M = 0.002
 _BLOCK = 4_000_000
 
 Up = Literal["+Z", "+Y"]
-"""The axis of a mesh file that was taken for up."""
+"""Axis of a mesh file that was read as the vertical."""
 
 _OTHER: dict[Up, tuple[Up, Floats]] = {
     "+Z": ("+Y", np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])),
     "+Y": ("+Z", np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])),
 }
-"""The other axis that can be said to be up, and how a mesh that was read with this one would then have been turned."""
+"""The other possible vertical axis, and the rotation of a mesh from its reading with the one to that with the other."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """The object of a scenario, and which axis of its file became z."""
+    """The object of a scenario, and the axis of its file that became z."""
 
     object_: Object
     up: Up = "+Z"
 
 
 def mistakes_of_heights(poses: PoseSet, mesh: Mesh, effort: Effort) -> list[Mistake]:
-    """Find poses whose lowest point is more than 2 mm over or under the table, and why that may be.
+    """Find poses whose lowest point is more than 2 mm over or under the table, and a probable reason.
 
     Args:
         poses: with geometry.
@@ -58,19 +58,19 @@ def mistakes_of_heights(poses: PoseSet, mesh: Mesh, effort: Effort) -> list[Mist
         f"{poses.names[index[worst]]!r} is {length(abs(lowest[worst]))} {side} it. Check position z, and where "
         "the origin of the mesh is"
     )
-    found = [Mistake("pose-height", detail, names)]
+    mistakes = [Mistake("pose-height", detail, names)]
     other, turn = _OTHER[mesh.up]
     if (np.abs(lowest_points(corners @ turn.T, verticals, heights)) <= REST_M).all():
         detail = (
             f"the mesh was read with {mesh.up} up; with {other} up it would rest on the table at every pose. Upload it "
             f'again with up={other} if that is up in its file (in a scenario file, "up" stands beside "object")'
         )
-        found.append(Mistake("up-axis", detail, names))
-    return found
+        mistakes.append(Mistake("up-axis", detail, names))
+    return mistakes
 
 
 def lowest_points(corners: Floats, verticals: Floats, heights: Floats) -> Floats:
-    """Height over the table of the lowest corner (v, 3) at each of k poses, metres, (k,).
+    """Height over the table of the lowest of the corners (v, 3) at each of k poses, (k,) metres.
 
     Args:
         corners: in the object's frame.
@@ -82,5 +82,5 @@ def lowest_points(corners: Floats, verticals: Floats, heights: Floats) -> Floats
     at_once = max(1, _BLOCK // len(corners))
     for start in range(0, len(tilts), at_once):
         lowest[start : start + at_once] = (tilts[start : start + at_once] @ corners.T).min(axis=1)
-    found: Floats = lowest[tilt_of_pose.reshape(-1)] + heights
-    return found
+    over_table: Floats = lowest[tilt_of_pose.reshape(-1)] + heights
+    return over_table

@@ -1,4 +1,4 @@
-"""Mistakes that show only between a pose and a place to look from: what is never seen, too near, too far, inside."""
+"""Mistakes between a pose and a place to look from: never seen, too near, too far, inside the object."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,26 +7,26 @@ import numpy as np
 from voa_core.cutting import cut_poses
 from voa_core.lidars import SensorConfiguration
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Kind, Mistake, length, listed
+from voa_core.mistakes.mistake import Kind, Mistake, length, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.views import Bools, Index, View, any_along, views_from
 from voa_core.objects import Object
 from voa_core.scenario import Scenario
 
 _CUT_OFF_M = 1e-3
-"""An object that reaches farther than this out of the workspace is cut by it."""
-_FEWEST_FACES, _FEWEST_POINTS = 7_000, 500  # a cut, and a view, of less take as long
+"""Length by which an object may reach out of the workspace without a warning, metres."""
+_FEWEST_FACES, _FEWEST_POINTS = 7_000, 500  # a cut of fewer faces, and a view of fewer points, takes as long
 _TRIED = 4
 
 
 def mistakes_of_places(scenario: Scenario, object_: Object | None, effort: Effort) -> list[Mistake]:
-    """Find what is wrong between the poses and the scenario's own places.
+    """Find probable mistakes between the poses and the scenario's own places.
 
     Args:
         scenario: with its places.
         object_: the mesh; None where all predictions are data.
-        effort: where it is less than all pairs of pose and place, half of it goes to a regular selection, and the
-            other half to what the selection leaves open. Nothing is said of a pair that was not looked at.
+        effort: limit of the search. If it is less than all pairs of pose and place, half of it goes to an even
+            selection of pairs, and half to the questions that those leave open; other pairs are not judged.
     """
     picked, stood, left = _selection(scenario, object_, effort)
     places = [scenario.sensors[a] for a in stood]
@@ -34,14 +34,14 @@ def mistakes_of_places(scenario: Scenario, object_: Object | None, effort: Effor
     if not views:
         return []
     others = [scenario.sensors[a] for a in np.setdiff1d(np.arange(len(scenario.sensors)), stood)]
-    found = _pairs(scenario, picked, views)
-    found += _unseen_poses(scenario, object_, picked, views, others, left // 2)
-    found += _blind_places(scenario, object_, picked, views, left // 2)
-    return found + _planes(scenario, picked, views) + _cut_off(scenario, picked, views)
+    mistakes = _pairs(scenario, picked, views)
+    mistakes += _unseen_poses(scenario, object_, picked, views, others, left // 2)
+    mistakes += _blind_places(scenario, object_, picked, views, left // 2)
+    return mistakes + _planes(scenario, picked, views) + _cut_off(scenario, picked, views)
 
 
 def _selection(scenario: Scenario, object_: Object | None, effort: Effort) -> tuple[Index, Index, int]:
-    """Poses and places to look at first, and the pairs that are left for what this leaves open."""
+    """Select the poses and places to search first, and the number of pairs that is left for open questions."""
     poses, places = len(scenario.poses), len(scenario.sensors)
     pairs, most_poses, most_heights = effort.pairs, poses, places
     heights = {sensor.height_m for sensor in scenario.sensors}
@@ -60,7 +60,7 @@ def _selection(scenario: Scenario, object_: Object | None, effort: Effort) -> tu
 
 
 def _points(scenario: Scenario, object_: Object) -> int:
-    """About how many points a cut of the object has, at a few of its poses."""
+    """Estimate the number of points of a cut of the object from a few of its poses."""
     height = next((sensor.height_m for sensor in scenario.sensors if sensor.height_m is not None), None)
     height = scenario.lidar.height_m if height is None else height
     if height is None:
@@ -70,7 +70,7 @@ def _points(scenario: Scenario, object_: Object) -> int:
 
 
 def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
-    """Places inside the object, nearer to it than the lidar measures, or farther."""
+    """Find places inside the object, and places nearer to it or farther from it than the lidar measures."""
     lidar = scenario.lidar
     checks: list[tuple[Kind, Callable[[View], Bools], str]] = [
         (
@@ -82,7 +82,7 @@ def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]
             "place-too-near",
             lambda view: (view.nearest < lidar.range_min) & ~view.inside,
             "at pose {pose!r} the object is {nearest:.3g} m from sensor {sensor!r}, and the lidar measures from "
-            f"{lidar.range_min:g} m on: what is nearer counts as missing. Move the place away",
+            f"{lidar.range_min:g} m on: a shorter range counts as missing. Move the place away",
         ),
         (
             "place-too-far",
@@ -91,7 +91,7 @@ def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]
             f"{lidar.range_max:g} m: it sees nothing. Move the place closer",
         ),
     ]
-    found = []
+    mistakes = []
     for kind, wrong_in, sentence in checks:
         wrong = np.stack([wrong_in(view) for view in views])  # (places, poses)
         if not wrong.any():
@@ -104,14 +104,14 @@ def _pairs(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]
         )
         others = int(wrong.sum()) - 1
         detail += f" ({others} more such pair{'s' * (others > 1)} of pose and place)" if others else ""
-        found.append(Mistake(kind, detail, *_named(scenario, index, views, wrong)))
-    return found
+        mistakes.append(Mistake(kind, detail, *_named(scenario, index, views, wrong)))
+    return mistakes
 
 
 def _named(
     scenario: Scenario, index: Index, views: Sequence[View], wrong: Bools
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the poses and of the places that have a part in a wrong pair, of (places, poses)."""
+    """Names of the poses and of the places that belong to a wrong pair, flags (places, poses)."""
     poses = tuple(scenario.poses.names[index[p]] for p in np.flatnonzero(any_along(0, wrong)))
     sensors = tuple(view.sensor.name for view, bad in zip(views, any_along(1, wrong), strict=True) if bad)
     return poses, sensors
@@ -125,7 +125,7 @@ def _unseen_poses(
     others: list[SensorConfiguration],
     left: int,
 ) -> list[Mistake]:
-    """Poses that no place sees; those that the selected places do not see are looked at from the `others` too."""
+    """Find poses that no place sees; poses that the selected places do not see are viewed from the `others` too."""
     unseen = picked[~any_along(0, np.stack([view.seen for view in views]))]
     if others and unseen.size:
         unseen = unseen[: left // len(others)]
@@ -135,7 +135,7 @@ def _unseen_poses(
         return []
     names = tuple(scenario.poses.names[p] for p in unseen)
     detail = (
-        f"no place sees the object at {listed('pose', names)}: no look can tell it from an empty table. Check the "
+        f"no place sees the object at {listed('pose', names)}: every look at it resembles an empty table. Check the "
         "height of the scan plane, the yaw of the places, the workspace, and the pose itself"
     )
     return [Mistake("pose-never-seen", detail, poses=names)]
@@ -144,7 +144,7 @@ def _unseen_poses(
 def _blind_places(
     scenario: Scenario, object_: Object | None, picked: Index, views: list[View], left: int
 ) -> list[Mistake]:
-    """Places that see no pose; those that see none of the selected poses are looked at from for the others too."""
+    """Find places that see no pose; places that see none of the selected poses are tried with the others too."""
     blind = [view.sensor for view in views if not view.seen.any()]
     others = np.setdiff1d(np.arange(len(scenario.poses)), picked)
     if others.size and blind:
@@ -154,15 +154,15 @@ def _blind_places(
         return []
     names = tuple(sensor.name for sensor in blind)
     detail = (
-        f"from {listed('sensor', names)} the object is seen at no pose: a look from there tells nothing. Check "
+        f"from {listed('sensor', names)} the object is seen at no pose: a look from there is no evidence. Check "
         "yaw_rad (radians, 0 along x), x, y and height_m"
     )
     return [Mistake("place-sees-nothing", detail, sensors=names)]
 
 
 def _planes(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
-    """Poses that lie under or over a scan plane, one mistake for each height."""
-    found = []
+    """Find poses that lie under or over a scan plane, one mistake for each height."""
+    mistakes = []
     for height in dict.fromkeys(view.height_m for view in views if view.height_m is not None):
         at_height = [view for view in views if view.height_m == height]
         poses, sensors = _named(scenario, index, at_height, np.stack([~view.met for view in at_height]))
@@ -172,12 +172,12 @@ def _planes(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake
                 f"{listed('pose', poses)}: from there the object is invisible. Lower or raise the lidar, or check "
                 "position z"
             )
-            found.append(Mistake("plane-misses-object", detail, poses, sensors))
-    return found
+            mistakes.append(Mistake("plane-misses-object", detail, poses, sensors))
+    return mistakes
 
 
 def _cut_off(scenario: Scenario, index: Index, views: list[View]) -> list[Mistake]:
-    """Poses of which a part that the lidar could see lies outside of the workspace."""
+    """Find poses of which a part that the lidar could see lies outside of the workspace."""
     farthest = np.max([view.out for view in views], axis=0)
     wrong = np.flatnonzero(farthest > _CUT_OFF_M)
     if not wrong.size:
@@ -186,6 +186,6 @@ def _cut_off(scenario: Scenario, index: Index, views: list[View]) -> list[Mistak
     worst = int(np.argmax(farthest))
     detail = (
         f"at {listed('pose', names)} the object reaches out of the workspace, by {length(farthest[worst])} at "
-        f"{scenario.poses.names[index[worst]]!r}: what is outside counts as nothing. Enlarge the workspace"
+        f"{scenario.poses.names[index[worst]]!r}: returns from outside of it do not count. Enlarge the workspace"
     )
     return [Mistake("workspace-misses-pose", detail, names)]

@@ -1,4 +1,4 @@
-"""Mistakes that show in a scan that no pose explains well: a clockwise driver, a wrong yaw, millimetres."""
+"""Mistakes in a scan that no pose explains well: a clockwise driver, a wrong yaw, ranges in millimetres."""
 
 import math
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import numpy as np
 from voa_core.cutting import Contours
 from voa_core.evidence import Evidence, evidence_of_beams, restricted
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
-from voa_core.mistakes.found import Kind, Mistake
+from voa_core.mistakes.mistake import Kind, Mistake
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.values import FARTHEST_M
 from voa_core.prediction import Prediction
@@ -24,7 +24,7 @@ _MISSED_MM = 200.0
 _LEAST_NOISE_M = 1e-3
 _NEAREST_M = 0.01  # no object for an arm is scanned from nearer
 _MOST_POSES = 500
-"""Poses that the scan is compared with in each other reading of it."""
+"""Largest number of poses that a scan is compared with in each other reading of its beams."""
 
 
 def mistakes_of_scan(
@@ -34,65 +34,63 @@ def mistakes_of_scan(
     uncertainty: SensorUncertainty | None,
     evidence: Evidence,
 ) -> tuple[Mistake, ...]:
-    """Find why a scan fits badly; while the best pose fits well, only the sensor's own numbers are looked at.
+    """Find probable reasons why a scan fits badly; if it fits well, only mistakes in the numbers of the sensor pose.
 
-    A fit is good within 5 sigma over the beams that hit, if at least half of those hit that should.
+    A fit is good if its RMSD over the beams that hit is within 5 sigma, and at least half of the predicted hits occur.
 
     Args:
-        scenario: for which the scan was taken.
+        scenario: the scenario of the scan.
         scan: as measured.
-        sensor: where the lidar is said to have stood.
-        uncertainty: of that pose.
-        evidence: what the scan says as it is.
+        sensor: configuration from which the scan was taken, as stated.
+        uncertainty: of the sensor pose; None: it is exact.
+        evidence: of the scan.
     """
-    found = [] if scenario.lists(sensor) else _sensor_pose(sensor, evidence)
+    mistakes = [] if scenario.lists(sensor) else _sensor_pose(sensor, evidence)
     fit = _Fit.of(evidence, scenario, uncertainty)
     if evidence.beams_compared == 0 or fit.is_good:
-        return tuple(found)
+        return tuple(mistakes)
     pose = scenario.poses.names[fit.pose]
     if fit.rmsd_mm > _SIGMAS * fit.expected_mm:
         detail = (
             f"even pose {pose!r}, which fits best, is {fit.rmsd_mm:.1f} mm off over the {fit.hits} beams that hit it; "
-            f"{fit.expected_mm:.1f} mm are expected. Is it the object, and does it lie at one of the poses? Is the "
-            "sensor where it is said to be?"
+            f"{fit.expected_mm:.1f} mm are expected. Is it the object, and does it lie at one of the poses? Does the "
+            "sensor stand where the scan says?"
         )
-        found.append(Mistake("poor-fit", detail, (pose,)))
-    return tuple(found + _millimetres(scenario, scan) + _another_reading(scenario, scan, sensor, uncertainty, fit))
+        mistakes.append(Mistake("poor-fit", detail, (pose,)))
+    return tuple(mistakes + _millimetres(scenario, scan) + _another_reading(scenario, scan, sensor, uncertainty, fit))
 
 
 def _sensor_pose(sensor: SensorConfiguration, evidence: Evidence) -> list[Mistake]:
-    """A sensor pose in degrees or millimetres, or one from which no pose can be seen."""
-    found = []
+    """Find a sensor pose in degrees or millimetres, or one from which no pose can be seen."""
+    mistakes = []
     if abs(sensor.yaw_rad) > 2.0 * math.pi:
         detail = (
             f"the sensor's yaw_rad, {sensor.yaw_rad:g}, is more than a turn: is it in degrees? {sensor.yaw_rad:g} "
             f"degrees are {math.radians(sensor.yaw_rad):.4g} rad"
         )
-        found.append(Mistake("angle-in-degrees", detail))
+        mistakes.append(Mistake("angle-in-degrees", detail))
     if max(abs(sensor.x), abs(sensor.y), abs(sensor.height_m or 0.0)) > FARTHEST_M:
         detail = (
             f"the sensor stands at x {sensor.x:g}, y {sensor.y:g}, more than {FARTHEST_M:g} m from the origin: is that "
             "in millimetres? Lengths are metres"
         )
-        found.append(Mistake("length-in-millimetres", detail))
+        mistakes.append(Mistake("length-in-millimetres", detail))
     if evidence.beams_compared > 0 and not evidence.sight.measured.size:
-        detail = (
-            "from where the sensor is said to stand the object is seen at no pose: check x, y, yaw_rad and height_m"
-        )
-        found.append(Mistake("place-sees-nothing", detail))
-    return found
+        detail = "from the stated sensor pose the object is seen at no pose: check x, y, yaw_rad and height_m"
+        mistakes.append(Mistake("place-sees-nothing", detail))
+    return mistakes
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """How well the pose that fits best explains a scan.
+    """Fit of a scan by the pose that fits it best.
 
     Attributes:
         pose: its index.
         hits: beams on which the scan and the pose return.
         predicted: the fewest beams on which a copy of the pose returns.
         rmsd_mm: over the beams that hit; 0 without any.
-        expected_mm: what the lidar's noise, and the uncertainty of its pose, lead to.
+        expected_mm: RMSD that the noise of the lidar and the uncertainty of its pose lead to.
     """
 
     pose: int
@@ -115,21 +113,21 @@ class _Fit:
 
     @property
     def is_good(self) -> bool:
-        """Whether it is within 5 sigma, and half of the beams hit that should; less than 3 beams show nothing."""
+        """True if the RMSD is within 5 sigma and half of the predicted hits occur; fewer than 3 suffice."""
         if self.hits == 0:
             return self.predicted < _FEWEST_BEAMS
         return self.rmsd_mm <= _SIGMAS * self.expected_mm and 2 * self.hits >= self.predicted
 
     @property
     def misfit_mm(self) -> float:
-        """RMSD over the beams that should hit, where one that does not is 0.2 m off; walls elsewhere do not matter."""
+        """RMSD in mm over the beams that should hit; one that does not counts as 0.2 m off."""
         missed = max(0, self.predicted - self.hits)
         square = self.hits * self.rmsd_mm**2 + missed * _MISSED_MM**2
         return math.sqrt(square / max(1, self.hits + missed))
 
 
 def _millimetres(scenario: Scenario, scan: Scan) -> list[Mistake]:
-    """Ranges that mostly lie beyond the lidar's limit, and within its limits if they are millimetres."""
+    """Find ranges that mostly lie beyond the lidar's limit, and within its limits if they are millimetres."""
     low, high = max(scenario.lidar.range_min, _NEAREST_M), scenario.lidar.range_max
     finite = scan.ranges[np.isfinite(scan.ranges) & (scan.ranges > 0.0)]
     middle = float(np.median(finite)) if len(finite) >= _FEWEST_BEAMS else 0.0
@@ -144,7 +142,7 @@ def _millimetres(scenario: Scenario, scan: Scan) -> list[Mistake]:
 
 @dataclass(frozen=True, eq=False)
 class _Reading:
-    """Another way to read the directions of a scan's beams, and the mistake that would explain it."""
+    """A different reading of the directions of a scan's beams, and the mistake that would explain it."""
 
     kind: Kind
     why: str
@@ -155,18 +153,18 @@ class _Reading:
 def _readings(scan: Scan, sensor: SensorConfiguration) -> Iterator[_Reading]:
     grid = scan.grid
     mirrored = replace(scan, grid=BeamGrid(grid.beams, -grid.angle_min, -grid.angle_increment))
-    why = "its beams run the other way round: does the driver turn clockwise, or does the lidar hang upside down?"
+    why = "its beams are taken in reverse: does the driver turn clockwise, or does the lidar hang upside down?"
     yield _Reading("scan-mirrored", why, mirrored, sensor)
     for degrees in (90, 180, 270):
         turned = replace(sensor, yaw_rad=sensor.yaw_rad + np.radians(degrees))
-        why = f"the lidar's yaw is {degrees} degrees more than is said: check yaw_rad, and where its beam 0 points"
+        why = f"the lidar's yaw is {degrees} degrees more than stated: check yaw_rad, and where its beam 0 points"
         yield _Reading("scan-turned", why, scan, turned)
 
 
 def _another_reading(
     scenario: Scenario, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None, fit: _Fit
 ) -> list[Mistake]:
-    """The one other reading under which the scan fits best, if it fits much better than as it is."""
+    """Find the reading of the beams under which the scan fits best, if it fits much better than as measured."""
     height = scenario.lidar.height_m if sensor.height_m is None else sensor.height_m
     if scenario.predictor.contours_at is None or height is None:
         return []
@@ -191,7 +189,7 @@ def _another_reading(
 
 
 def _evidence(scenario: Scenario, cuts: Contours, scan: Scan, sensor: SensorConfiguration) -> Evidence:
-    """Compare a scan with the poses whose cuts are given."""
+    """Compare a scan with the poses of the given cuts."""
     lidar, workspace = scenario.lidar, scenario.workspace
     crossing = workspace.crossing(sensor, scan.grid.angles) if workspace else None
     prediction = Prediction.of_dense(scan.grid, rasterise(cuts, sensor, scan.grid, lidar.range_max))

@@ -1,4 +1,4 @@
-"""A mesh's surface: its moments, and whether points lie on it."""
+"""The surface of a mesh: its moments, and a test if points lie on it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,20 +17,20 @@ _SAMPLES = 64
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """The surface of a mesh in the object's frame; it does not depend on how the mesh is cut into faces."""
+    """The surface of a mesh in the object's frame, independent of its division into faces."""
 
     object_: Object
 
     @cached_property
     def samples(self) -> Floats:
-        """At most 64 corners and 64 middles of faces, (k, 3) metres, evenly picked."""
+        """Sample points of the surface, (k, 3) metres: up to 64 corners and 64 middles of faces, evenly selected."""
         corners = self.object_.vertices[np.unique(self.object_.faces)]
         middles = self.object_.vertices[self.object_.faces].mean(axis=1)
         return np.vstack([corners[evenly(len(corners), _SAMPLES)], middles[evenly(len(middles), _SAMPLES)]])
 
     @cached_property
     def moments(self) -> tuple[Floats, Floats]:
-        """Middle (3,) and covariance (3, 3) of the surface, every square metre of it weighing the same."""
+        """Middle (3,) and covariance (3, 3) of the surface, weighted by area, metres and square metres."""
         corners = self.object_.vertices[self.object_.faces]
         sides = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
@@ -46,13 +46,12 @@ class Surface:
 
     @property
     def cost(self) -> int:
-        """Steps that `holds` takes for the samples of a mesh like this one, in bounding boxes that are looked at."""
+        """Upper limit of the bounding boxes that `holds` tests for the samples of a mesh of this size."""
         return len(self.samples) * len(self.object_.boxes[0])
 
     def holds(self, points: Floats, tolerance_m: float) -> bool:
-        """Whether every point (k, 3) lies within `tolerance_m` of the surface."""
-        found = _on_surface(points, tolerance_m, self.object_.vertices, self.object_.faces, *self.object_.boxes)
-        return bool(found)
+        """True if every point (k, 3) lies within `tolerance_m` of the surface."""
+        return bool(_on_surface(points, tolerance_m, self.object_.vertices, self.object_.faces, *self.object_.boxes))
 
 
 @kernel
@@ -65,10 +64,10 @@ def _on_surface(
     centres: Floats,
     halves: Floats,
 ) -> bool:
-    """Whether every point is near a face; of faces in boxes, as in `Object.boxes`, only the boxes near it count."""
+    """True if every point is near a face; only the faces in boxes of `Object.boxes` near the point are tested."""
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        found = False
+        near = False
         for box in range(centres.shape[1]):
             if (
                 abs(x - centres[0, box]) > halves[0, box] + tolerance
@@ -81,11 +80,11 @@ def _on_surface(
                     break
                 a, b, c = vertices[faces[f, 0]], vertices[faces[f, 1]], vertices[faces[f, 2]]
                 if _square_distance(points[i], a, b, c) <= tolerance * tolerance:
-                    found = True
+                    near = True
                     break
-            if found:
+            if near:
                 break
-        if not found:
+        if not near:
             return False
     return True
 

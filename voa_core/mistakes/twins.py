@@ -1,6 +1,6 @@
-"""Twin poses: the mesh lies in the same place, and every grasp scores the same; one of them is a mistake.
+"""Twin poses: poses at which the mesh lies in the same place and every grasp has the same score, by mistake.
 
-Poses that look alike but grasp differently are none: telling them apart is what a look is for.
+Poses that look alike but have different grasp scores are no twins: to distinguish them is the purpose of a look.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from voa_core.checks import Floats
 from voa_core.grasps import GraspTable
 from voa_core.mistakes.effort import Effort
-from voa_core.mistakes.found import Mistake, listed
+from voa_core.mistakes.mistake import Mistake, listed
 from voa_core.mistakes.picking import evenly
 from voa_core.mistakes.surface import Surface
 from voa_core.objects import Object
@@ -20,17 +20,17 @@ from voa_core.poses import PoseSet
 
 SAME_PLACE_M = 1e-4
 _MOST_GROUPS = 20
-_STEPS_OF_A_NEIGHBOUR = 50  # a pose that is only looked at costs as much as so many boxes
+_STEPS_OF_A_NEIGHBOUR = 50  # cost of one candidate, in boxes
 
 
 def mistakes_of_twins(poses: PoseSet, table: GraspTable, object_: Object, effort: Effort) -> list[Mistake]:
-    """Find groups of poses at which the mesh lies in the same place within 0.1 mm and all grasps score the same.
+    """Find groups of poses at which the mesh lies in the same place within 0.1 mm and all grasp scores are equal.
 
     Args:
         poses: with geometry.
         table: scores of the grasps at the poses.
         object_: the mesh.
-        effort: `pairs` limits the poses, `boxes` how many placed meshes are compared.
+        effort: `pairs` limits the poses, `boxes` the comparisons of placed meshes.
 
     Returns:
         One mistake for each of the first 20 groups.
@@ -40,21 +40,21 @@ def mistakes_of_twins(poses: PoseSet, table: GraspTable, object_: Object, effort
     index = evenly(len(poses), effort.pairs)
     placed = Placed(Surface(object_), poses.rotations[index], poses.positions[index])
     columns = np.unique(table.scores[:, index], axis=1, return_inverse=True)[1].reshape(-1)
-    found = []
+    mistakes = []
     for group in _groups(placed, columns, effort.boxes):
         names = tuple(poses.names[index[member]] for member in group)
         detail = (
             f"at {listed('pose', names)} the object lies in the same place within 0.1 mm, and every grasp scores the "
             "same: keep one of them and give it their prior together, or the belief is divided among them"
         )
-        found.append(Mistake("twin-poses", detail, names))
-    return found
+        mistakes.append(Mistake("twin-poses", detail, names))
+    return mistakes
 
 
 def _groups(placed: "Placed", columns: NDArray[np.intp], steps: int) -> list[list[int]]:
-    """The first groups of two and more twins, each around its first member; fewer where `steps` do not last.
+    """Find groups of at least two twins, each around its first member, within a number of `steps`.
 
-    Only poses with the same column of scores are compared, and of those only such as have nearly the same moments.
+    Only poses with the same column of scores and nearly the same moments are compared.
     """
     features = placed.features()
     groups: list[list[int]] = []
@@ -96,9 +96,9 @@ class Placed:
     positions: Floats
 
     def features(self) -> Floats:
-        """Nine numbers in metres per pose, (n, 9), that are nearly equal where the mesh lies in the same place.
+        """Features of each pose, (n, 9) metres, which are nearly equal where the mesh lies in the same place.
 
-        The middle of the surface, and its covariance divided by its size.
+        They are the middle of the surface, and its covariance divided by its size.
         """
         middle, covariance = self.surface.moments
         middles = np.einsum("nij,j->ni", self.rotations, middle) + self.positions
@@ -107,7 +107,7 @@ class Placed:
         return np.hstack([middles, covariances[:, rows, columns] / np.sqrt(np.trace(covariance))])
 
     def alike(self, first: int, other: int) -> bool:
-        """Whether samples of the surface at either of two poses lie within 0.1 mm of the surface at the other."""
+        """True if samples of the surface at each of two poses lie within 0.1 mm of the surface at the other."""
         for here, there in ((first, other), (other, first)):
             world = self.surface.samples @ self.rotations[here].T + self.positions[here]
             local = (world - self.positions[there]) @ self.rotations[there]

@@ -1,27 +1,27 @@
-"""Mistakes that show in the numbers themselves: units, grasps that never succeed, a workspace that is not there."""
+"""Mistakes in the numbers of a scenario: units, grasps that never succeed, a missing workspace."""
 
 import math
 
 import numpy as np
 
-from voa_core.mistakes.found import Mistake, listed
+from voa_core.mistakes.mistake import Mistake, listed
 from voa_core.scenario import Scenario
 
 FARTHEST_M = 10.0
-"""No coordinate of a table-top scene is larger, unless it is in millimetres."""
+"""Largest coordinate of a table-top scene, metres; a larger one is probably in millimetres."""
 
 
 def mistakes_of_values(scenario: Scenario) -> list[Mistake]:
-    """Find angles that look like degrees, lengths that look like millimetres, useless grasps, no workspace."""
+    """Find angles in degrees, lengths in millimetres, grasps that never succeed, and a missing workspace."""
     return _degrees(scenario) + _millimetres(scenario) + _useless_grasps(scenario) + _no_workspace(scenario)
 
 
 def _degrees(scenario: Scenario) -> list[Mistake]:
     wrong = [sensor for sensor in scenario.sensors if abs(sensor.yaw_rad) > 2.0 * math.pi]
-    found = []
+    mistakes = []
     if wrong:
         first = wrong[0]
-        found.append(
+        mistakes.append(
             Mistake(
                 "angle-in-degrees",
                 f"the yaw_rad of {listed('sensor', [sensor.name for sensor in wrong])} is more than a turn "
@@ -33,14 +33,14 @@ def _degrees(scenario: Scenario) -> list[Mistake]:
     grid = scenario.lidar.grid
     turns = grid.beams * abs(grid.angle_increment) / (2.0 * math.pi)
     if turns > 1.0 + 1.5 / grid.beams * turns:
-        found.append(
+        mistakes.append(
             Mistake(
                 "angle-in-degrees",
                 f"the lidar's {grid.beams} beams, {grid.angle_increment:g} rad apart, go round {turns:.3g} times: "
                 "is angle_increment in degrees?",
             )
         )
-    return found
+    return mistakes
 
 
 def _millimetres(scenario: Scenario) -> list[Mistake]:
@@ -71,7 +71,7 @@ def _useless_grasps(scenario: Scenario) -> list[Mistake]:
     useless = [scenario.table.names[x] for x in np.flatnonzero(scenario.table.scores.max(axis=1) == 0.0)]
     if not useless:
         return []
-    detail = f"at no pose {listed('grasp', useless)} can succeed: leave out what is useless, or check its row of scores"
+    detail = f"at no pose {listed('grasp', useless)} can succeed: leave it out, or check its row of scores"
     return [Mistake("grasp-never-succeeds", detail)]
 
 

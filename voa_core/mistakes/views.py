@@ -1,4 +1,4 @@
-"""Views of the object from some places: the numbers by which `places` finds mistakes between poses and places."""
+"""Views of the object from the places of a scenario: distances and flags that `places` judges."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,16 +24,16 @@ _AROUND = BeamGrid(64, 0.0, 2.0 * np.pi / 64)
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The k poses that are looked at, from one place.
+    """View of k poses of the object from one place.
 
     Attributes:
         sensor: the place.
         height_m: of its scan plane; None where predictions are given as data.
-        seen: (k,) whether a beam returns from the object, within the range and the workspace.
-        nearest: (k,) range of the nearest hit on a beam, however far, metres; inf for none, and for given predictions.
-        inside: (k,) whether the place lies inside the object, so that it is hit in every direction.
-        met: (k,) whether the scan plane meets the object.
-        out: (k,) how far the object reaches out of the workspace in the scan plane, metres; 0 without a workspace.
+        seen: (k,) True if a beam returns from the object, within the range and the workspace.
+        nearest: (k,) shortest range to the object on a beam, metres, without limit; inf for no hit, and for data.
+        inside: (k,) True if the place lies inside the object, which is then hit in every direction.
+        met: (k,) True if the scan plane meets the object.
+        out: (k,) length by which the object reaches out of the workspace in the scan plane, metres; 0 without one.
     """
 
     sensor: SensorConfiguration
@@ -48,7 +48,7 @@ class View:
 def views_from(
     scenario: Scenario, object_: Object | None, index: Index, sensors: Sequence[SensorConfiguration]
 ) -> list[View]:
-    """Look at the poses `index` (k,) from some of the scenario's places, as many as predictions can be made for.
+    """View the poses `index` (k,) from those of the given places for which predictions can be made.
 
     The object is cut at one height after the other, and each height's cuts are dropped before the next.
     """
@@ -101,7 +101,7 @@ def _seen(scenario: Scenario, sensor: SensorConfiguration, ranges: Floats) -> Bo
 
 
 def _inside(cuts: Contours, sensor: SensorConfiguration) -> Bools:
-    """Whether the sensor stands inside each pose's contours: then it is hit whichever way it looks."""
+    """True, (k,), if the sensor stands inside the contours of a pose: then every beam hits."""
     low, high = _boxes(cuts)
     dx, dy = sensor.x - cuts.placement[:, 2], sensor.y - cuts.placement[:, 3]
     c, s = cuts.placement[:, 0], cuts.placement[:, 1]
@@ -115,9 +115,9 @@ def _inside(cuts: Contours, sensor: SensorConfiguration) -> Bools:
 
 
 def any_along(axis: int, flags: Bools) -> Bools:
-    """Whether any of the flags along an axis is set."""
-    found: Bools = np.logical_or.reduce(flags, axis=axis)
-    return found
+    """True where any of the flags along an axis is set."""
+    some: Bools = np.logical_or.reduce(flags, axis=axis)
+    return some
 
 
 def _boxes(cuts: Contours) -> tuple[Floats, Floats]:
@@ -139,7 +139,7 @@ def _reach_out(
     low: Floats,
     high: Floats,
 ) -> Floats:
-    """How far the contour of every pose reaches out of the box from `low` to `high` (2,), metres, (k,)."""
+    """Length by which the contour of each pose reaches out of the box from `low` to `high` (2,), (k,) metres."""
     out = np.zeros(len(cut_of_pose))
     for pose in range(len(cut_of_pose)):
         c, s, x0, y0 = placement[pose, 0], placement[pose, 1], placement[pose, 2], placement[pose, 3]

@@ -1,1 +1,20 @@
-"""Update rules: how a scan turns into a weight for each pose."""
+"""Update rules: how a scan turns into a weight for each pose.
+
+| file           | rule           | w(o, o~)                                         | source                          |
+|----------------|----------------|--------------------------------------------------|---------------------------------|
+| `margin`       | `margin`       | 1 if every beam agrees within `margin_m`, else 0 | longer paper, tau 1             |
+| `exponential`  | `exponential`  | exp(-d)                                          | longer paper, tau 2             |
+| `gaussian`     | `gaussian`     | exp(-d^2 / (2 sigma_m^2))                        | longer paper, tau 3             |
+| `inverse_rmsd` | `inverse_rmsd` | 1 / max(d / sqrt(beams), floor_m)                | preliminary paper               |
+| `beam`         | `beam`         | (product over beams of a mixture)^temper         | Probabilistic Robotics, 6.3     |
+
+| file           | content                                                                         |
+|----------------|---------------------------------------------------------------------------------|
+| `protocol`     | the interface that every rule implements                                    |
+| `distances`    | the distance d between scans, and the base of the rules that depend on d alone  |
+| `registry`     | the built-in rules by name, their defaults for a lidar, and how to make one |
+| `plugins`      | rules that another package provides, and the checks of what they compute    |
+
+To add a built-in rule: a file here, its class in `registry.RULES`, and its message in `voa_msgs.updates`. To add a rule
+in a package of your own, without a change to this project: `deploy/docs/own-rule.md`.
+"""

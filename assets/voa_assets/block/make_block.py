@@ -15,7 +15,7 @@ import trimesh
 from voa_assets.make_obj import Mesh, canonical, obj_text
 
 _BEYOND = 0.01
-"""What is cut away reaches that far out of the block, so that no two faces lie in one plane."""
+"""Length by which cut-away volumes reach out of the block, so that no two faces lie in one plane."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Block:
 
 
 def make(block: Block | None = None) -> Mesh:
-    """Vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
+    """Make vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
     b = block or Block()
     half = b.size / 2.0
     solid = trimesh.creation.box([b.size] * 3)

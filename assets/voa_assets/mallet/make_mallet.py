@@ -35,7 +35,7 @@ class Mallet:
 
 
 def make(mallet: Mallet | None = None) -> Mesh:
-    """Vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
+    """Make vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
     mallet = mallet or Mallet()
     head = trimesh.creation.box(mallet.head)
     reach = mallet.head[0] / 2.0 + mallet.handle_length

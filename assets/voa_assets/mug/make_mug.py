@@ -48,7 +48,7 @@ class Mug:
 
 
 def make(mug: Mug | None = None) -> Mesh:
-    """Vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
+    """Make vertices (v, 3) in metres and faces (f, 3) of the closed surface, counter-clockwise seen from outside."""
     mug = mug or Mug()
     # The handle runs from wall to wall through the cup; what of it is inside the cup is cut away again.
     solid = trimesh.boolean.union([_cup(mug), _handle(mug)], engine="manifold")
@@ -93,7 +93,7 @@ def _handle(mug: Mug) -> trimesh.Trimesh:
 
 
 def _tube(rings: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices and faces of the closed tube through rings (k, s, 3) of corners, each end a fan."""
+    """Make the vertices and faces of the closed tube through rings (k, s, 3) of corners, each end a fan."""
     count, sides = rings.shape[:2]
     corner = np.arange(count * sides).reshape(count, sides)
     beside = np.roll(corner, -1, axis=1)
@@ -104,14 +104,14 @@ def _tube(rings: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.i
 
 
 def _cavity(mug: Mug) -> trimesh.Trimesh:
-    """The cup's inside, higher than the cup, so that no face of it lies in the plane of the rim."""
+    """Make the inside of the cup, higher than the cup, so that no face of it lies in the plane of the rim."""
     inside, top = mug.radius - mug.wall, 2.0 * mug.height
     profile = [[0.0, mug.floor], [inside, mug.floor], [inside, top], [0.0, top]]
     return trimesh.creation.revolve(np.array(profile), sections=mug.sections)
 
 
 def to_obj(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> str:
-    """The text of a Wavefront OBJ file, in metres."""
+    """Write a mesh in metres as the text of a Wavefront OBJ file."""
     return obj_text("mug", vertices, faces)
 
 

@@ -27,6 +27,7 @@ from voa_cli.replay.sessions import show_session, show_sessions
 from voa_client import Client, Scenario, VoaClientError
 from voa_client.local import service_at
 from voa_client.scenario_files import load_scenario
+from voa_msgs.updates import BUILT_IN
 from voa_recordings.experiment import read_experiment
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import Recording, is_recording
@@ -69,8 +70,9 @@ def _replay(options: argparse.Namespace, console: Console) -> int:
 
 def _replay_experiment(options: argparse.Namespace, console: Console) -> int:
     experiment = read_experiment(options.path)
+    rules = [rule for names in options.rules for rule in names]
     with service_at(options.url) as client, shown_progress("replaying") as progress:
-        report = replay_experiment(client, experiment, options.predict, options.rules, progress)
+        report = replay_experiment(client, experiment, options.predict, rules, progress)
     if options.json:
         _print_json(report.model_dump())
         return 0
@@ -139,6 +141,14 @@ def _print_json(document: dict[str, Any]) -> None:
     print()
 
 
+def _names(text: str) -> list[str]:
+    """Split names at commas; raises ValueError where one is empty."""
+    names = text.split(",")
+    if not all(names):
+        raise ValueError(text)
+    return names
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa replay",
@@ -161,9 +171,11 @@ def _parser() -> argparse.ArgumentParser:
     experiment.add_argument(
         "--rules",
         nargs="+",
-        choices=[*RULES, "beam"],
-        default=list(RULES),
-        help=f"update rules (default {' '.join(RULES)})",
+        metavar="NAME[,NAME]",
+        type=_names,
+        default=[list(RULES)],
+        help=f"update rules, built in ({', '.join(BUILT_IN)}) or provided to the service by another package "
+        f"(default {','.join(RULES)})",
     )
     bag = parser.add_argument_group("scans of robots, in a bag or recording")
     bag.add_argument(

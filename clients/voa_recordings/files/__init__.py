@@ -1,1 +1,1 @@
-"""Recordings as files: MCAP that we write, and what ROS 2 records, read whole or as far as it goes. No network."""
+"""Recordings as files: MCAP files are written and read, bags of ROS 2 and ROS 1 read, damaged ones in part."""

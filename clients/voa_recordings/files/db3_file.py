@@ -1,11 +1,11 @@
-"""SQLite files of rosbag2, read by SQLite itself: whole, or as far as they go.
+"""SQLite files of rosbag2, read by SQLite itself: whole, or up to where they are damaged.
 
-A file is never opened for writing, and nothing is made beside it. What its recorder had not yet carried over from the
-write-ahead log (`bag_0.db3-wal`) or had begun to change (`-journal`) is read from a copy in a temporary folder, since
-SQLite has to write there to do so; likewise a file that ends within a page, without that page. The folder needs room
-for it (TMPDIR names another).
+A file is never opened for writing, and no file is created beside it. A file with a write-ahead log (`bag_0.db3-wal`) or
+a journal (`-journal`) is read from a copy in a temporary folder, because SQLite has to write there to use them; so is a
+file that ends within a page, without that page. The temporary folder needs room for the copy (TMPDIR names another
+folder).
 
-In memory are 8 bytes per message: its number, in the order of the log times.
+Reading takes 8 bytes of memory per message: its row number, in the order of the log times.
 """
 
 import os
@@ -22,21 +22,21 @@ from urllib.parse import quote
 from voa_recordings.files.message import RecordedMessage, UnreadableRecording
 
 SIDECARS = ("-wal", "-journal")
-_GAP = 10_000  # so many row numbers after one that can be read are tried one by one
+_GAP = 10_000  # row numbers after the last readable one that are tried one by one
 
 _Topic = tuple[str, str, str]
 """Name, type and encoding."""
 
 
 class Db3File:
-    """Reads one file.
+    """Reader of an SQLite file of rosbag2.
 
     Attributes:
         topics: name to type, of all topics.
     """
 
     def __init__(self, path: Path, stack: ExitStack) -> None:
-        """Prepare to read `path`; what is opened and copied lasts as long as `stack`."""
+        """Prepare to read `path`; the connection and copies are closed and removed with `stack`."""
         self.topics: dict[str, str] = {}
         self._path = path
         self._stack = stack
@@ -50,19 +50,19 @@ class Db3File:
 
     @property
     def damage(self) -> list[str]:
-        """Predicates of the file, so far as it has been read."""
-        found = [f"was left with {log}: its recorder did not end in order" for log in self._logs]
+        """Damage of the file that was noticed so far, as predicates ("ends in the middle")."""
+        damage = [f"was left with {log}: its recorder did not end in order" for log in self._logs]
         if self._is_cut:
-            found.append("ends in the middle")
+            damage.append("ends in the middle")
         elif self._why is not None:
-            found.append(f"is damaged ({self._why})")
-        return found + ([f"has {self._lost} messages that cannot be read"] if self._lost else [])
+            damage.append(f"is damaged ({self._why})")
+        return damage + ([f"has {self._lost} messages that cannot be read"] if self._lost else [])
 
     def scan(self) -> int | None:
-        """Find all messages; the smallest log time, None: no message.
+        """Find all messages, and return the smallest log time in nanoseconds; None: there is no message.
 
         Raises:
-            UnreadableRecording: it is no recording of rosbag2, or its topics cannot be read.
+            UnreadableRecording: the file is no recording of rosbag2, or its topics cannot be read.
         """
         self._database = self._stack.enter_context(closing(self._opened()))
         try:
@@ -74,8 +74,8 @@ class Db3File:
             self._rows.extend(row for (row,) in self._database.execute(in_order))
         except sqlite3.Error as error:
             self._why = str(error)
-            found = sorted(_salvaged(self._database))
-            self._rows = array("q", (row for _, row in found))
+            salvaged = sorted(_salvaged(self._database))
+            self._rows = array("q", (row for _, row in salvaged))
         for row in self._rows:
             message = self._message(row)
             if message is not None:
@@ -93,7 +93,7 @@ class Db3File:
                 yield message
 
     def _opened(self) -> sqlite3.Connection:
-        path = self._path.resolve()  # the log of a link's target is beside the target
+        path = self._path.resolve()  # a link's target has its log beside it
         beside = [path.with_name(path.name + ending) for ending in SIDECARS]
         logs = [log for log in beside if log.is_file() and log.stat().st_size]
         self._logs = [log.name for log in logs]
@@ -101,19 +101,19 @@ class Db3File:
             shape = _Shape.of(path)
             self._is_cut = shape.missing_bytes > 0 and not logs
             if not logs and not shape.torn_bytes:
-                address = f"file:{quote(str(path))}?immutable=1"  # else SQLite would make a file beside it
+                address = f"file:{quote(str(path))}?immutable=1"  # without it, SQLite creates a file beside it
             else:
                 copy = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="voa-"))) / path.name
                 for file in (path, *logs):
                     shutil.copyfile(file, copy.with_name(file.name))
-                os.truncate(copy, shape.bytes - shape.torn_bytes)  # else SQLite fills the last page up with zeros
+                os.truncate(copy, shape.bytes - shape.torn_bytes)  # or SQLite fills the last page with zeros
                 address = f"file:{quote(str(copy))}"
             database = sqlite3.connect(address, uri=True)
         except (OSError, sqlite3.Error) as error:
             where = f" from a copy in {tempfile.gettempdir()}" if logs or self._is_cut else ""
             raise UnreadableRecording(f"{self._path} cannot be opened{where}: {error}") from error
         database.text_factory = _text
-        # A file that is shorter than it says is refused otherwise, although the rest of it can be read.
+        # Without this, SQLite refuses a file that is shorter than its header says, though the rest can be read.
         database.execute("PRAGMA writable_schema=ON")
         return database
 
@@ -127,7 +127,7 @@ class Db3File:
         if "message_definitions" in tables:
             try:
                 self._define()
-            except sqlite3.Error as error:  # messages are read without, as those of older releases
+            except sqlite3.Error as error:  # messages can be read without definitions, as in files of older releases
                 self._why = str(error)
 
     def _define(self) -> None:
@@ -138,26 +138,25 @@ class Db3File:
         """Read one message; None: it cannot be read."""
         query = "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?"
         try:
-            found = self._database.execute(query, (row,)).fetchone()
+            fields = self._database.execute(query, (row,)).fetchone()
         except sqlite3.Error as error:
             self._why = self._why or str(error)
             return None
-        if found is None or found[0] not in self._topics or not isinstance(found[1], int):
+        topic, log_ns, data = (None, None, None) if fields is None else fields
+        if topic not in self._topics or not isinstance(log_ns, int) or not isinstance(data, bytes):
             return None
-        if not isinstance(found[2], bytes):
-            return None
-        name, type_name, encoding = self._topics[found[0]]
+        name, type_name, encoding = self._topics[topic]
         schema = self._definitions.get(type_name, ("", ""))
-        return RecordedMessage(name, type_name, encoding, found[1], found[2], schema)
+        return RecordedMessage(name, type_name, encoding, log_ns, data, schema)
 
 
 class _Shape(NamedTuple):
-    """How long a database is, by its file and by its header.
+    """The length of a database by its file and by its header.
 
     Attributes:
-        bytes: of the file.
-        torn_bytes: after the last whole page.
-        missing_bytes: of the pages that the header counts; 0 where it does not say.
+        bytes: length of the file.
+        torn_bytes: bytes after the last whole page.
+        missing_bytes: bytes of pages that the header counts and the file lacks; 0 if the header has no count.
     """
 
     bytes: int
@@ -179,34 +178,34 @@ class _Shape(NamedTuple):
 
 
 def _salvaged(database: sqlite3.Connection) -> Iterator[tuple[int, int]]:
-    """Find log time and number of the messages of a damaged file, on both sides of what cannot be read."""
-    found: tuple[int, int] | None = (0, 0)
-    while found is not None:
-        after = found[1]
+    """Find log time and row number of the messages of a damaged file, before and after its unreadable part."""
+    message: tuple[int, int] | None = (0, 0)
+    while message is not None:
+        after = message[1]
         try:
             rows = "SELECT timestamp, rowid FROM messages NOT INDEXED WHERE rowid > ? ORDER BY rowid"
             for stamp, row in database.execute(rows, (after,)):
-                if row <= after or not isinstance(stamp, int):  # of a page of which the end is missing
+                if row <= after or not isinstance(stamp, int):  # the page's end is missing
                     raise sqlite3.DatabaseError("expected rows in order")
                 after = row
                 yield stamp, row
         except sqlite3.Error:
-            found = _next_readable(database, after)
-            if found is not None:
-                yield found
+            message = _next_readable(database, after)
+            if message is not None:
+                yield message
         else:
             return
 
 
 def _next_readable(database: sqlite3.Connection, after: int) -> tuple[int, int] | None:
-    """Find the next message after a damage that can be read; None: there is none nearby."""
+    """Find log time and row number of the next readable message; None: none within 10 000 rows."""
     for row in range(after + 1, after + _GAP):
         try:
-            found = database.execute("SELECT timestamp FROM messages WHERE rowid = ?", (row,)).fetchone()
+            fields = database.execute("SELECT timestamp FROM messages WHERE rowid = ?", (row,)).fetchone()
         except sqlite3.Error:
             continue
-        if found is not None and isinstance(found[0], int):
-            return found[0], row
+        if fields is not None and isinstance(fields[0], int):
+            return fields[0], row
     return None
 
 

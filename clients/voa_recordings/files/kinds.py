@@ -1,4 +1,4 @@
-"""Kinds of files, by their first bytes: storages of messages, compressed files, archives."""
+"""Kinds of files, recognised by their first bytes: storages of messages, compressed files, archives."""
 
 from enum import Enum
 from pathlib import Path
@@ -7,7 +7,7 @@ from voa_recordings.files.message import UnreadableRecording
 
 
 class Kind(Enum):
-    """A kind of file, told by its content whatever its name is."""
+    """A kind of file, recognised by its first bytes, not by its name."""
 
     MCAP = "an MCAP file"
     SQLITE = "an SQLite database"
@@ -45,7 +45,7 @@ _TAR, _TAR_AT = b"ustar", 257
 
 
 def kind_of(path: Path) -> Kind:
-    """Tell the kind of a file; raises UnreadableRecording where it cannot be opened."""
+    """Recognise the kind of a file by its first bytes; raises UnreadableRecording if it cannot be opened."""
     try:
         with path.open("rb") as file:
             head = file.read(_TAR_AT + len(_TAR))
@@ -59,11 +59,11 @@ def kind_of(path: Path) -> Kind:
 
 
 def without_packing(name: str) -> str:
-    """A file's name without the ending of its compression: "bag_0.db3.zstd" is "bag_0.db3"."""
+    """Remove the ending of a compression from a file name: "bag_0.db3.zstd" becomes "bag_0.db3"."""
     stem, ending = name.rpartition(".")[0], name.rpartition(".")[2]
     return stem if stem and f".{ending}" in PACKED_ENDINGS else name
 
 
 def is_named_so(name: str) -> bool:
-    """Whether a file is named like a storage, compressed or not."""
+    """True if a file name ends like that of a storage (.mcap, .db3, .bag), compressed or not."""
     return without_packing(name).endswith(ENDINGS)

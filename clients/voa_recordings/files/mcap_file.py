@@ -1,11 +1,11 @@
-"""MCAP files, read from the front: whole, or as far as they go.
+"""MCAP files, read from the front: whole, or up to where they are damaged.
 
 A robot that loses power leaves a file without its end, perhaps cut inside a chunk or followed by zeros. Reading from
-the front needs no index, and whatever stands before the damage is given.
+the front needs no index, and gives all messages before the damage.
 
-The file is read twice: once to see how far it goes and when each chunk begins, then chunk by chunk by log time. In
-memory are, besides a few numbers per chunk, only the chunks whose log times overlap: one or two where a recorder wrote
-as it received, one per topic where a file has topic after topic. Messages outside of chunks are taken a megabyte at a
+The file is read twice: once to find its readable end and the first log time of each chunk, then chunk by chunk by log
+time. Only chunks whose log times overlap are in memory together: one or two where a recorder wrote messages as it
+received them, one per topic where a file has topic after topic. Messages outside of chunks are read a megabyte at a
 time.
 """
 
@@ -33,7 +33,7 @@ _TOGETHER_BYTES = 1 << 20
 
 @dataclass
 class _Stretch:
-    """A chunk, or messages that stand outside of chunks: bytes of the file, and how many messages are good."""
+    """A chunk, or messages between chunks: its bytes in the file, and the number of its readable messages."""
 
     start: int
     end: int
@@ -43,11 +43,11 @@ class _Stretch:
 
 
 class McapFile:
-    """Reads one file.
+    """Reader of an MCAP file.
 
     Attributes:
         topics: name to type, of all channels.
-        damage: predicates of the file, at most one before it is read and one after.
+        damage: of the file, as predicates ("ends in the middle"); at most one from `scan` and one from `messages`.
     """
 
     def __init__(self, path: Path) -> None:
@@ -59,7 +59,7 @@ class McapFile:
         self._stretches: list[_Stretch] = []
 
     def scan(self) -> int | None:
-        """Read from the front up to the end or to the damage; the smallest log time, None: no message.
+        """Read up to the end or the damage, and return the smallest log time in nanoseconds; None: there is no message.
 
         Raises:
             UnreadableRecording: the file cannot be opened, or is not MCAP.
@@ -79,7 +79,7 @@ class McapFile:
         """Give every message before the damage, by log time; equal times in the order of the file.
 
         Raises:
-            UnreadableRecording: the file cannot be opened any more.
+            UnreadableRecording: the file can no longer be opened.
         """
         try:
             with _Whole(self._path.open("rb", buffering=0)) as file:
@@ -125,18 +125,18 @@ class McapFile:
         last.end, last.count, last.first_ns = end, last.count + 1, min(last.first_ns, log_ns)
 
     def _read(self, file: "_Whole", stretch: _Stretch) -> Iterator[RecordedMessage]:
-        """Read a stretch again, into memory."""
+        """Read the messages of a stretch into memory, and give them by log time."""
         file.seek(stretch.start)
         records = StreamReader(file, skip_magic=True, emit_chunks=True, record_size_limit=_size(file)).records
-        found: list[RecordedMessage] = []
+        messages: list[RecordedMessage] = []
         try:
             while file.tell() < stretch.end:
                 for part in _parts(next(records)):
-                    if isinstance(part, Message) and len(found) < stretch.count:
-                        found.append(self._message(part))
+                    if isinstance(part, Message) and len(messages) < stretch.count:
+                        messages.append(self._message(part))
         except (StopIteration, *_CUT, *_DAMAGED):
             self.damage[1:] = ["was changed while it was read"]
-        return iter(sorted(found, key=lambda message: message.log_ns))
+        return iter(sorted(messages, key=lambda message: message.log_ns))
 
     def _message(self, record: Message) -> RecordedMessage:
         channel = self._channels[record.channel_id]
@@ -153,7 +153,7 @@ class McapFile:
 
 
 def _parts(record: McapRecord) -> list[McapRecord]:
-    """Take a chunk apart; any other record is its only part."""
+    """Split a chunk into its records; any other record is returned alone."""
     if not isinstance(record, Chunk):
         return [record]
     if record.compression not in _COMPRESSIONS:
@@ -164,7 +164,7 @@ def _parts(record: McapRecord) -> list[McapRecord]:
         raise McapError(str(error)) from error
     except _DAMAGED:
         raise
-    except Exception as error:  # whatever a decompressor raises for bytes that are not its own
+    except Exception as error:  # decompressors raise errors of many kinds for bytes that they did not write
         raise McapError(str(error)) from error
 
 
@@ -173,10 +173,10 @@ def _size(file: BufferedReader) -> int:
 
 
 class _Whole(BufferedReader):
-    """A file that gives all the bytes that were asked for, or says that it has ended."""
+    """A file whose `read` returns all requested bytes, or raises EndOfFile."""
 
     def read(self, size: int | None = -1, /) -> bytes:
-        """Lengths in a damaged file lie: what is not there is not even asked for."""
+        """Read `size` bytes; raises EndOfFile before it reserves memory for bytes that a damaged length claims."""
         if size is not None and size > _size(self) - self.tell():
             raise EndOfFile
         return super().read(size)

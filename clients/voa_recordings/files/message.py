@@ -1,4 +1,4 @@
-"""The message of a recording, and the error of a recording that cannot be read."""
+"""Messages of recordings, and the error for a recording that cannot be read."""
 
 from dataclasses import dataclass, field
 
@@ -6,12 +6,12 @@ from voa_client import VoaClientError
 
 
 class UnreadableRecording(VoaClientError):
-    """A recording that is none, or that has nothing in it that can be used."""
+    """A file or folder is no recording, or has no message that can be used; the message says why."""
 
 
 @dataclass(frozen=True)
 class RecordedMessage:
-    """One message of a recording."""
+    """A message of a recording, with its topic and type."""
 
     topic: str
     type_name: str
@@ -19,9 +19,9 @@ class RecordedMessage:
     encoding: str
     """"cdr", "json", "ros1"."""
     log_ns: int
-    """When it was recorded, nanoseconds since 1970."""
+    """Time at which it was recorded, nanoseconds since 1970."""
     data: bytes
     schema: tuple[str, str] = field(repr=False, default=("", ""))
-    """Encoding and text of the type's definition."""
+    """Encoding and text of the definition of the message's type."""
     key: str = ""
     """The Zenoh key on which `voa record` received it; "" where there is none."""

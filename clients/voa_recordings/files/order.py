@@ -1,4 +1,4 @@
-"""Messages in the order of their log times, from pieces that each fit into memory."""
+"""Merging of messages by log time, from pieces that each fit into memory."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -9,10 +9,10 @@ from voa_recordings.files.message import RecordedMessage
 
 
 class Piece(NamedTuple):
-    """A part of a recording that can be opened when its time has come.
+    """A part of a recording that is opened when the log time of its first message is reached.
 
     Attributes:
-        first_ns: the smallest log time in it.
+        first_ns: its smallest log time, nanoseconds.
         read: gives its messages in the order of their log times.
     """
 
@@ -21,31 +21,32 @@ class Piece(NamedTuple):
 
 
 class Storage(Protocol):
-    """One file of a recording."""
+    """Reader of a storage file of a recording."""
 
     @property
     def topics(self) -> dict[str, str]:
-        """Name to type, of all topics."""
+        """Type of each topic, by the topic's name."""
 
     @property
     def damage(self) -> list[str]:
-        """Predicates of the file ("ends in the middle"): what is wrong with it, so far as it has been read."""
+        """Damage of the file that was noticed so far, as predicates ("ends in the middle")."""
 
     def scan(self) -> int | None:
-        """Read through the file once and return its smallest log time; None: it has no message.
+        """Read through the file once and return its smallest log time in nanoseconds; None: it has no message.
 
         Raises:
-            UnreadableRecording: nothing of it can be read.
+            UnreadableRecording: no part of the file can be read.
         """
 
     def messages(self) -> Iterator[RecordedMessage]:
-        """Give every message that can be read in the order of the log times, after `scan`."""
+        """Give every readable message by log time; called after `scan`."""
 
 
 def in_log_order(pieces: Iterable[Piece]) -> Iterator[RecordedMessage]:
     """Give the messages of all pieces by log time; equal times come in the order of the pieces.
 
-    A piece is opened when the time of its first message has come: those are open together whose times overlap.
+    A piece is opened when the log time of its first message is reached, so that only pieces whose times overlap are
+    open at once.
     """
     waiting = deque(sorted(enumerate(pieces), key=lambda numbered: numbered[1].first_ns))
     heads: list[tuple[int, int, RecordedMessage, Iterator[RecordedMessage]]] = []

@@ -1,7 +1,7 @@
-"""Compressed files and compressed messages, as rosbag2 and people make them.
+"""Compressed files and compressed messages, as rosbag2 and common tools make them.
 
-A compressed file is unpacked into a temporary folder, since storages are read in no fixed order; that folder needs
-room for it (TMPDIR names another). A file that was cut is unpacked as far as it goes.
+A compressed file is unpacked into a temporary folder, because a storage is not read from front to back; that folder
+needs room for it (TMPDIR names another). A file that was cut off is unpacked up to its end.
 """
 
 import bz2
@@ -19,7 +19,7 @@ import zstandard
 from voa_recordings.files.kinds import Kind, kind_of, without_packing
 from voa_recordings.files.message import UnreadableRecording
 
-_BLOCK = 1 << 14  # small: a few bytes can become very many
+_BLOCK = 1 << 14  # small, because a few bytes can unpack to very many
 _MOST_MESSAGE_BYTES = 1 << 28
 _MOST_LAYERS = 4
 _GZIP_BITS = 31
@@ -27,7 +27,7 @@ _BROKEN = (EOFError, lzma.LZMAError, zlib.error, zstandard.ZstdError)
 
 
 class Unpacked(NamedTuple):
-    """A file that is not compressed, and predicates of the one that was."""
+    """A file without compression, its kind, and the damage of the compressed file, as predicates."""
 
     path: Path
     kind: Kind
@@ -35,10 +35,10 @@ class Unpacked(NamedTuple):
 
 
 def unpacked(path: Path, stack: ExitStack) -> Unpacked:
-    """Unpack a file if it is compressed; what comes of it lasts as long as `stack`.
+    """Unpack a file if it is compressed; the unpacked file is removed with `stack`.
 
     Raises:
-        UnreadableRecording: it is an archive, is compressed in a way that is not read here, or there is no room; the
+        UnreadableRecording: it is an archive, is compressed in an unsupported format, or there is no room for it; the
             message names the command that unpacks it.
     """
     kind, damage, current = kind_of(path), [], path
@@ -62,7 +62,7 @@ def unpacked_message(data: bytes) -> bytes:
     """Unpack a message that rosbag2 compressed (compression_mode: MESSAGE, by zstd).
 
     Raises:
-        ValueError: it is no whole zstd frame, or is larger than 256 MiB.
+        ValueError: the data are not a complete zstd frame, or are larger than 256 MiB unpacked.
     """
     try:
         return zstandard.ZstdDecompressor().decompress(_bounded(data), max_output_size=_MOST_MESSAGE_BYTES)
@@ -73,12 +73,12 @@ def unpacked_message(data: bytes) -> bytes:
 def _bounded(data: bytes) -> bytes:
     size = zstandard.frame_content_size(data)
     if size > _MOST_MESSAGE_BYTES:
-        raise ValueError(f"expected a message of at most {_MOST_MESSAGE_BYTES} bytes, told {size}")
+        raise ValueError(f"expected a message of at most {_MOST_MESSAGE_BYTES} bytes, its header says {size}")
     return data
 
 
 def _unpack(source: Path, target: Path, kind: Kind, given: Path) -> bool:
-    """Whether all of it could be unpacked; raises UnreadableRecording where the target cannot be written."""
+    """Unpack a file; False if only a part could be. Raises UnreadableRecording if the target cannot be written."""
     try:
         with source.open("rb") as packed, target.open("wb") as plain:
             return _stream(packed, plain, _DECOMPRESSORS[kind])
@@ -91,7 +91,7 @@ def _unpack(source: Path, target: Path, kind: Kind, given: Path) -> bool:
 
 
 def _stream(packed: IO[bytes], plain: IO[bytes], make: Callable[[], "_Decompressor"]) -> bool:
-    """Whether all streams of a file are whole; what can be unpacked is written."""
+    """Unpack all streams of a file; False if one is broken or cut off, and then the part before it is written."""
     stream, is_begun = make(), False
     while block := packed.read(_BLOCK):
         while block:
@@ -99,7 +99,7 @@ def _stream(packed: IO[bytes], plain: IO[bytes], make: Callable[[], "_Decompress
                 out = stream.decompress(block)
             except _BROKEN:
                 return False
-            except OSError:  # bz2's way to say that the bytes are not its own
+            except OSError:  # bz2 raises this for bytes that it did not write
                 return False
             plain.write(out)
             block, is_begun = (stream.unused_data, False) if stream.eof else (b"", True)
@@ -109,18 +109,18 @@ def _stream(packed: IO[bytes], plain: IO[bytes], make: Callable[[], "_Decompress
 
 
 class _Decompressor(Protocol):
-    """A decompressor of one stream, as the standard library has them."""
+    """A decompressor of a single stream, with the interface of the standard library's decompressors."""
 
     @property
     def eof(self) -> bool:
-        """Whether the stream has ended."""
+        """True once the end of the stream was reached."""
 
     @property
     def unused_data(self) -> bytes:
-        """Bytes that were given after its end."""
+        """Bytes that followed the end of the stream."""
 
     def decompress(self, data: bytes, /) -> bytes:
-        """Unpack what comes next."""
+        """Unpack the next bytes of the stream."""
 
 
 _DECOMPRESSORS: dict[Kind, Callable[[], _Decompressor]] = {

@@ -1,7 +1,7 @@
-"""Any recording: an MCAP file, a rosbag2 folder (MCAP or SQLite inside), a bare storage file, or a ROS 1 bag.
+"""Reader of recordings: MCAP files, rosbag2 folders (MCAP or SQLite inside), bare storage files, and ROS 1 bags.
 
-However they are stored, messages come in the order of their log times. What a crash, a rename or a lost file leaves is
-read as far as it goes; `Recording.damage` then says what is wrong.
+Messages are given in the order of their log times, whatever the storage. Of a recording that a crash, or a renamed or
+lost file, left damaged, all readable messages are given, and `Recording.damage` describes the damage.
 """
 
 import shlex
@@ -24,7 +24,7 @@ _COMPRESSIONS = ("", "zstd")
 
 
 def is_recording(path: Path) -> bool:
-    """Whether `path` looks like a recording: by its first bytes, its name, or what is in the folder."""
+    """True if `path` looks like a recording, by its first bytes, its name, or the files in the folder."""
     try:
         if path.is_dir():
             return (path / METADATA).is_file() or bool(storages(path))
@@ -34,11 +34,11 @@ def is_recording(path: Path) -> bool:
 
 
 class Recording:
-    """The recording at `path`, whatever it is stored in.
+    """A recording, read from a file or folder.
 
     Attributes:
-        topics: name to type, of what has been read so far.
-        recovered: messages read so far.
+        topics: type of each topic by its name, of the files opened so far.
+        recovered: number of messages read so far.
     """
 
     def __init__(self, path: Path, types: RosTypes) -> None:
@@ -50,14 +50,14 @@ class Recording:
 
     @property
     def damage(self) -> str | None:
-        """All that is wrong with the recording so far, as predicates ("ends in the middle"); None: nothing."""
+        """Damage that was noticed so far, as predicates separated by semicolons ("ends in the middle"); None: none."""
         several = len(self._read) > 1
-        found = list(self._damage)
+        damage = list(self._damage)
         for name, storage, packing in self._read:
-            found += [f"has {name}, which {what}" if several else what for what in (*packing, *storage.damage)]
+            damage += [f"has {name}, which {what}" if several else what for what in (*packing, *storage.damage)]
         if self._packed:
-            found.append(f"has {self._packed} messages that cannot be decompressed")
-        return "; ".join(found) or None
+            damage.append(f"has {self._packed} messages that cannot be decompressed")
+        return "; ".join(damage) or None
 
     @property
     def summary(self) -> str:
@@ -66,10 +66,12 @@ class Recording:
         return f" (found: {topics or 'nothing'}{'' if self.damage is None else '; it ' + self.damage})"
 
     def messages(self) -> Iterator[RecordedMessage]:
-        """Give all messages by log time, equal times as stored; ROS payloads that a look needs in the standard layout.
+        """Give all messages by log time, those of equal times in the order of storage.
+
+        ROS messages that looks are made from (scans, odometry, poses) are given in the layout of ROS 2 Jazzy.
 
         Raises:
-            UnreadableRecording: nothing of it can be read.
+            UnreadableRecording: no message can be read.
         """
         self._begin()
         with ExitStack() as stack:
@@ -81,10 +83,10 @@ class Recording:
                     self.recovered += 1
                     yield self._standard(plain)
             if folder.messages is not None and self.recovered < folder.messages:
-                self._damage.append(f"should have {folder.messages} messages, says its {METADATA}")
+                self._damage.append(f"has fewer messages than the {folder.messages} that its {METADATA} counts")
 
     def _begin(self) -> None:
-        """Forget what was read: another reading begins at the front."""
+        """Reset all counts, so that the recording can be read again from its beginning."""
         self.topics, self.recovered, self._packed = {}, 0, 0
         self._damage: list[str] = []
         self._read: list[tuple[str, Storage, list[str]]] = []
@@ -100,14 +102,14 @@ class Recording:
         if folder.compression not in _COMPRESSIONS:
             where = shlex.quote(str(self._path))
             raise UnreadableRecording(
-                f"{self._path}: its messages are compressed by {folder.compression!r}, expected zstd; with "
+                f"{self._path}: its messages are compressed by {folder.compression!r}, but only zstd can be read; with "
                 "`output_bags: [{uri: plain, all: true}]` in plain.yaml, "
                 f"`ros2 bag convert -i {where} -o plain.yaml` decompresses them"
             )
         return folder
 
     def _pieces(self, folder: Folder, stack: ExitStack) -> list[Piece]:
-        """Scan every file; raises UnreadableRecording where none can be read."""
+        """Scan every file of a recording; raises UnreadableRecording if none can be read."""
         pieces, refused = [], []
         for file in folder.files:
             try:
@@ -136,14 +138,14 @@ class Recording:
             case Kind.ROS1:
                 storage = Ros1File(path, self._types, stack)
             case _:
-                what = kind.value if path == file else f"{kind_of(file).value}, and what is inside is {kind.value}"
+                what = kind.value if path == file else f"{kind_of(file).value}, and the file inside is {kind.value}"
                 raise UnreadableRecording(
                     f"{file} is {what}; expected an MCAP file, a database of rosbag2 (.db3), or a ROS 1 bag"
                 )
         return storage, damage
 
     def _plain(self, message: RecordedMessage) -> RecordedMessage | None:
-        """Decompress what rosbag2 compressed message by message; no CDR begins like a zstd frame. None: it cannot."""
+        """Decompress a message that rosbag2 compressed (no CDR begins like a zstd frame); None: it is damaged."""
         if message.encoding != "cdr" or not message.data.startswith(ZSTD_MAGIC):
             return message
         try:

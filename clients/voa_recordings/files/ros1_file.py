@@ -1,4 +1,4 @@
-"""ROS 1 bags, read by rosbags: messages that a look needs become CDR, others stay as they are."""
+"""ROS 1 bags, read by the library rosbags; messages that looks are made from are converted to ROS 2's CDR."""
 
 import shlex
 from collections.abc import Iterator
@@ -13,15 +13,15 @@ from voa_recordings.files.ros_types import RosTypes
 
 
 class Ros1File:
-    """Reads one bag.
+    """Reader of a ROS 1 bag.
 
     Attributes:
-        topics: name to type, of all topics; types are named as ROS 2 names them.
-        damage: predicates of the file, so far as it has been read.
+        topics: type of each topic, by its name; types are named as in ROS 2.
+        damage: of the file, noticed so far, as predicates ("ends in the middle").
     """
 
     def __init__(self, path: Path, types: RosTypes, stack: ExitStack) -> None:
-        """Prepare to read `path`; it is open as long as `stack`."""
+        """Prepare to read `path`; the file is closed with `stack`."""
         self.topics: dict[str, str] = {}
         self.damage: list[str] = []
         self._path = path
@@ -29,33 +29,33 @@ class Ros1File:
         self._stack = stack
 
     def scan(self) -> int | None:
-        """Read the bag's index; the smallest log time, None: no message.
+        """Read the bag's index, and return the smallest log time in nanoseconds; None: there is no message.
 
         Raises:
             UnreadableRecording: the bag has no index, or a damaged one; the message names the command that repairs it.
         """
         try:
             self._reader = self._stack.enter_context(Reader(self._path))
-        except Exception as error:  # rosbags asserts, too, what a damaged bag does not keep
+        except Exception as error:  # rosbags raises AssertionError, too, for a damaged bag
             where = shlex.quote(str(self._path))
             raise UnreadableRecording(
                 f"{self._path} is a ROS 1 bag that cannot be read ({error or type(error).__name__}); `rosbag reindex "
-                f"{where}` makes its index anew, `rosbags-convert --src {where} --dst CONVERTED` converts a whole bag"
+                f"{where}` rebuilds its index, `rosbags-convert --src {where} --dst CONVERTED` converts a whole bag"
             ) from error
         self.topics = {each.topic: each.msgtype for each in self._reader.connections}
         return self._reader.start_time if self._reader.message_count else None
 
     def messages(self) -> Iterator[RecordedMessage]:
-        """Give every message before a damage, by log time."""
+        """Give every message before the damage, by log time."""
         sums = self._types.ros1_sums()
         alike = {each.id: sums.get(each.msgtype) == each.digest for each in self._reader.connections}
-        found = self._reader.messages()
+        messages = self._reader.messages()
         while True:
             try:
-                connection, log_ns, data = next(found)
+                connection, log_ns, data = next(messages)
             except StopIteration:
                 return
-            except Exception as error:  # of whatever reads or decompresses the bag: what was read remains
+            except Exception as error:  # rosbags and its decompressors raise many kinds; messages before stay valid
                 self.damage.append(f"is damaged ({error or type(error).__name__})")
                 return
             yield self._message(connection, log_ns, data, alike=alike[connection.id])

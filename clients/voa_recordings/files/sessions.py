@@ -1,10 +1,10 @@
-"""The sessions in a recording: each with its scenario, its history, and what it believed.
+"""The sessions in a recording: each with its scenario, its history, and its beliefs.
 
 | topic                           | message                              | how often                                |
 |---------------------------------|--------------------------------------|------------------------------------------|
 | `/voa/<session>/scenario`       | `scenarios.Scenario`                 | once                                     |
 | `/voa/<session>/history`        | `sessions.HistoryEntry`              | each version, in order                   |
-| `/voa/<session>/belief`         | `sessions.Session`                   | each version that was heard              |
+| `/voa/<session>/belief`         | `sessions.Session`                   | each version that was received           |
 | `/voa/<session>/scan`           | `sessions.ScanRequest`, or LaserScan | each raw scan                            |
 | `/voa/<session>/scan_attachment`| `keys.Attachment`                    | beside a raw scan that had one           |
 | `/voa/<session>/refused`        | `problems.Problem`                   | each scan that could not be used         |
@@ -30,12 +30,12 @@ _KINDS: dict[str, type[BaseModel]] = {"scenario": Scenario, "history": HistoryEn
 
 
 def topic_of(session: str, what: str) -> str:
-    """The topic of one kind of messages of a session."""
+    """Return the topic of a recording for one kind of a session's messages, such as "history"."""
     return f"/voa/{session}/{what}"
 
 
 class RecordedSession(NamedTuple):
-    """A session of a recording; `lacks` says why it cannot be made anew, and then there is no `file`."""
+    """A session of a recording: the file to rebuild it from, or in `lacks` what the recording lacks for that."""
 
     session: str
     file: SessionFile | None
@@ -43,27 +43,27 @@ class RecordedSession(NamedTuple):
 
 
 @dataclass
-class _Heard:
+class _Messages:
     scenario: Scenario | None = None
     history: dict[int, HistoryEntry] = field(default_factory=dict)
     beliefs: dict[int, list[float]] = field(default_factory=dict)
 
 
 def recorded_sessions(messages: Iterable[RecordedMessage]) -> list[RecordedSession]:
-    """Every session of a recording, by id, up to the newest version whose history and belief are both there.
+    """Collect every session of a recording, by id, up to the newest version that has both history and belief.
 
     Raises:
-        UnreadableRecording: a message is not what its topic says.
+        UnreadableRecording: a message is not of the kind that its topic names.
     """
-    heard: defaultdict[str, _Heard] = defaultdict(_Heard)
+    sessions: defaultdict[str, _Messages] = defaultdict(_Messages)
     for message in messages:
         named = _TOPIC.fullmatch(message.topic)
         if named is not None and message.encoding == "json":
-            _note(heard[named[1]], named[2], message)
-    return [_session(session, heard[session]) for session in sorted(heard)]
+            _note(sessions[named[1]], named[2], message)
+    return [_session(session, sessions[session]) for session in sorted(sessions)]
 
 
-def _note(known: _Heard, what: str, message: RecordedMessage) -> None:
+def _note(known: _Messages, what: str, message: RecordedMessage) -> None:
     try:
         if what == "scenario":
             known.scenario = Scenario.model_validate_json(message.data, extra="ignore")
@@ -78,15 +78,15 @@ def _note(known: _Heard, what: str, message: RecordedMessage) -> None:
         raise UnreadableRecording(f"{message.topic}: {in_one_line(_KINDS[what], error)}") from error
 
 
-def _session(session: str, known: _Heard) -> RecordedSession:
+def _session(session: str, known: _Messages) -> RecordedSession:
     if known.scenario is None:
         return RecordedSession(session, None, "its scenario was not recorded")
     history: list[HistoryEntry] = []
     while len(history) in known.history:
         history.append(known.history[len(history)])
-    told = [version for version in known.beliefs if version < len(history)]
-    if not told:
+    complete = [version for version in known.beliefs if version < len(history)]
+    if not complete:
         return RecordedSession(session, None, "no version has both its belief and all of its history")
-    last = max(told)
+    last = max(complete)
     file = SessionFile(scenario=known.scenario.request(), history=history[: last + 1], belief=known.beliefs[last])
     return RecordedSession(session, file, None)

@@ -1,6 +1,6 @@
-"""MCAP files: ROS 2 messages as they came (CDR), and the service's messages as JSON, each with its schema.
+"""Writer of recordings: MCAP files with ROS 2 messages as received (CDR) and the service's messages as JSON.
 
-The profile is "ros2" and a ROS topic is a channel of its name, so that Foxglove and ROS 2's own tools read it.
+The profile is "ros2", and each ROS topic is a channel of the same name, so that Foxglove and ROS 2's tools read it.
 """
 
 import json
@@ -18,12 +18,12 @@ _CHUNK = 1 << 20
 
 
 class RecordingWriter:
-    """Writes messages to an open file.
+    """Writer of messages to an open MCAP file.
 
-    A chunk ends with each `flush`: what was flushed is readable although the file ends there.
+    Each `flush` ends a chunk, so that everything up to it can be read even if the file ends there.
 
     Attributes:
-        counts: messages per topic.
+        counts: number of messages per topic.
     """
 
     def __init__(self, file: IO[bytes], types: RosTypes) -> None:
@@ -38,7 +38,7 @@ class RecordingWriter:
 
     @property
     def size(self) -> int:
-        """Bytes in the file so far."""
+        """Length of the file so far, bytes."""
         return self._file.tell()
 
     def add_ros(
@@ -53,18 +53,18 @@ class RecordingWriter:
         sequence: int = 0,
         type_hash: str | None = None,
     ) -> None:
-        """A ROS 2 message, unchanged.
+        """Append a ROS 2 message, unchanged.
 
         Args:
             topic: "/tb3_1/scan".
-            type_name: "sensor_msgs/msg/LaserScan"; None: not known, and then the channel has no schema. A type that no
-                release of ROS 2 defines, or not with this hash, has a schema with a name and nothing else.
+            type_name: "sensor_msgs/msg/LaserScan"; None: not known, and then the channel has no schema. The schema of a
+                type that no release of ROS 2 defines, or none with this hash, has a name only.
             data: CDR with its four bytes of header.
-            log_ns: when it came, nanoseconds since 1970.
-            publish_ns: when it was sent.
-            key: where it was heard.
-            sequence: the sender's number of it, if it has one.
-            type_hash: of the sender's definition ("RIHS01_..."), if it says so.
+            log_ns: time of receipt, nanoseconds since 1970.
+            publish_ns: time of sending, nanoseconds since 1970.
+            key: the Zenoh key on which it was received.
+            sequence: the sender's sequence number, if it has one.
+            type_hash: of the sender's definition ("RIHS01_..."), if known.
         """
         named = None if type_name is None else _RosType(type_name, type_hash)
         channel = self._channel(topic, "cdr", key, named)
@@ -73,7 +73,7 @@ class RecordingWriter:
     def add_json(
         self, topic: str, model: type[BaseModel] | None, data: bytes, *, log_ns: int, publish_ns: int, key: str
     ) -> None:
-        """A message of the service, unchanged; `model` describes it, None: nothing does."""
+        """Append a message of the service, unchanged; `model` gives its schema, None: it has none."""
         channel = self._channel(topic, "json", key, model)
         self._add(topic, channel, data, log_ns, publish_ns, 0)
 
@@ -82,7 +82,7 @@ class RecordingWriter:
         self._mcap.flush()
 
     def finish(self) -> None:
-        """Write the index; nothing can be added afterwards. The file stays open."""
+        """Write the index, after which no message can be added; the file stays open."""
         self._mcap.finish()
         self._file.flush()
 
@@ -98,7 +98,7 @@ class RecordingWriter:
         return self._channels[known]
 
     def _schema(self, schema: "_Schema") -> int:
-        """Its number; 0: none."""
+        """Return the number of a schema in the file; 0: no schema."""
         if schema is None:
             return 0
         if isinstance(schema, _RosType):

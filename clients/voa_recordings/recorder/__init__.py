@@ -1,1 +1,1 @@
-"""`voa record`: what is said on Zenoh, into a file."""
+"""The recorder behind `voa record`: it writes messages that are published on Zenoh to a recording."""

@@ -1,8 +1,8 @@
-"""The types of topics, as zenoh-bridge-ros2dds announces them: its keys do not tell them.
+"""Types of topics, as zenoh-bridge-ros2dds announces them; the keys on which it publishes do not contain them.
 
-For each topic that it routes, a bridge holds a liveliness token whose key names the topic's key and its type, with
-`§` for `/`: `@/<zenoh id>/@ros2_lv/MP/<key>/<type>/<qos>`, or MS where it writes to DDS; older bridges leave out `@/`
-and put the id after `@ros2_lv`.
+For each topic that it routes, a bridge holds a liveliness token whose key contains the topic's key and type, with `§`
+for `/`: `@/<zenoh id>/@ros2_lv/MP/<key>/<type>/<qos>`, or MS where it writes to DDS; older bridges leave out `@/` and
+put the id after `@ros2_lv`.
 """
 
 from collections.abc import Iterator
@@ -21,13 +21,13 @@ _LAST = 3
 
 
 class BridgeTypes:
-    """Types that bridges have announced so far; written by Zenoh's threads."""
+    """Types that bridges have announced so far; Zenoh's threads add to it."""
 
     def __init__(self) -> None:
         self._types: dict[str, str] = {}
 
     def note(self, token: str) -> None:
-        """Keep what a token says; another key is left alone."""
+        """Keep the type that a token announces; any other key is ignored."""
         chunks = token.split("/")
         if len(chunks) <= _LAST:
             return
@@ -37,17 +37,17 @@ class BridgeTypes:
             self._types[key.replace(_SLASH, "/")] = name
 
     def type_of(self, key: str) -> str | None:
-        """The type that was announced for a key; None: none was."""
+        """Return the type that was announced for a key; None: none was."""
         return self._types.get(key)
 
 
 @contextmanager
 def announced(session: zenoh.Session) -> Iterator[BridgeTypes]:
-    """Follow the announcements of all bridges, those of before included, for the length of a `with`."""
+    """Collect the announcements of all bridges, earlier ones included, for the length of a `with`."""
     types = BridgeTypes()
 
     def note(sample: zenoh.Sample) -> None:
-        if sample.kind == zenoh.SampleKind.PUT:  # a bridge that leaves takes no type back
+        if sample.kind == zenoh.SampleKind.PUT:  # the types of a bridge that leaves stay known
             types.note(str(sample.key_expr))
 
     declared: list[Any] = []

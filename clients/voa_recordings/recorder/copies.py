@@ -1,4 +1,4 @@
-"""Samples that two subscribers of one session receive: the plain one, and the one that fetches what publishers keep."""
+"""Detection of samples that arrive twice: at a plain subscriber, and at one that fetches what publishers keep."""
 
 import threading
 from collections import deque
@@ -17,18 +17,18 @@ _Source = tuple[str, str]
 
 @dataclass
 class _Seen:
-    """Numbers of the samples that were received of one publisher: they grow from sample to sample."""
+    """Sequence numbers of the samples received from one publisher; they grow from sample to sample."""
 
     newest: int = -1
     fetched: deque[int] = field(default_factory=lambda: deque(maxlen=_AHEAD))
 
 
 class Copies:
-    """Tells a sample that the other subscriber has received from a new one; from any thread.
+    """Detector of samples that the other of two subscribers has received already; usable from any thread.
 
-    A sample is named by its publisher and number, else by its Zenoh timestamp: what publishers keep has one of them. A
-    live sample is always new unless the very same was fetched. A fetched one is new if it is newer than everything
-    that was received of its publisher.
+    A sample is identified by its publisher and sequence number, or by its Zenoh timestamp; samples that publishers keep
+    have one of these. A live sample is new unless it was fetched before. A fetched sample is new if it is newer than
+    all samples received from its publisher.
     """
 
     def __init__(self) -> None:
@@ -36,17 +36,17 @@ class Copies:
         self._lock = threading.Lock()
 
     def is_new_live(self, sample: zenoh.Sample) -> bool:
-        """Note a sample of the plain subscriber; returns whether it is new."""
+        """Register a sample of the plain subscriber; return True if it is new."""
         name = _name(sample)
         return name is None or self.note_live(*name)
 
     def is_new_fetched(self, sample: zenoh.Sample) -> bool:
-        """Note a sample of the subscriber that fetches; returns whether it is new."""
+        """Register a sample of the fetching subscriber; return True if it is new."""
         name = _name(sample)
         return name is not None and self.note_fetched(*name)
 
     def note_live(self, source: _Source, number: int) -> bool:
-        """Note a live sample by its name; returns whether it is new."""
+        """Register a live sample by publisher and number; return True if it is new."""
         with self._lock:
             seen = self._of(source)
             seen.newest = max(seen.newest, number)
@@ -56,7 +56,7 @@ class Copies:
             return True
 
     def note_fetched(self, source: _Source, number: int) -> bool:
-        """Note a fetched sample by its name; returns whether it is new."""
+        """Register a fetched sample by publisher and number; return True if it is new."""
         with self._lock:
             seen = self._of(source)
             if number <= seen.newest:
@@ -72,7 +72,7 @@ class Copies:
 
 
 def _name(sample: zenoh.Sample) -> tuple[_Source, int] | None:
-    """Name a sample by its publisher on its key, and its number there; None: nothing tells it from others."""
+    """Identify a sample by its publisher on its key, and its number there; None: it has no number or timestamp."""
     key, source, stamp = str(sample.key_expr), sample.source_info, sample.timestamp
     if source is not None:
         return (key, f"{source.source_id.zid}:{source.source_id.eid}"), source.source_sn

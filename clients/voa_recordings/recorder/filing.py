@@ -1,4 +1,4 @@
-"""Which topic of the recording a sample belongs to, and as what."""
+"""Filing of received samples: each goes to a topic of the recording, as a ROS message or as JSON."""
 
 import json
 from collections import Counter
@@ -32,7 +32,7 @@ _SEQUENCES = 2**32
 
 _Decoder = Callable[[bytes], LaserScan | Odometry | PoseWithCovariance]
 _DECODERS: dict[str, _Decoder] = {
-    # However many beams are allowed elsewhere: to be recorded, a scan must only be one.
+    # A scan is recorded however many beams the service would accept.
     LASER_SCAN: lambda payload: decode_laser_scan(payload, len(payload)),
     ODOMETRY: decode_odometry,
     POSE_WITH_COVARIANCE: decode_pose,
@@ -40,27 +40,27 @@ _DECODERS: dict[str, _Decoder] = {
 
 
 class Filing:
-    """Writes what was received.
+    """Writer of received samples to the topics of a recording.
 
     Attributes:
-        unknown: per topic, payloads whose type neither their key, nor a bridge, nor they themselves tell; recorded
-            without one.
-        beams: per topic, the most beams that a LaserScan of it had.
+        unknown: per topic, the number of payloads recorded without a type, because neither their key, nor a bridge, nor
+            their content shows it.
+        beams: per topic, the largest number of beams of its LaserScans.
     """
 
     def __init__(
         self, writer: RecordingWriter, keys: Keys, announced_type: Callable[[str], str | None] = lambda _: None
     ) -> None:
-        """File into `writer`; `announced_type` gives the type that a bridge announces for a key, if one does."""
+        """File samples into `writer`; `announced_type` returns the type that a bridge announces for a key, or None."""
         self.unknown: Counter[str] = Counter()
         self.beams: dict[str, int] = {}
         self._writer = writer
         self._keys = keys
         self._announced_type = announced_type
-        self._recognised: dict[str, str] = {}  # by key: a scan that cannot be read is one still
+        self._recognised: dict[str, str] = {}  # by key, for later payloads of the key that cannot be decoded
 
     def file(self, item: Received | Answer) -> str | None:
-        """Write it; the session that has moved by it, if one has."""
+        """Write a sample or an answer; return the id of the session that has a new version by it, or None."""
         if isinstance(item, Answer):
             self._json(item.session, item.what, item.body, (item.log_ns, item.sent_ns), self._keys.rpc("*"))
             return None
@@ -119,16 +119,16 @@ class Filing:
 
 
 def _of_key(key: str) -> tuple[str, str | None]:
-    """The topic of a key, and its type where rmw_zenoh put it."""
+    """Return the topic of a key, and the type if the key is one of rmw_zenoh's, which contain it."""
     try:
-        told = parse_key(key)
+        parsed = parse_key(key)
     except InvalidTopic:
         return f"/{key}", None
-    return f"/{told.topic}", told.type_name
+    return f"/{parsed.topic}", parsed.type_name
 
 
 def _decoded(payload: bytes, named: str | None) -> tuple[str, LaserScan | Odometry | PoseWithCovariance] | None:
-    """The type of a payload and what it says; None where it is none of the three that are understood."""
+    """Decode a payload, and return its type and message; None: it is of none of the three types that are understood."""
     for name, decode in _DECODERS.items():
         if named not in (None, name):
             continue
@@ -142,7 +142,7 @@ def _decoded(payload: bytes, named: str | None) -> tuple[str, LaserScan | Odomet
 def _published(
     item: Received, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
 ) -> int:
-    """When it was sent, by whoever knows best."""
+    """Return the time of sending: by the router, the publisher, or the message's own stamp, in this order."""
     stamped = None if message is None else message.stamp.sec * NANOSECONDS + message.stamp.nanosec
     times = [item.sent_ns, None if attached is None else attached.source_ns, stamped]
     return next((time for time in times if time is not None and time > 0), item.log_ns)
@@ -160,10 +160,10 @@ def _rmw(attachment: bytes) -> RmwAttachment | None:
 
 
 def _without_secrets(attachment: bytes) -> bytes | None:
-    """An attachment of the service's without its API key; None: it is none, or says nothing else."""
+    """Remove the API key from an attachment to the service; None: nothing else is in it, or it is not JSON."""
     try:
-        told = json.loads(attachment)
-    except (ValueError, RecursionError):  # anybody may have put it there
+        fields = json.loads(attachment)
+    except (ValueError, RecursionError):  # any program may have sent it
         return None
-    kept = {name: value for name, value in told.items() if name != "key"} if isinstance(told, dict) else {}
+    kept = {name: value for name, value in fields.items() if name != "key"} if isinstance(fields, dict) else {}
     return json.dumps(kept).encode() if kept else None

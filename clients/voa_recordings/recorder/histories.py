@@ -1,4 +1,4 @@
-"""Histories and scenarios, by which sessions are made anew: asked of the service in a thread of its own."""
+"""Fetching of scenarios and histories from the service, in a thread of its own, so that sessions can be rebuilt."""
 
 import threading
 from collections.abc import Callable
@@ -8,15 +8,15 @@ from pydantic import BaseModel
 from voa_client import Client, NotFoundError, VoaClientError
 from voa_recordings.recorder.inbox import Answer, Inbox
 
-_AT_MOST_EVERY_S = 0.5  # a history comes whole: a session that moves quickly is asked for once in a while
+_AT_MOST_EVERY_S = 0.5  # a history is fetched whole, so not at each version of a session that changes quickly
 _END_S = 10.0
 
 
 class Histories:
-    """Fetches scenarios and histories; what it gets goes into the inbox.
+    """Fetcher of scenarios and histories, which it puts into the inbox.
 
     Attributes:
-        failed: per session why the newest attempt came to nothing.
+        failed: per session, why the newest attempt failed; sessions that were fetched are not in it.
     """
 
     def __init__(self, client: Client, inbox: Inbox, now_ns: Callable[[], int]) -> None:
@@ -24,24 +24,24 @@ class Histories:
         self._client = client
         self._inbox = inbox
         self._now_ns = now_ns
-        self._told: dict[str, int] = {}  # session -> newest version whose entry was fetched; -1: only its scenario
+        self._fetched: dict[str, int] = {}  # session -> newest version whose entry was fetched; -1: only its scenario
         self._wanted: set[str] = set()
         self._changed = threading.Condition()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="voa-histories", daemon=True)
 
     def start(self) -> None:
-        """Start the thread that asks."""
+        """Start the thread that fetches."""
         self._thread.start()
 
     def want(self, session: str) -> None:
-        """The session has moved. From any thread; returns at once."""
+        """Fetch the history of a session soon, because it has a new version; from any thread, returns at once."""
         with self._changed:
             self._wanted.add(session)
             self._changed.notify()
 
     def end(self) -> None:
-        """Fetch what is still wanted, as far as that is quick."""
+        """Fetch the histories that are still wanted, for ten seconds at most, and end the thread."""
         self._ending.set()
         with self._changed:
             self._changed.notify()
@@ -60,15 +60,15 @@ class Histories:
 
     def _fetch(self, session: str) -> None:
         try:
-            if session not in self._told:
+            if session not in self._fetched:
                 state = self._client.get_session(session)
-                self._tell(session, "scenario", self._client.get_scenario(state.scenario))
-                self._tell(session, "belief", state)
-                self._told[session] = -1
+                self._put(session, "scenario", self._client.get_scenario(state.scenario))
+                self._put(session, "belief", state)
+                self._fetched[session] = -1
             for entry in self._client.history(session):
-                if entry.version > self._told[session]:
-                    self._tell(session, "history", entry)
-                    self._told[session] = entry.version
+                if entry.version > self._fetched[session]:
+                    self._put(session, "history", entry)
+                    self._fetched[session] = entry.version
         except VoaClientError as error:
             self.failed[session] = str(error)
             if not isinstance(error, NotFoundError) and not self._ending.is_set():
@@ -76,6 +76,6 @@ class Histories:
         else:
             self.failed.pop(session, None)
 
-    def _tell(self, session: str, what: str, body: BaseModel) -> None:
+    def _put(self, session: str, what: str, body: BaseModel) -> None:
         now = self._now_ns()
         self._inbox.put(Answer(session, what, body.model_dump_json().encode(), now, now))

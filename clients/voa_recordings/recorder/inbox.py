@@ -1,4 +1,4 @@
-"""Samples between Zenoh's threads and the one that writes."""
+"""Queue of samples between Zenoh's threads and the thread that writes them."""
 
 import queue
 from dataclasses import dataclass
@@ -8,14 +8,16 @@ MOST_WAITING = 16_384
 
 @dataclass(frozen=True)
 class Received:
-    """A sample as it came.
+    """A sample, as received.
 
     Attributes:
+        key: on which it was published.
+        payload: b"" if `deleted`.
         attachment: b"" for none.
         encoding: as Zenoh writes it.
-        deleted: it is the end of its key, and has no payload.
-        log_ns: when it came, nanoseconds since 1970.
-        sent_ns: when a router first saw it; None: it does not say.
+        deleted: True if the sample deletes its key.
+        log_ns: time of receipt, nanoseconds since 1970.
+        sent_ns: time at which the first router received it; None: it has no timestamp.
     """
 
     key: str
@@ -29,7 +31,7 @@ class Received:
 
 @dataclass(frozen=True)
 class Answer:
-    """A message that the service was asked for: JSON for a topic of the recording."""
+    """A message that was fetched from the service: JSON for one of a session's topics in the recording."""
 
     session: str
     what: str
@@ -39,10 +41,10 @@ class Answer:
 
 
 class Inbox:
-    """A bounded queue. Putting never waits, since a callback that waits stalls the whole Zenoh session.
+    """A bounded queue that never blocks its producers, since a callback that waits stalls the whole Zenoh session.
 
     Attributes:
-        dropped: items that found it full.
+        dropped: number of items that were dropped because the queue was full.
     """
 
     def __init__(self, most: int = MOST_WAITING) -> None:
@@ -50,14 +52,14 @@ class Inbox:
         self.dropped = 0
 
     def put(self, item: Received | Answer) -> None:
-        """Keep it, or count it as dropped."""
+        """Append an item, or count it as dropped if the queue is full."""
         try:
             self._held.put_nowait(item)
         except queue.Full:
             self.dropped += 1
 
     def get(self, seconds: float) -> Received | Answer | None:
-        """The oldest; None: nothing came within `seconds`."""
+        """Remove and return the oldest item; None: none arrived within `seconds`."""
         try:
             return self._held.get(timeout=seconds) if seconds > 0.0 else self._held.get_nowait()
         except queue.Empty:

@@ -1,4 +1,4 @@
-"""Subscribers of a recorder: every sample comes into the inbox once, and so does the newest of a latched topic."""
+"""Subscribers of a recorder: each sample, and the newest of each latched topic, is put into the inbox once."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -22,9 +22,9 @@ class Wanted:
 
     Attributes:
         keys: of the service: scans, beliefs and refusals.
-        topics: as a bridge writes them; what their publishers keep for whoever comes later is fetched.
-        of_rmw: as rmw_zenoh writes them, of which only its own keys are meant: `*/rb/*/*/**` for topics below `/rb`
-            matches other keys, too. What publishers keep is fetched.
+        topics: of ROS topics as a bridge writes them; messages that their publishers keep (latched) are fetched.
+        of_rmw: of ROS topics as rmw_zenoh writes them; latched messages are fetched. Samples on other keys are
+            ignored: `*/rb/*/*/**`, for topics below `/rb`, matches more than the keys of rmw_zenoh.
     """
 
     keys: Sequence[str]
@@ -34,7 +34,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class _Expression:
-    """One of the expressions: `before` are those whose samples are left to them."""
+    """A key expression to subscribe to, without the samples that the expressions in `before` receive."""
 
     text: str
     before: Sequence[zenoh.KeyExpr]
@@ -42,7 +42,7 @@ class _Expression:
     of_rmw: bool
 
     def accepts(self, key: zenoh.KeyExpr) -> bool:
-        """Whether a sample with this key is received by this expression, and by none before it."""
+        """True if a sample with this key belongs to this expression, and to none in `before`."""
         if any(expression.includes(key) for expression in self.before):
             return False
         return not self.of_rmw or is_of_rmw(str(key))
@@ -50,11 +50,11 @@ class _Expression:
 
 @contextmanager
 def listening(session: zenoh.Session, wanted: Wanted, inbox: Inbox, now_ns: Callable[[], int]) -> Iterator[None]:
-    """Put every sample on any of the expressions into the inbox, once, for the length of a `with`.
+    """Put each sample on any of the expressions into the inbox once, for the length of a `with`.
 
-    Topics have two subscribers each. The plain one receives everything that is put from now on. An advanced one, which
-    fetches what was put before, leaves out samples that overtake one another on their way (27 of 15000 of three
-    publishers through one router), so that only what it alone receives is taken from it.
+    Topics have two subscribers each: a plain one, which receives every sample from now on, and an advanced one, which
+    fetches earlier samples that publishers keep. The advanced one alone would not do, because it drops samples that
+    overtake one another (27 of 15000, three publishers through one router).
     """
     copies = Copies()
     with ExitStack() as stack:
@@ -70,7 +70,7 @@ def listening(session: zenoh.Session, wanted: Wanted, inbox: Inbox, now_ns: Call
 
 
 def _in_order(wanted: Wanted) -> list[_Expression]:
-    """List every expression once; those of rmw_zenoh accept less, and are the last."""
+    """List each expression once; those of rmw_zenoh come last, because they accept fewer samples."""
     kinds = [(text, (False, False)) for text in wanted.keys]
     kinds += [(text, (True, False)) for text in wanted.topics] + [(text, (True, True)) for text in wanted.of_rmw]
     first: dict[str, tuple[bool, bool]] = {}
@@ -108,6 +108,6 @@ def _nanoseconds(stamp: zenoh.Timestamp) -> int:
 
 
 def is_of_rmw(key: str) -> bool:
-    """Whether a key is one of rmw_zenoh's: `<domain>/<topic>/<type>/<hash>`."""
+    """True if a key has the form of rmw_zenoh's: `<domain>/<topic>/<type>/<hash>`."""
     chunks = key.split("/")
     return len(chunks) >= _RMW_CHUNKS and chunks[0].isdecimal() and "::dds_::" in chunks[-2]

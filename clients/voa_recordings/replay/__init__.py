@@ -1,1 +1,1 @@
-"""Replays: recordings sent through a service once more."""
+"""Replay of experiments, sessions and robots' scans through a service, with typed reports."""

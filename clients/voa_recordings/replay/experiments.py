@@ -8,26 +8,20 @@ import math
 from collections.abc import Callable, Sequence
 
 from voa_client import Client
+from voa_msgs import updates
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
 from voa_msgs.scenarios import GivenScores, Grasp, MeasuredScores, Pose, PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import Scan, UpdateRequest
-from voa_msgs.updates import (
-    BeamUpdate,
-    ExponentialUpdate,
-    GaussianUpdate,
-    InverseRmsdUpdate,
-    MarginUpdate,
-    UpdateRule,
-)
+from voa_msgs.updates import MarginUpdate, UpdateRule
 from voa_recordings.experiment import RecordedExperiment
 from voa_recordings.experiment_parts import InvalidExperiment
 from voa_recordings.replay.experiment_report import BeforeLooks, ExperimentReport, LookValue
 from voa_recordings.replay.prediction_errors import Predictions, Source, prediction_errors
 
-RULES = ("margin", "exponential", "gaussian", "inverse_rmsd")
-"""Update rules of the paper, which are replayed unless others are named."""
+RULES = tuple(rule for rule in updates.BUILT_IN if rule != "beam")
+"""Update rules of the papers, which are replayed unless others are named."""
 _LONGEST_NAME = 100
 
 
@@ -157,7 +151,7 @@ def _scenario(
     else:
         scores = MeasuredScores(attempts=experiment.attempts or 0, successes=experiment.successes or [])
     return ScenarioRequest(
-        name=f"{experiment.name[:_LONGEST_NAME]}, {update.rule}",
+        name=f"{experiment.name[:_LONGEST_NAME]}, {rule_name(update)}",
         object=mesh,
         poses=[
             Pose(name=pose.name, position=pose.position, quaternion_wxyz=pose.quaternion_wxyz)
@@ -188,23 +182,18 @@ def _sensors(experiment: RecordedExperiment) -> list[SensorConfiguration]:
     ]
 
 
+def rule_name(update: UpdateRule) -> str:
+    """Name of an update rule, built in or of another package."""
+    return update.name if isinstance(update, updates.PluginUpdate) else update.rule
+
+
 def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
     """Return an update rule with its default parameters.
 
     `margin` shares the belief among the nearest poses where none matches, as the paper's lab did.
 
     Args:
-        rule: its name.
+        rule: its name; one that is not built in is a rule that another package provides to the service.
         no_return_m: range that a no-return counts as, metres; None: the lidar's `range_max`.
     """
-    match rule:
-        case "margin":
-            return MarginUpdate(rule="margin", no_return_m=no_return_m, on_no_match="nearest")
-        case "exponential":
-            return ExponentialUpdate(rule="exponential", no_return_m=no_return_m)
-        case "gaussian":
-            return GaussianUpdate(rule="gaussian", no_return_m=no_return_m)
-        case "inverse_rmsd":
-            return InverseRmsdUpdate(rule="inverse_rmsd", no_return_m=no_return_m)
-        case _:
-            return BeamUpdate(rule="beam", no_return_m=no_return_m)
+    return updates.update_of(rule, no_return_m, "nearest" if rule == "margin" else "reject")

@@ -8,10 +8,11 @@ import numpy as np
 import structlog
 
 from voa_core.cutting import Contours, cut_poses
+from voa_core.errors import VoaError
 from voa_core.lidars import SensorConfiguration
 from voa_core.mistakes.effort import QUICK, Effort
-from voa_core.mistakes.found import Mistake
 from voa_core.mistakes.heights import Mesh
+from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
@@ -19,7 +20,8 @@ from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
-from voa_service.failures import Failure, UnknownReference, not_found
+from voa_service.failures import Failure, UnknownReference, not_found, of_core
+from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
 from voa_service.ports import Store
 from voa_service.requests import large
@@ -65,8 +67,11 @@ class _Mistakes:
 class Models:
     """Scenarios by id; nothing here that the store could not rebuild."""
 
-    def __init__(self, store: Store, cache: Cache, precision: PrecisionSetting = "auto") -> None:
+    def __init__(
+        self, store: Store, cache: Cache, precision: PrecisionSetting = "auto", installed: InstalledRules = NO_RULES
+    ) -> None:
         self._store = store
+        self._installed = installed
         self._precision = precision
         self._cache = cache
         self._mistakes = Cache(_MISTAKES_BYTES)  # of their own: a large ranking must not push them out
@@ -78,7 +83,10 @@ class Models:
             stored = self._store.get_scenario(id_)
             if stored is None:
                 raise KeyError(id_)
-            return self.build(id_, ScenarioRequest.model_validate(large.loads(stored.body)))
+            try:
+                return self.build(id_, ScenarioRequest.model_validate(large.loads(stored.body)))
+            except VoaError as error:  # such as an update rule that is not installed any more
+                raise of_core(error) from error
 
         try:
             return self._cache.get(("model", id_), make)
@@ -107,7 +115,7 @@ class Models:
         def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
             return self._cache.get(("prediction", id_, key), make)
 
-        scenario = scenario_of(request, contours_at, remember)
+        scenario = scenario_of(request, contours_at, remember, self._installed)
 
         def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
             def make() -> Weigher:
@@ -127,6 +135,8 @@ class Models:
         def make() -> _Mistakes:
             try:
                 return _Mistakes(self.find_mistakes(id_, QUICK))
+            except UnknownReference:  # its update rule is not installed any more: it can be read all the same
+                return _Mistakes(())
             except Failure:
                 raise
             except Exception:

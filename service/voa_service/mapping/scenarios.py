@@ -11,22 +11,20 @@ from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
-from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.mistake import Mistake
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Remember
 from voa_core.priors import Category, pose_model
-from voa_core.rules.rules import defaults, rule_of
 from voa_core.scans import MISSING, NO_RETURN, Scan
 from voa_core.scenario import Scenario
-from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace
 from voa_msgs import lidars, objects, priors, scenarios, sessions
 from voa_msgs.base import Range
 from voa_msgs.geometry import CandidateSensor, UncertainSensorPose
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
-from voa_msgs.updates import POLICY_FIELDS
 from voa_msgs.warnings import ProbableMistake
+from voa_service.mapping.rules import InstalledRules, filled_update, update_policy, update_rule
 from voa_service.meshes.mistakes import extent_mistakes
 from voa_service.ports import ListedObject, StoredObject
 
@@ -69,9 +67,7 @@ def filled_in(request: scenarios.ScenarioRequest, presets: dict[str, lidars.Lida
         InvalidInput: the lidar is not complete.
     """
     lidar = _filled_lidar(request.lidar, presets)
-    given = {name: value for name, value in request.update.model_dump().items() if value is not None}
-    rule = defaults(request.update.rule, lidar_model(lidar))
-    update = type(request.update).model_validate(rule | {"reject_above_rmsd_mm": None} | given)
+    update = filled_update(request.update, lidar_model(lidar))
     return request.model_copy(update={"lidar": lidar, "update": update})
 
 
@@ -99,7 +95,10 @@ def lidar_model(lidar: lidars.Lidar) -> LidarModel:
 
 
 def scenario_of(
-    request: scenarios.ScenarioRequest, contours_at: Callable[[PoseSet, float], Contours] | None, remember: Remember
+    request: scenarios.ScenarioRequest,
+    contours_at: Callable[[PoseSet, float], Contours] | None,
+    remember: Remember,
+    installed: InstalledRules,
 ) -> Scenario:
     """The mathematics of a filled-in scenario.
 
@@ -107,6 +106,7 @@ def scenario_of(
         request: with every default written out.
         contours_at: the cuts of the object at poses and a height; None: there is no object.
         remember: keeps predictions.
+        installed: the update rules of other packages.
 
     Raises:
         VoaError: what it says cannot be.
@@ -121,7 +121,6 @@ def scenario_of(
     _check_predictable(request, contours_at is not None, data, sensors, poses)
     cuts = None if contours_at is None else partial(contours_at, poses)
     predictor = ObservationPredictor(poses, lidar, data, cuts, remember)
-    parameters = request.update.model_dump(exclude=set(POLICY_FIELDS))
     workspace = None
     if request.workspace is not None:
         (x0, y0), (x1, y1) = request.workspace.min, request.workspace.max
@@ -131,13 +130,8 @@ def scenario_of(
         table=_table(request, len(poses)),
         sensors=sensors,
         predictor=predictor,
-        rule=rule_of(request.update.rule, lidar, **parameters),
-        policy=UpdatePolicy(
-            request.update.on_no_match,
-            request.update.reject_above_rmsd_mm,
-            request.update.score_floor,
-            request.update.on_nothing_seen,
-        ),
+        rule=update_rule(request.update, lidar, installed),
+        policy=update_policy(request.update),
         prior=prior_of(request.prior, poses),
         workspace=workspace,
         min_gain=request.min_gain,

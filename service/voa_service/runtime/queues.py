@@ -195,7 +195,7 @@ def _seen(call: asyncio.Future[Any]) -> None:
 
 
 class Threads:
-    """A `voa_core.ranking.Spread` over threads: the kernels and BLAS release the GIL."""
+    """A `voa_core.ranking.OrderedMap` over threads: the kernels and BLAS release the GIL."""
 
     def __init__(self, workers: int) -> None:
         self._pool = Workers("core", workers)

@@ -10,7 +10,7 @@ import numpy as np
 from voa_core.errors import VoaError
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable, ranked
-from voa_core.ranking import RankedLook, Spread, rank
+from voa_core.ranking import OrderedMap, RankedLook, rank
 from voa_core.ranking import Ranking as CoreRanking
 from voa_core.scenario import Scenario
 from voa_msgs.rankings import (
@@ -81,7 +81,7 @@ class Rankings:
 
     sessions: Sessions
     models: Models
-    spread: Spread
+    ordered_map: OrderedMap
     kept: Cache
     """Answers, by question."""
     limits: Limits
@@ -165,7 +165,7 @@ class Rankings:
                 scenario.policy,
                 definition=request.definition,
                 sensor_belief=sensor_belief,
-                spread=self.spread,
+                ordered_map=self.ordered_map,
                 check=check,
             )
         except VoaError as error:

@@ -12,13 +12,13 @@ from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.mistakes.effort import THOROUGH, Effort
-from voa_core.mistakes.found import Mistake
 from voa_core.mistakes.heights import Mesh, Up
+from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
-from voa_core.rules.rules import rule_of
+from voa_core.rules.registry import rule_of
 from voa_core.scenario import Scenario
 from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace

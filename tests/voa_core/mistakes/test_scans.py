@@ -10,7 +10,7 @@ import pytest
 from tests.voa_core.mistakes.table import LIDAR, WEST, poses_at, scenario_of
 from voa_core.checks import Floats
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
-from voa_core.mistakes.found import Mistake
+from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor

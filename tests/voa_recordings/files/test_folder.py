@@ -43,9 +43,9 @@ def test_a_renamed_file_is_read_by_its_content(folder: Path, name: str) -> None:
         ("", "has an empty metadata.yaml"),
         ("{", "has a metadata.yaml that cannot be read ("),
         ("\0\0\0\0", "has a metadata.yaml that cannot be read ("),
-        ("a: 1", "has a metadata.yaml that is none"),
-        ("rosbag2_bagfile_information: {relative_file_paths: 3}", "has a metadata.yaml that is none"),
-        ("rosbag2_bagfile_information: {relative_file_paths: [1]}", "has a metadata.yaml that is none"),
+        ("a: 1", "has a metadata.yaml that is not valid"),
+        ("rosbag2_bagfile_information: {relative_file_paths: 3}", "has a metadata.yaml that is not valid"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [1]}", "has a metadata.yaml that is not valid"),
         ("rosbag2_bagfile_information: {relative_file_paths: []}", "has a metadata.yaml that names no file"),
     ],
 )
@@ -115,7 +115,7 @@ def test_fewer_messages_than_the_metadata_counts_are_told(folder: Path) -> None:
     db3(path, scans(4)) if path.suffix == ".db3" else mcap(path, scans(4))
     recording, found = read(folder)
     assert len(found) == 4
-    assert recording.damage == "should have 9 messages, says its metadata.yaml"
+    assert recording.damage == "has fewer messages than the 9 that its metadata.yaml counts"
 
 
 def test_files_that_whole_metadata_does_not_name_are_left_alone(folder: Path) -> None:

@@ -130,7 +130,7 @@ def zipped(inside: str) -> bytes:
         ("x.mcap", zipped("x"), "is a zip archive; unpack it first: `unzip "),
         ("x.lz4", b"\x04\x22\x4d\x18....", "is compressed by lz4; unpack it first: `lz4 -d "),
         ("x.7z", b"7z\xbc\xaf\x27\x1c....", "is a 7z archive; unpack it first: `7z x "),
-        ("x.gz", gzip.compress(b"{}"), "is compressed by gzip, and what is inside is of an unknown kind; expected"),
+        ("x.gz", gzip.compress(b"{}"), "is compressed by gzip, and the file inside is of an unknown kind; expected"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",  # a gzip header has the time in it
 )
@@ -153,7 +153,9 @@ def test_messages_in_an_unknown_compression_name_the_command_that_decompresses_t
             "compression_mode: ''", "compression_mode: message"
         )
     )
-    with pytest.raises(UnreadableRecording, match=r"compressed by 'own', expected zstd.*`ros2 bag convert -i"):
+    with pytest.raises(
+        UnreadableRecording, match=r"compressed by 'own', but only zstd can be read.*`ros2 bag convert -i"
+    ):
         read(folder)
 
 

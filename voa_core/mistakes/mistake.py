@@ -1,4 +1,4 @@
-"""One probable mistake, and how its sentence names what it is about."""
+"""A probable mistake, and the parts of its sentence: lengths and lists of names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,12 +29,12 @@ _LISTED = 5
 
 @dataclass(frozen=True)
 class Mistake:
-    """Something that its author probably did not mean.
+    """A probable mistake of the author of a scenario or a scan.
 
     Attributes:
-        kind: which sort of mistake.
-        detail: a sentence with names and numbers, and what to do.
-        poses, sensors: names of the poses and sensor configurations that it is about.
+        kind: sort of the mistake.
+        detail: sentence with names and numbers that says how to correct it.
+        poses, sensors: names of the poses and sensor configurations concerned.
     """
 
     kind: Kind
@@ -49,7 +49,7 @@ def length(metres: float) -> str:
 
 
 def listed(what: str, names: Sequence[str]) -> str:
-    """Name the first few, quoted, and count the others: "pose 'A'", or "poses 'A', 'B' and 3 more"."""
+    """List the first five names, quoted, and count the others: "pose 'A'", or "poses 'A', 'B' and 3 more"."""
     named = ", ".join(map(repr, names[:_LISTED]))
     more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
     return f"{what}{'s' * (len(names) > 1)} {named}{more}"

@@ -11,7 +11,9 @@ from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, lidar_of, parameters_of
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput, UnknownName
-from voa_core.rules.rules import RULES, Beam, coded, defaults, rule_of, squared_distance
+from voa_core.rules.beam import Beam
+from voa_core.rules.distances import coded, squared_distance
+from voa_core.rules.registry import RULES, defaults, rule_of
 
 INF = math.inf
 LIDAR = lidar_of(8, range_max=2.0)

@@ -1,0 +1,164 @@
+"""The rule `beam`: each beam is a hit, something in front of the object, nothing, or random; for live robots."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from voa_core.checks import number
+from voa_core.errors import InvalidInput
+from voa_core.kernels import Array, mixture_likelihoods
+from voa_core.lidars import LidarModel
+
+_Z_SHORT = 0.05
+_Z_RANDOM = 0.05
+_LAMBDA_SHORT_PER_M = 1.0
+_SILHOUETTE_SHARE = 0.05
+_ONE_WITNESS_RAD = math.radians(4.0)
+_BLOCK_POSES = 512  # tables of so many predicted scans fit in the cache of a processor core
+
+
+def _factors_in_range(random_density: float, lost: float, highest: float) -> int:
+    """Number of factors between the lowest and the highest whose product surely fits a float64, at least 1."""
+    if random_density == 0.0:
+        return 1  # nothing bounds the tails of the normal density
+    lowest = min(random_density, lost) if lost > 0.0 else random_density
+    return max(1, int(600.0 / max(abs(math.log(lowest)), abs(math.log(highest)), 1.0)))
+
+
+@dataclass(frozen=True)
+class Beam:
+    r"""The rule `beam`: the beam model of Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), 6.3, tempered.
+
+    For one beam with measured range z and predicted range z*, over [0, z_max] (z_max: the lidar's `range_max`;
+    N the normal density with standard deviation sigma(z*), its tails beyond [0, z_max] neglected):
+
+    | measured  | predicted | p                                                                               |
+    |-----------|-----------|---------------------------------------------------------------------------------|
+    | return    | return    | z_hit N(z; z*, sigma) + [z <= z*] z_short l e^{-l z} / (1 - e^{-l z*}) + z_random/z_max |
+    | no-return | return    | z_no_return                                                                     |
+    | return    | no-return | z_hit / (2 z_max) + z_short l e^{-l z} / (1 - e^{-l z_max}) + z_random / z_max  |
+    | no-return | no-return | z_hit / 2 + z_no_return                                                         |
+
+    sigma(z*) = max(sigma_hit_m, noise_ratio z*). Returns are densities per metre, no-returns probabilities. The
+    predictions know the object alone: where none is predicted, whatever stands behind the object is as likely to
+    return as nothing is, hence the halves. w = (product over beams)^temper: neighbouring beams err together
+    (a pose that is off by millimetres, a beam that grazes), so they are not that many witnesses.
+
+    Attributes:
+        z_hit, z_short, z_no_return, z_random: shares of the mixture; scaled to sum to 1.
+        sigma_hit_m: standard deviation of a hit close by, metres.
+        lambda_short_per_m: l, decay of unexpected returns with range, 1/m.
+        temper: exponent, in (0, 1].
+        range_max, noise_ratio: the lidar's.
+    """
+
+    name: ClassVar[str] = "beam"
+    meaning: ClassVar[str] = "this project's rule for live robots: every beam is a hit, too short, empty or random"
+
+    no_return_m: float
+    z_hit: float
+    z_short: float
+    z_no_return: float
+    z_random: float
+    sigma_hit_m: float
+    lambda_short_per_m: float
+    temper: float
+    range_max: float
+    noise_ratio: float
+
+    def __post_init__(self) -> None:
+        for name in ("no_return_m", "sigma_hit_m", "lambda_short_per_m", "range_max"):
+            number(name, getattr(self, name), above=0.0)
+        for name in ("z_hit", "z_short", "z_no_return", "z_random", "noise_ratio"):
+            number(name, getattr(self, name), at_least=0.0)
+        if not 0.0 < self.temper <= 1.0:
+            raise InvalidInput("temper", "a number above 0 and at most 1", repr(self.temper))
+        if self._total() <= 0.0:
+            raise InvalidInput("z_hit, z_short, z_no_return, z_random", "a sum above 0", "0")
+
+    @classmethod
+    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
+        """Every parameter with its default for a lidar, and why (deploy/decisions/0004-beam-rule.md).
+
+        * `no_return_m` is the lidar's `range_max`, and `sigma_hit_m` its `noise_m`.
+        * `z_no_return` is the lidar's `dropout` and 0.05 for beams that slip past an edge; `z_short` and `z_random`
+          are 0.05 each (an edge that returns a mixture of near and far, a cable, a hand); `z_hit` is the rest.
+        * `lambda_short_per_m` is 1: an obstacle in front of the object stands anywhere within a metre.
+        * `temper` makes one witness of every 4 degrees: errors of pose and shape are common to neighbouring beams, so
+          a lidar with finer beams is not more certain.
+        """
+        lost = _SILHOUETTE_SHARE + lidar.dropout
+        return {
+            "no_return_m": lidar.range_max,
+            "z_hit": max(0.0, 1.0 - _Z_SHORT - _Z_RANDOM - lost),
+            "z_short": _Z_SHORT,
+            "z_no_return": lost,
+            "z_random": _Z_RANDOM,
+            "sigma_hit_m": lidar.noise_m,
+            "lambda_short_per_m": _LAMBDA_SHORT_PER_M,
+            "temper": min(1.0, abs(lidar.grid.angle_increment) / _ONE_WITNESS_RAD),
+        }
+
+    @classmethod
+    def of(cls, lidar: LidarModel, parameters: Mapping[str, float]) -> Self:
+        """Make the rule for a lidar from a value for each of its parameters; raises InvalidInput."""
+        return cls(**parameters, range_max=lidar.range_max, noise_ratio=lidar.noise_ratio)
+
+    def _total(self) -> float:
+        return self.z_hit + self.z_short + self.z_no_return + self.z_random
+
+    def statistic(self, observed: Array, predicted: Array) -> Array:
+        """Log-likelihood of each observed scan under each predicted one: (m, c) and (n, c) give (m, n)."""
+        parts = [predicted[start : start + _BLOCK_POSES] for start in range(0, len(predicted), _BLOCK_POSES)]
+        return np.concatenate([self._log_likelihoods(observed, part) for part in parts], axis=1)
+
+    def _log_likelihoods(self, observed: Array, predicted: Array) -> Array:
+        """Logarithms of the products over beams: (m, c) and (n, c) give (m, n)."""
+        hit, short, lost, random = (
+            share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
+        )
+        decay = self.lambda_short_per_m
+        returned = np.isfinite(predicted.T)
+        poses = np.nonzero(returned)[1]
+        expected = predicted.T[returned].astype(np.float64)
+        within = np.clip(expected, 1e-9, self.range_max)
+        sigma = np.maximum(self.sigma_hit_m, self.noise_ratio * within)
+        hit_peak = hit / (math.sqrt(2.0 * math.pi) * sigma)
+        short_peak = short * decay / -np.expm1(-decay * within)
+        highest = random / self.range_max + hit_peak.max(initial=0.0) + short_peak.max(initial=0.0)
+        short_decay = np.exp(-decay * observed.astype(np.float64))
+        background = (0.5 * hit + random) / self.range_max
+        if_none = background + short * decay * short_decay / -math.expm1(-decay * self.range_max)
+        products, logs = (np.zeros((len(observed), len(predicted))) for _ in range(2))
+        with np.errstate(divide="ignore"):
+            mixture_likelihoods(
+                observed,
+                short_decay,
+                if_none,
+                np.where(returned, lost, 0.5 * hit + lost),
+                np.concatenate([[0], np.cumsum(returned.sum(axis=1))]),
+                poses,
+                expected,
+                1.0 / sigma,
+                hit_peak,
+                short_peak,
+                random / self.range_max,
+                _factors_in_range(random / self.range_max, lost, highest),
+                products,
+                logs,
+            )
+            np.log(products, out=products)
+        products += logs
+        return products.astype(observed.dtype, copy=False)
+
+    def statistic_among(self, ranges: Array) -> Array:
+        """Log-likelihood of each of the scans (n, c) under each other: (n, n)."""
+        return self.statistic(ranges, ranges)
+
+    def log_weights(self, statistic: Array, _beams: int, /) -> Array:
+        """Logarithms of the weights, `temper` times the log-likelihoods; in the shape of `statistic`."""
+        log_weights: Array = statistic * statistic.dtype.type(self.temper)
+        return log_weights

@@ -1,0 +1,66 @@
+"""The distance d between two scans, and the rules that depend on the scans through d alone.
+
+d is the Euclidean norm, over the compared beams, of the differences of coded ranges: a return counts as
+`min(range, no_return_m)` and a no-return as `no_return_m`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+
+from voa_core.checks import number
+from voa_core.kernels import Array, squared_distances, squared_distances_among
+from voa_core.lidars import LidarModel
+
+
+def coded(ranges: Array, no_return_m: float) -> Array:
+    """Replace each range by `min(range, no_return_m)`, so that a no-return (inf) becomes `no_return_m`."""
+    capped: Array = np.minimum(ranges, ranges.dtype.type(no_return_m))
+    return capped
+
+
+def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> Array:
+    """Squared distance d^2 for each pair of scans, square metres: (m, c) and (n, c) give (m, n)."""
+    out = np.zeros((len(observed), len(predicted)), dtype=observed.dtype)
+    squared_distances(coded(observed, no_return_m), coded(predicted, no_return_m), out)
+    return out
+
+
+@dataclass(frozen=True)
+class DistanceRule:
+    """Base of the rules whose weight depends on d alone: their statistic is d^2, and `log_weights` is theirs to add.
+
+    Each field of a subclass is a parameter of its rule, a number above 0; its default is the parameter's.
+
+    Attributes:
+        no_return_m: range that stands for a no-return, and upper limit of every return, metres.
+    """
+
+    no_return_m: float
+
+    def __post_init__(self) -> None:
+        for parameter in fields(self):
+            number(parameter.name, getattr(self, parameter.name), above=0.0)
+
+    @classmethod
+    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
+        """Every parameter with its default; that of `no_return_m` is the lidar's `range_max`."""
+        own = {field.name: field.default for field in fields(cls) if isinstance(field.default, float)}
+        return {"no_return_m": lidar.range_max, **own}
+
+    @classmethod
+    def of(cls, _lidar: LidarModel, parameters: Mapping[str, float]) -> Self:
+        """Make the rule from a value for each of its parameters; raises InvalidInput where one is not above 0."""
+        return cls(**parameters)
+
+    def statistic(self, observed: Array, predicted: Array) -> Array:
+        """Squared distance d^2 for each pair of scans: (m, c) and (n, c) give (m, n)."""
+        return squared_distance(observed, predicted, self.no_return_m)
+
+    def statistic_among(self, ranges: Array) -> Array:
+        """Squared distance d^2 for each pair of the scans (n, c), computed once for both orders: (n, n)."""
+        out = np.zeros((len(ranges), len(ranges)), dtype=ranges.dtype)
+        squared_distances_among(coded(ranges, self.no_return_m), out)
+        return out
