@@ -169,7 +169,7 @@ def _run_all(
 
 
 def _run(task: _Task) -> FleetResult:
-    """Run the episode of one pair, in a thread of its own."""
+    """Run the episode of one pair; each pair has its own thread."""
     options = task.options
     clock: Clock = RealClock() if options.real_time else VirtualClock()
     with ExitStack() as stack:

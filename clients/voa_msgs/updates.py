@@ -85,13 +85,14 @@ class BeamUpdate(_Update):
 
 
 class PluginUpdate(_Update):
-    """Weights of an update rule that a Python package beside the service provides.
+    """Update rule `plugin`: the weights of a rule that a Python package beside the service provides.
 
     The service finds such rules in the entry points of the group `voa.rules`. A scenario whose rule is not installed
     is refused with a list of those that are.
     """
 
     rule: Literal["plugin"]
+    """Always `plugin`."""
     name: Name
     """Name of the rule, which is the name of its entry point."""
     parameters: dict[Name, Free] = Field(default={})
@@ -111,7 +112,7 @@ BUILT_IN: Mapping[str, type[BuiltInUpdate]] = MappingProxyType(
 )
 """Messages of the built-in rules by name, in the order of `voa_core.rules.registry.RULES`."""
 POLICY_FIELDS = frozenset({"rule", "on_no_match", "on_nothing_seen", "reject_above_rmsd_mm", "score_floor"})
-"""Fields of an update that are no parameters of its rule."""
+"""Fields of an update rule that apply to every rule, and are no parameters of one."""
 
 
 def update_of(name: str, no_return_m: float | None = None, on_no_match: OnNoMatch = "reject") -> UpdateRule:

@@ -37,26 +37,26 @@ PNG = b"\x89PNG\r\n\x1a\n"
 SECONDS = 120.0
 
 
-def test_the_demo_tells_the_story_and_leaves_a_page(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_demo_reports_the_episode_and_leaves_a_page(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = tmp_path / "demo"
     assert main(["demo", "--out", str(out), "--drops", "3"]) == 0
-    told = capfd.readouterr().out
-    flat = " ".join(told.split())
-    assert "\x1b" not in told
+    printed = capfd.readouterr().out
+    flat = " ".join(printed.split())
+    assert "\x1b" not in printed
     assert (
         flat.index("0.0 s session")
         < flat.index("s look from")
         < flat.index("looked from")
         < flat.index("the arm tries")
     )
-    assert 2 <= told.count("looked from") <= 3
+    assert 2 <= printed.count("looked from") <= 3
     truth = re.search(r"The true pose of the mallet was (\S+) \((.*?)\)", flat)
     assert truth is not None
     assert "TOP (top-down on the handle that points up) succeeded." in flat
     counts = re.search(r"Without a look (\d) of 3 grasps failed, with looks (\d) of 3", flat)
     assert counts is not None
     assert int(counts[1]) > int(counts[2])
-    assert (out / "demo.html").resolve().as_uri() in told.replace("\n", "")
+    assert (out / "demo.html").resolve().as_uri() in printed.replace("\n", "")
     page = (out / "demo.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") >= 4
     assert not re.findall(r'(?:src|href)="(?!data:)', page)  # it needs no other file
@@ -72,12 +72,12 @@ def test_without_opengl_it_says_so_and_takes_no_pictures(monkeypatch: pytest.Mon
         raise NoGraphics("no OpenGL here")
 
     monkeypatch.setattr(command, "Renderer", refused)
-    told = Demo(named_object("mallet"), seed=0)
+    course = Demo(named_object("mallet"), seed=0)
     bench = make_bench(named_object("mallet"), command.IMPERFECTIONS, 0, VirtualClock(), "robot")
     with ExitStack() as stack:
-        camera = command.Camera.of(stack, told, bench)
+        camera = command.Camera.of(stack, course, bench)
         camera.record(Event("robot", 0.0, GraspEnded(GraspOutcome("TOP", success=True))))
-    assert (told.no_frames, told.frames) == ("no OpenGL here", [])
+    assert (course.no_frames, course.frames) == ("no OpenGL here", [])
 
 
 @pytest.mark.parametrize("ended", [None, KeyboardInterrupt(), TimeIsUp()])
@@ -176,10 +176,10 @@ def test_demo_seconds_end_it_by_itself(
     assert (tmp_path / "demo.html").is_file()
 
 
-@pytest.mark.parametrize("told", ["soon", "-1", "nan"])
+@pytest.mark.parametrize("seconds", ["soon", "-1", "nan"])
 def test_demo_seconds_that_are_none_are_refused(
-    told: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    seconds: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("DEMO_SECONDS", told)
+    monkeypatch.setenv("DEMO_SECONDS", seconds)
     assert main(["demo", "--out", str(tmp_path)]) == 1
-    assert f"DEMO_SECONDS: expected seconds, more than 0, got '{told}'" in capfd.readouterr().err
+    assert f"DEMO_SECONDS: expected seconds, more than 0, got '{seconds}'" in capfd.readouterr().err

@@ -51,7 +51,7 @@ def test_pairs_play_at_once_each_in_its_session(process: str, capfd: pytest.Capt
     assert without_sessions(reports(capfd)) == without_sessions(found[:1])
 
 
-def test_in_a_pipe_it_tells_a_line_for_each_event(process: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_in_a_pipe_it_prints_a_line_for_each_event(process: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["fleet", "--url", process, "--pairs", "2", "--looks", "1", "--policy", "nearest"]) == 0
     said = capfd.readouterr().out
     assert "robot_1 look from " in said
@@ -96,7 +96,7 @@ def test_options_that_make_no_sense_are_refused(
     assert said in capfd.readouterr().err
 
 
-def test_an_unknown_object_is_told(process: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_object_is_reported(process: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["fleet", "--url", process, "--object", "vase"]) == 1
     assert "voa fleet: no object 'vase'; there are: mug, mallet, block, a folder" in capfd.readouterr().err
 

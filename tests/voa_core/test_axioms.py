@@ -129,9 +129,9 @@ def test_a_belief_is_finite_non_negative_and_sums_to_1_after_anything(rule_name:
 def test_a_scan_that_all_poses_explain_alike_changes_nothing(rule_name: str, data: Any) -> None:
     world = data.draw(worlds(rule_name))
     same = np.repeat(world.ranges[:1], len(world.ranges), axis=0)
-    told = update(Belief.of(world.belief), evidence_in(replaced(world, same), same[0]), world.policy)
-    assert told.accepted
-    np.testing.assert_allclose(told.belief.p, world.belief, rtol=0, atol=1e-12)
+    done = update(Belief.of(world.belief), evidence_in(replaced(world, same), same[0]), world.policy)
+    assert done.accepted
+    np.testing.assert_allclose(done.belief.p, world.belief, rtol=0, atol=1e-12)
 
 
 @more
@@ -169,9 +169,9 @@ def test_scans_commute(rule_name: str, data: Any) -> None:
     for order in ([0, 1, 2], [2, 0, 1], [2, 1, 0]):
         belief = Belief.of(world.belief)
         for index in order:
-            told = update(belief, evidence[index], world.policy)
-            assert told.reason in (None, "nothing_seen")
-            belief = told.belief
+            done = update(belief, evidence[index], world.policy)
+            assert done.reason in (None, "nothing_seen")
+            belief = done.belief
         results.append(belief.p)
     for result in results[1:]:
         np.testing.assert_allclose(result, results[0], rtol=0, atol=1e-12)
@@ -247,9 +247,9 @@ def test_permuting_the_poses_permutes_posteriors_and_keeps_voa(rule_name: str, d
         None if world.sensor_belief is None else world.sensor_belief[order],
         world.on_no_match,
     )
-    told = update(Belief.of(world.belief), evidence_in(world, scan), world.policy)
+    done = update(Belief.of(world.belief), evidence_in(world, scan), world.policy)
     again = update(Belief.of(permuted.belief), evidence_in(permuted, scan), world.policy)
-    np.testing.assert_allclose(again.belief.p, told.belief.p[order], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(again.belief.p, done.belief.p[order], rtol=0, atol=1e-12)
     for definition in DEFINITIONS:
         assert voa_of(permuted, definition) == pytest.approx(voa_of(world, definition), abs=1e-12)
 
@@ -320,7 +320,7 @@ def test_updates_agree_with_the_twin(rule_name: str, data: Any) -> None:
         assert ours == (None if theirs is None else pytest.approx(theirs, abs=1e-9))
     nothing_seen = twin.misses_object(beams, [[scan] for scan in lists], list(world.belief), has_workspace=False)
     policy = UpdatePolicy(world.on_no_match, reject_above_rmsd_mm=limit)
-    told = update(Belief.of(world.belief), evidence, policy)
+    done = update(Belief.of(world.belief), evidence, policy)
     expected = twin.update(
         list(world.belief),
         log_weights,
@@ -330,12 +330,12 @@ def test_updates_agree_with_the_twin(rule_name: str, data: Any) -> None:
         reject_above_rmsd_mm=limit,
         nothing_seen=nothing_seen,
     )
-    assert (told.accepted, told.reason) == (expected.accepted, expected.reason)
-    np.testing.assert_allclose(told.belief.p, expected.belief, rtol=0, atol=1e-12)
+    assert (done.accepted, done.reason) == (expected.accepted, expected.reason)
+    np.testing.assert_allclose(done.belief.p, expected.belief, rtol=0, atol=1e-12)
     if expected.log_evidence is None:
-        assert told.log_evidence is None
+        assert done.log_evidence is None
     else:
-        assert told.log_evidence == pytest.approx(expected.log_evidence, abs=1e-11)
+        assert done.log_evidence == pytest.approx(expected.log_evidence, abs=1e-11)
 
 
 @few
@@ -349,14 +349,14 @@ def test_grasp_outcomes_agree_with_the_twin(seed: int, n: int, success: bool, sc
     rng = np.random.default_rng(seed)
     belief = random_belief(rng, n, int(rng.integers(1, n + 1)))
     scores = rng.integers(0, 4, n) / 3.0
-    told = update_by_outcome(Belief.of(belief), log_outcome_weights(scores, success, score_floor))
+    done = update_by_outcome(Belief.of(belief), log_outcome_weights(scores, success, score_floor))
     expected = twin.update_by_outcome(list(belief), list(scores), success, score_floor)
-    assert (told.accepted, told.reason) == (expected.accepted, expected.reason)
-    np.testing.assert_allclose(told.belief.p, expected.belief, rtol=0, atol=1e-12)
+    assert (done.accepted, done.reason) == (expected.accepted, expected.reason)
+    np.testing.assert_allclose(done.belief.p, expected.belief, rtol=0, atol=1e-12)
     if expected.log_evidence is None:
-        assert told.log_evidence is None
+        assert done.log_evidence is None
     else:
-        assert told.log_evidence == pytest.approx(expected.log_evidence, abs=1e-12)
+        assert done.log_evidence == pytest.approx(expected.log_evidence, abs=1e-12)
 
 
 @every_rule

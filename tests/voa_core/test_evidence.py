@@ -160,18 +160,18 @@ def test_an_uncertain_sensor_pose_weighs_by_the_mean_over_its_sigma_points(name:
     measured = predictor.predict(SensorConfiguration("b", -0.32, 0.09, 0.05)).dense()[1]
     measured[3] = NAN
     spread = SensorUncertainty(0.02, 0.04)
-    told = evidence_of_scan(Scan(measured, lidar.grid), AT, predictor, rule, uncertainty=spread)
+    evidence = evidence_of_scan(Scan(measured, lidar.grid), AT, predictor, rule, uncertainty=spread)
     stands = [as_lists(predictor.predict(stand).dense()) for stand in spread.sigma_points(AT)]
     beams, parameters = [float(value) for value in measured], parameters_of(name, lidar)
     for pose in range(3):
         weights = [twin.log_weight(name, parameters, beams, stand[pose]) for stand in stands]
-        assert told.log_weights[pose] == pytest.approx(twin.log_mean_weight(weights), abs=1e-11)
+        assert evidence.log_weights[pose] == pytest.approx(twin.log_mean_weight(weights), abs=1e-11)
         nearest = min(stands, key=lambda stand: twin.distance(beams, stand[pose], rule.no_return_m))[pose]
-        assert told.distances[pose] == pytest.approx(twin.distance(beams, nearest, rule.no_return_m), abs=1e-12)
+        assert evidence.distances[pose] == pytest.approx(twin.distance(beams, nearest, rule.no_return_m), abs=1e-12)
         hit_fit = twin.fit_hit_rmsd_mm(beams, nearest, rule.no_return_m)
         expected = NAN if hit_fit is None else 1e-3 * hit_fit
-        assert told.hit_rmsds[pose] == pytest.approx(expected, abs=1e-12, nan_ok=True)
-    assert told.beams_compared == 23
+        assert evidence.hit_rmsds[pose] == pytest.approx(expected, abs=1e-12, nan_ok=True)
+    assert evidence.beams_compared == 23
 
 
 @pytest.mark.parametrize("has_workspace", [False, True])
@@ -197,13 +197,13 @@ def test_which_scans_miss_the_object_agrees_with_the_twin(
         measured = predictor.predict(AT).dense()[rng.integers(3)] + rng.choice([0.0, 0.05, 0.15, 0.2])
         measured[rng.random(120) < rng.choice([0.0, 0.5, 0.95])] = INF
         measured[rng.random(120) < 0.2] = NAN
-        told = evidence_of_scan(
+        misses = evidence_of_scan(
             Scan(measured, lidar.grid), AT, predictor, rule, workspace=workspace, uncertainty=std
         ).sight.misses_object(np.array(possible))
         crossing = workspace.crossing(AT, lidar.grid.angles) if workspace else None
         beams = classify(Scan(measured, lidar.grid), lidar, crossing).tolist()
-        assert told == twin.misses_object(beams, copies, belief, has_workspace)
-        answers.add(told)
+        assert misses == twin.misses_object(beams, copies, belief, has_workspace)
+        answers.add(misses)
     assert answers == {True, False}
 
 

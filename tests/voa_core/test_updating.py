@@ -42,12 +42,12 @@ def sight_of(seen: int, fewest: Any = (6, 9, 3)) -> Sight:
 def test_a_scan_without_the_object_is_not_accepted(belief: list[float], seen: int, missed: bool) -> None:
     before = Belief.of(belief)
     evidence = evidence_of(np.log([1.0, 0.5, 0.25]), sight=sight_of(seen))
-    told = update(before, evidence, UpdatePolicy("nearest", 1e-3 if missed else None))
-    assert told.reason == ("nothing_seen" if missed else None)
-    assert told.accepted is not missed
+    done = update(before, evidence, UpdatePolicy("nearest", 1e-3 if missed else None))
+    assert done.reason == ("nothing_seen" if missed else None)
+    assert done.accepted is not missed
     if missed:
-        assert told.belief is before
-        assert told.log_evidence is None
+        assert done.belief is before
+        assert done.log_evidence is None
     assert update(before, evidence, UpdatePolicy(on_nothing_seen="evidence")).accepted
 
 
@@ -57,17 +57,17 @@ def test_two_predicted_returns_show_nothing_either_way() -> None:
 
 
 def test_an_accepted_scan_conditions_the_belief() -> None:
-    told = update(BELIEF, evidence_of(np.log([1.0, 0.5, 0.25])), UpdatePolicy())
-    assert (told.accepted, told.reason) == (True, None)
-    np.testing.assert_allclose(told.belief.p, [0.5, 0.25, 0.25])
-    assert told.log_evidence == pytest.approx(math.log(0.5))
+    done = update(BELIEF, evidence_of(np.log([1.0, 0.5, 0.25])), UpdatePolicy())
+    assert (done.accepted, done.reason) == (True, None)
+    np.testing.assert_allclose(done.belief.p, [0.5, 0.25, 0.25])
+    assert done.log_evidence == pytest.approx(math.log(0.5))
 
 
 @pytest.mark.parametrize("policy", [UpdatePolicy("reject", 0.001), UpdatePolicy("nearest", 0.001)])
 def test_a_scan_without_beams_is_not_accepted_under_either_policy(policy: UpdatePolicy) -> None:
-    told = update(BELIEF, evidence_of(np.zeros(3), np.zeros(3), 0), policy)
-    assert (told.accepted, told.reason, told.log_evidence) == (False, "no_beams", None)
-    assert told.belief is BELIEF
+    done = update(BELIEF, evidence_of(np.zeros(3), np.zeros(3), 0), policy)
+    assert (done.accepted, done.reason, done.log_evidence) == (False, "no_beams", None)
+    assert done.belief is BELIEF
 
 
 @pytest.mark.parametrize("on_no_match", ["reject", "nearest"])
@@ -84,21 +84,21 @@ def test_a_fit_as_bad_as_the_limit_is_accepted() -> None:
 
 
 def test_reject_leaves_the_belief_as_it_was_where_nothing_matches() -> None:
-    told = update(BELIEF, evidence_of(IMPOSSIBLE), UpdatePolicy("reject"))
-    assert (told.accepted, told.reason, told.log_evidence) == (False, "no_match", None)
-    assert told.belief is BELIEF
+    done = update(BELIEF, evidence_of(IMPOSSIBLE), UpdatePolicy("reject"))
+    assert (done.accepted, done.reason, done.log_evidence) == (False, "no_match", None)
+    assert done.belief is BELIEF
 
 
 def test_nearest_shares_the_belief_among_the_poses_that_fit_about_as_well_as_the_best() -> None:
-    told = update(BELIEF, evidence_of(IMPOSSIBLE, (0.1, 0.115, 0.3)), UpdatePolicy("nearest"))
-    assert (told.accepted, told.reason, told.log_evidence) == (True, "nearest", None)
-    assert told.belief.p.tolist() == [0.5, 0.5, 0.0]
+    done = update(BELIEF, evidence_of(IMPOSSIBLE, (0.1, 0.115, 0.3)), UpdatePolicy("nearest"))
+    assert (done.accepted, done.reason, done.log_evidence) == (True, "nearest", None)
+    assert done.belief.p.tolist() == [0.5, 0.5, 0.0]
 
 
 def test_nearest_is_for_scans_that_no_possible_pose_explains() -> None:
-    told = update(Belief.of([0.0, 0.5, 0.5]), evidence_of([0.0, -np.inf, -np.inf]), UpdatePolicy("nearest"))
-    assert told.reason == "nearest"
-    assert told.belief.p.tolist() == [1.0, 0.0, 0.0]
+    done = update(Belief.of([0.0, 0.5, 0.5]), evidence_of([0.0, -np.inf, -np.inf]), UpdatePolicy("nearest"))
+    assert done.reason == "nearest"
+    assert done.belief.p.tolist() == [1.0, 0.0, 0.0]
 
 
 def test_nearest_compares_likenesses_with_0_015() -> None:
@@ -107,15 +107,15 @@ def test_nearest_compares_likenesses_with_0_015() -> None:
 
 
 def test_an_outcome_that_no_possible_pose_allows_is_not_accepted() -> None:
-    told = update_by_outcome(Belief.of([1.0, 0.0]), np.array([-np.inf, 0.0]))
-    assert (told.accepted, told.reason, told.log_evidence) == (False, "no_match", None)
-    assert told.belief.p.tolist() == [1.0, 0.0]
+    done = update_by_outcome(Belief.of([1.0, 0.0]), np.array([-np.inf, 0.0]))
+    assert (done.accepted, done.reason, done.log_evidence) == (False, "no_match", None)
+    assert done.belief.p.tolist() == [1.0, 0.0]
 
 
 def test_an_outcome_conditions_the_belief() -> None:
-    told = update_by_outcome(Belief.uniform(2), np.log([0.9, 0.3]))
-    np.testing.assert_allclose(told.belief.p, [0.75, 0.25])
-    assert told.log_evidence == pytest.approx(math.log(0.6))
+    done = update_by_outcome(Belief.uniform(2), np.log([0.9, 0.3]))
+    np.testing.assert_allclose(done.belief.p, [0.75, 0.25])
+    assert done.log_evidence == pytest.approx(math.log(0.6))
 
 
 @pytest.mark.parametrize(

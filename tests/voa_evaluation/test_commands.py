@@ -68,9 +68,9 @@ def test_totals_of_the_page_are_those_of_the_rows(reported: Path) -> None:
         key = row["belief"], row["rule"], row["policy"]
         counted[key] += int(row["success"])
         drops[key] += 1
-    told = [row for row in rows_of(reported / "voa-policies.csv") if row["object"] == "all"]
-    assert len(told) == len(BELIEFS) * len(RULES) * len(POLICIES)
-    for row in told:
+    policies = [row for row in rows_of(reported / "voa-policies.csv") if row["object"] == "all"]
+    assert len(policies) == len(BELIEFS) * len(RULES) * len(POLICIES)
+    for row in policies:
         key = row["belief"], row["rule"], row["policy"]
         assert (int(row["successes"]), int(row["drops"])) == (counted[key], drops[key])
         assert f'<td class="number">{counted[key]}/{drops[key]} (' in page
@@ -127,8 +127,8 @@ def test_voa_is_what_the_services_answers_to_predicted_scans_give(
 
 
 def test_the_command_shows_tables(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = ["voa", "block", *TINY, "--url", process, "--out", str(tmp_path)]
-    assert evaluate.main(told) == 0
+    arguments = ["voa", "block", *TINY, "--url", process, "--out", str(tmp_path)]
+    assert evaluate.main(arguments) == 0
     said = capsys.readouterr().out
     assert "Successes per policy, all objects, hinted belief" in said
     assert "no difference shown" in said
@@ -139,8 +139,8 @@ def test_the_command_shows_tables(process: str, tmp_path: Path, capsys: pytest.C
 
 @needs_lab
 def test_the_labs_error_comes_out(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = ["all", "--recorded", str(LAB), "--url", process, "--out", str(tmp_path), "--json"]
-    assert evaluate.main(told) == 0
+    arguments = ["all", "--recorded", str(LAB), "--url", process, "--out", str(tmp_path), "--json"]
+    assert evaluate.main(arguments) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["observation"]["overall"]["median_abs"] == pytest.approx(2.3, abs=0.05)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -157,8 +157,8 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scans = [row for row in recorded.rows() if row[:2] != ("Q2", "P2")]
-    told: dict[str, Any] = recorded.experiment(name="lab 3/4: tiny")
-    folder = recorded.write(tmp_path / "tiny", told, scans)
+    experiment: dict[str, Any] = recorded.experiment(name="lab 3/4: tiny")
+    folder = recorded.write(tmp_path / "tiny", experiment, scans)
     out = tmp_path / "out"
     assert evaluate.main(["all", "--recorded", str(folder), "--url", process, "--out", str(out)]) == 0
     assert "report.html" in capsys.readouterr().out

@@ -53,10 +53,10 @@ def test_another_seed_gives_other_noise(mug: FleetObject) -> None:
     assert len(tables) > 1
 
 
-def test_every_attempt_is_counted_and_progress_told(mug: FleetObject) -> None:
-    told: list[int] = []
-    found = score_grasps(mug, 2, NOISE, 0, poses=POSES, grasps=["TDH0"], progress=told.append)
-    assert told == [2, 2]
+def test_every_attempt_is_counted_and_progress_reported(mug: FleetObject) -> None:
+    counts: list[int] = []
+    found = score_grasps(mug, 2, NOISE, 0, poses=POSES, grasps=["TDH0"], progress=counts.append)
+    assert counts == [2, 2]
     assert [cell.attempts for row in found.cells for cell in row] == [2, 2]
     assert found.successes == [[0, 0]]
 

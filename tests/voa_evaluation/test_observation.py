@@ -30,10 +30,10 @@ def test_without_imperfections_prediction_is_exact(mug: FleetObject) -> None:
 
 
 def test_noise_comes_back_as_spread(mug: FleetObject) -> None:
-    told: list[int] = []
+    counts: list[int] = []
     imperfections = Imperfections(range_noise_m=0.003, clutter=room(2.0))
-    found = simulated_errors(mug, 4, imperfections, 0, told.append)
-    assert sum(told) == found.scans == 192
+    found = simulated_errors(mug, 4, imperfections, 0, counts.append)
+    assert sum(counts) == found.scans == 192
     assert found.overall.std == pytest.approx(3.0, rel=0.1)
     assert abs(found.overall.mean or 0.0) < 0.3
 
@@ -111,8 +111,8 @@ def test_an_experiment_without_predictions_is_compared_with_its_mesh(
 
 
 def test_the_command_writes_tables_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = ["observation", "--recorded", str(path("experiments/mug")), "--out", str(tmp_path), "--json"]
-    assert evaluate.main(told) == 0
+    arguments = ["observation", "--recorded", str(path("experiments/mug")), "--out", str(tmp_path), "--json"]
+    assert evaluate.main(arguments) == 0
     said = capsys.readouterr()
     report = json.loads(said.out)
     assert said.err == ""
@@ -143,6 +143,6 @@ def test_what_is_no_experiment_is_refused(tmp_path: Path, capsys: pytest.Capture
     assert observation.main(["--recorded", str(tmp_path), "--out", str(tmp_path / "out")]) == 1
     assert "experiment.json" in capsys.readouterr().err
     recorded.write(tmp_path / "tiny")
-    told = ["--recorded", str(tmp_path / "tiny"), "--predict", "mesh", "--out", str(tmp_path / "out")]
-    assert observation.main(told) == 1
+    arguments = ["--recorded", str(tmp_path / "tiny"), "--predict", "mesh", "--out", str(tmp_path / "out")]
+    assert observation.main(arguments) == 1
     assert "predictions from the mesh need a mesh file" in capsys.readouterr().err

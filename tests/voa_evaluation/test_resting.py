@@ -38,9 +38,9 @@ def test_a_pose_that_is_not_stable_is_found_out(mug: FleetObject) -> None:
 
 @pytest.mark.parametrize("name", OBJECTS)
 def test_drops_come_to_rest_in_ways_that_have_a_name(targets: dict[str, FleetObject], name: str) -> None:
-    told: list[int] = []
-    drops = drop_repeatedly(targets[name], 24, seed=2, progress=told.append)
-    assert sum(told) == drops.total == 24
+    counts: list[int] = []
+    drops = drop_repeatedly(targets[name], 24, seed=2, progress=counts.append)
+    assert sum(counts) == drops.total == 24
     assert drops.counts[OTHER] <= 1
     assert drops.counts[MOVING] <= 4
     assert sum(count > 0 for count in drops.counts.values()) >= 3

@@ -6,27 +6,18 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
+from voa_core.rules.registry import RULES as BUILT_IN_RULES
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.imperfections import Imperfections
-from voa_msgs.updates import (
-    UpdateRule,
-)
+from voa_msgs.updates import UpdateRule
 from voa_recordings.replay.experiments import update_of as default_update
 
 Belief = Literal["uniform", "hinted"]
 """Kind of belief before the look: `uniform` as in the paper, or `hinted`: a different one for each drop."""
 
 BELIEFS: tuple[Belief, ...] = ("uniform", "hinted")
-RULES = ("margin", "exponential", "gaussian", "inverse_rmsd", "beam")
-RULE_DESCRIPTIONS: Mapping[str, str] = MappingProxyType(
-    {
-        "margin": "a pose stays possible if every beam agrees within 8 mm; if none does, the nearest poses share",
-        "exponential": "weight exp(-d), d the length of the vector of differences in metres",
-        "gaussian": "weight exp(-d²/2), d as for exponential",
-        "inverse_rmsd": "weight 1 / RMSD, the root of the mean squared difference",
-        "beam": "this project's rule for live robots: every beam is a hit, too short, empty or random",
-    }
-)
+RULES = tuple(BUILT_IN_RULES)
+RULE_DESCRIPTIONS: Mapping[str, str] = MappingProxyType({name: rule.meaning for name, rule in BUILT_IN_RULES.items()})
 
 
 def default_imperfections() -> Imperfections:

@@ -29,7 +29,7 @@ def findings_section(findings: Sequence[Finding]) -> Section:
     ]
     for verdict, own in by_verdict.items():
         blocks += [Heading(_TITLES[verdict]), findings_table(own) if own else Paragraph("Nowhere.")]
-    return Section("findings", "What came out", tuple(blocks))
+    return Section("findings", "Findings", tuple(blocks))
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

@@ -33,7 +33,7 @@ def recorded_section(report: ExperimentReport, file: Path) -> Section:
                 f"{len(report.poses)} poses, all equally likely beforehand. The best grasp then is "
                 f"{before.best_grasp or 'none'}, with an expected score of {before.expected_score:.3f}. VOA is "
                 "the rise of the expected score over predicted scans, AECD the rise over the scans that were "
-                "measured, one per pose. A dash stands for an undefined AECD: not every pose was measured from that "
+                "measured, one per pose. A dash marks an undefined AECD: not every pose was measured from that "
                 "place."
             ),
             Picture(file, "VOA against AECD; on the dashed line both are equal."),

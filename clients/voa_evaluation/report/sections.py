@@ -49,7 +49,7 @@ def _design(results: Results) -> Section:
             Paragraph(
                 f"Objects, each put down {setting.drops} times per kind of belief: {', '.join(results.rows.objects)}; "
                 f"{drops} drops of either kind. uniform: every pose is equally likely, as in the paper. hinted: every "
-                "drop has a belief of its own, drawn from a Dirichlet distribution (0.5), so that the best look "
+                "drop has a different belief, drawn from a Dirichlet distribution (0.5), so that the best look "
                 "differs from drop to drop. The true pose is drawn from the belief. The object lies "
                 f"{1e3 * imperfections.object_xy_m:g} mm and {math.degrees(imperfections.object_yaw_rad):.1f} degrees "
                 "(std) off its pose."
@@ -212,7 +212,7 @@ def _tau_summary(results: Results) -> Paragraph:
         f"Of {lines} lines the rank correlation with achieved value is positive with an interval above zero "
         f"in {len(positive)}, below zero in {len(negative)}, undecided in {undecided} "
         f"and undefined in {undefined}, where all looks had equal values. Eight places whose values differ by less "
-        f"than their intervals cannot be ranked by {results.setting.drops} drops: such a line says that the choice of "
+        f"than their intervals cannot be ranked by {results.setting.drops} drops: such a line means that the choice of "
         "place mattered little, not that VOA is wrong."
     )
 

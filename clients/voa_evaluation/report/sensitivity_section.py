@@ -24,7 +24,7 @@ def sensitivity_section(results: Results, pictures: Mapping[str, Path]) -> Secti
     header = ("disturbance", "level", "stated", "rule", "lifted with look", "without", "gain", "fitted no pose")
     return Section(
         "sensitivity",
-        "What disturbs a look",
+        "Sensitivity to disturbances",
         (
             Paragraph(
                 f"The look that VOA recommends under a uniform belief, at the first {drops} drops of each object "

@@ -105,7 +105,7 @@ def comparison_summary(demo: Demo) -> str:
     drops = "Drop 1" if without.attempts == 1 else f"Drops 1 to {without.attempts}"
     return (
         f"{drops} of seed {demo.seed}, each grasped twice in simulation, once without a look and once after up to "
-        f"{demo.most_looks}. Without a look {without.attempts - without.successes} of {without.attempts} grasps "
+        f"{demo.most_looks} looks. Without a look {without.attempts - without.successes} of {without.attempts} grasps "
         f"failed, with looks {with_looks.attempts - with_looks.successes} of {with_looks.attempts}. Range noise and "
         "lost beams are those of an LDS-01; the object lies 5 mm and 0.05 rad (standard deviations) off its pose."
     )
@@ -150,7 +150,7 @@ def _first_episode(demo: Demo, out: Path) -> Section:
 
 
 def _comparison(demo: Demo, out: Path) -> Section:
-    bars = out / "contrast.png"
+    bars = out / "comparison.png"
     comparison_bars(bars, demo.tallies, [_LABELS[tally.policy] for tally in demo.tallies])
     counts = Table(
         "Wilson's intervals; expected: success probability of the attempted grasps, as the service expected it",
@@ -159,7 +159,7 @@ def _comparison(demo: Demo, out: Path) -> Section:
     )
     picture = Picture(bars, "Counts of drops in which the object was lifted.")
     return Section(
-        "contrast",
+        "comparison",
         "The same drops without a look, and with looks",
         (Paragraph(comparison_summary(demo)), counts, picture),
     )

@@ -45,7 +45,7 @@ class View:
 
 
 class Renderer:
-    """Draws one world; use as a context manager, from one thread."""
+    """Renderer of one world; use it as a context manager, from one thread."""
 
     def __init__(
         self, world: World, width: int = 960, height: int = 640, view: View | None = None, *, shadows: bool = True

@@ -153,12 +153,12 @@ def test_a_slip_gives_its_warning(
     assert re.search(says, mistake.detail), mistake.detail
 
 
-def test_a_file_whose_y_axis_is_up_is_told_from_one_that_was_turned_by_mistake() -> None:
+def test_a_file_whose_y_axis_is_up_is_distinguished_from_one_that_was_turned_by_mistake() -> None:
     lying = with_y_up(wedge())
     assert "up=+Y" in found(object_=lying)["up-axis"].detail
     turned = with_y_up(with_y_up(with_y_up(wedge())))
     assert "up=+Z" in found(object_=turned, up="+Y")["up-axis"].detail
-    # Nobody is told to say what was said.
+    # No warning proposes the axis that was stated.
     assert "up-axis" not in found(object_=turned)
     assert "up-axis" not in found(object_=lying, up="+Y")
     assert "up-axis" not in found(poses=FLOATING)
@@ -238,16 +238,16 @@ def test_what_a_selection_leaves_open_is_looked_at_while_pairs_are_left() -> Non
     assert "pose-never-seen" not in found(replace(QUICK, pairs=6), poses=sunk, sensors=places)
 
 
-def test_each_scan_plane_is_told_for_itself() -> None:
+def test_each_scan_plane_has_a_mistake_of_its_own() -> None:
     low, high = moved(WEST, name="low", height_m=0.02), moved(SOUTH, name="high", height_m=0.08)
     poses = poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.06, 90.0))
     mesh = Mesh(wedge())
-    told = [
+    missed = [
         (mistake.sensors, mistake.poses)
         for mistake in mistakes_of_scenario(scenario_of(poses=poses, sensors=(low, high)), mesh, THOROUGH)
         if mistake.kind == "plane-misses-object"
     ]
-    assert told == [(("low",), ("P1",)), (("high",), ("P0",))]
+    assert missed == [(("low",), ("P1",)), (("high",), ("P0",))]
 
 
 def test_a_mesh_of_many_faces_at_many_tilts_is_cut_only_so_often() -> None:

@@ -78,7 +78,7 @@ def test_poses_that_grasp_differently_are_not_even_compared() -> None:
     assert groups(wedge(), poses, few, scores) == [("P28", "P29")]
 
 
-def test_only_the_first_groups_are_told() -> None:
+def test_only_the_first_groups_are_listed() -> None:
     poses = poses_at(*((0.1 * (i // 2), 0.0, 0.0, 0.0) for i in range(60)))
     assert len(groups(wedge(), poses)) == 20
 

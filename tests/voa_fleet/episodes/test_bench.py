@@ -22,7 +22,7 @@ def bench(mug: FleetObject) -> Bench:
     return make_bench(mug, IMPERFECTIONS, 3, VirtualClock(), "robot")
 
 
-def played(bench: Bench, index: int) -> tuple[str, list[float | None], tuple[float, ...]]:
+def run(bench: Bench, index: int) -> tuple[str, list[float | None], tuple[float, ...]]:
     prepared = bench.prepare(index)
     lying = bench.scene.world.object_pose(bench.scene.data)
     assert lying == prepared.drop.place
@@ -31,11 +31,11 @@ def played(bench: Bench, index: int) -> tuple[str, list[float | None], tuple[flo
 
 
 def test_a_drop_depends_on_seed_and_index_alone(bench: Bench, mug: FleetObject) -> None:
-    first = played(bench, 4)
+    first = run(bench, 4)
     bench.prepare(1).arm.attempt("TD0")
-    assert played(bench, 4) == first
-    assert played(make_bench(mug, IMPERFECTIONS, 3, VirtualClock(), "other"), 4) == first
-    assert played(bench, 5) != first
+    assert run(bench, 4) == first
+    assert run(make_bench(mug, IMPERFECTIONS, 3, VirtualClock(), "other"), 4) == first
+    assert run(bench, 5) != first
 
 
 def test_robot_and_arm_begin_where_they_wait(bench: Bench) -> None:

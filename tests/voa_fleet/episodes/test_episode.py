@@ -140,7 +140,9 @@ def test_a_robot_that_errs_says_so_with_its_pose(lab: Lab, mallet: FleetObject) 
     assert (pose.x, pose.y, pose.yaw_rad) == (there.x, there.y, there.yaw_rad)
 
 
-@pytest.mark.parametrize(("policy", "looks"), [("random", 2), ("nearest", 2), ("none", 0)])
+@pytest.mark.parametrize(
+    ("policy", "looks"), [("random", 2), ("nearest", 2), ("none", 0), ("entropy", 2), ("beams", 2)]
+)
 def test_other_policies_use_up_their_looks_and_a_seed_decides_all(
     lab: Lab, mallet: FleetObject, bench: Bench, policy: str, looks: int
 ) -> None:
@@ -161,7 +163,7 @@ class StuckArm(SimulatedArm):
         return ()
 
 
-def test_an_arm_that_reaches_nothing_ends_the_story(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
+def test_an_arm_that_reaches_nothing_ends_the_episode(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
         prepared = bench.prepare(0)
@@ -196,7 +198,7 @@ def test_an_attempt_that_moved_the_object_is_not_reported(lab: Lab, mallet: Flee
         assert [entry.kind for entry in client.history(episode.before.id)] == ["prior"]
 
 
-def test_a_ros_2_robot_tells_the_same_story_through_the_mapping(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
+def test_a_ros_2_robot_has_the_same_episode_through_the_mapping(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     with Client(lab.zenoh) as client, joined(address_of(lab.zenoh)) as bus:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
         mapped(lab, client, scenario.id)
@@ -291,7 +293,7 @@ def test_a_session_that_cannot_be_opened_for_another_reason_says_that_one(lab: L
             channel.open(scenario.model_copy(update={"id": "none"}))
 
 
-def test_sessions_of_others_take_no_look_of_the_robot_and_a_claim_by_others_is_told(
+def test_sessions_of_others_take_no_look_of_the_robot_and_a_claim_by_others_is_reported(
     lab: Lab, mallet: FleetObject, bench: Bench
 ) -> None:
     with Client(lab.zenoh) as client, Client(lab.http) as web, joined(address_of(lab.zenoh)) as bus:
@@ -339,7 +341,7 @@ def test_a_robot_that_nobody_receives_says_what_the_service_waits_for(
             channel.look(session, scenario.sensors[0])
 
 
-def test_the_contrast_plays_the_same_drops_for_each(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
+def test_the_comparison_runs_the_same_drops_for_each(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     comparison = Comparison()
     steps: list[int] = []
     with Client(lab.http) as client:

@@ -66,7 +66,7 @@ def test_a_gif_has_every_frame(tmp_path: Path) -> None:
 
 def test_other_videos_go_through_ffmpeg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program = tmp_path / "ffmpeg"
-    program.write_text('#!/bin/sh\necho "$@" > "$(dirname "$0")/told"\nfor last; do :; done\ncat > "$last"\n')
+    program.write_text('#!/bin/sh\necho "$@" > "$(dirname "$0")/arguments"\nfor last; do :; done\ncat > "$last"\n')
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     file = tmp_path / "film.mp4"
@@ -74,9 +74,9 @@ def test_other_videos_go_through_ffmpeg(tmp_path: Path, monkeypatch: pytest.Monk
         for frame in frames():
             video.add(frame)
     assert file.read_bytes() == b"".join(frame.tobytes() for frame in frames())
-    told = (tmp_path / "told").read_text()
-    assert "-s 32x24" in told
-    assert "-r 30" in told
+    arguments = (tmp_path / "arguments").read_text()
+    assert "-s 32x24" in arguments
+    assert "-r 30" in arguments
 
 
 def test_a_failing_ffmpeg_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -135,7 +135,7 @@ def test_a_scan_goes_out_raw() -> None:
     assert scan_message(np.array([0.0, 0.1234567, 2.0])).ranges == [0.0, 0.123457, 2.0]
 
 
-def test_a_lidar_may_be_told_in_full_and_must_be_told_whole() -> None:
+def test_a_lidar_may_be_stated_in_full_and_must_be_complete() -> None:
     own = Lidar(beams=4, angle_min=0.0, angle_increment=1.5, range_min=0.1, range_max=2.0, height_m=0.1)
     assert lidar_geometry(own).angles.tolist() == [0.0, 1.5, 3.0, 4.5]
     assert lidar_geometry(Lidar(preset="lds-01", height_m=0.05, range_max=1.0)).range_max == 1.0
