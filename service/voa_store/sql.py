@@ -17,7 +17,7 @@ from voa_store.engines import connect, first, statement, transaction
 from voa_store.errors import SessionMissing, VersionMismatch
 from voa_store.histories import read_history
 from voa_store.listening import CHANNEL, Listener
-from voa_store.looks import count_look, newest_looks
+from voa_store.looks import count_look
 from voa_store.migrate import is_current, migrate
 from voa_store.probing import Probe
 from voa_store.records import (
@@ -25,7 +25,6 @@ from voa_store.records import (
     IdempotencyKey,
     Listed,
     ListedSession,
-    RobotLook,
     SessionChange,
     SessionState,
     StoredResponse,
@@ -33,6 +32,7 @@ from voa_store.records import (
 )
 from voa_store.removal import Remover
 from voa_store.responses import keep_response, stored_response
+from voa_store.robots import RobotRecords
 from voa_store.rows import blob, session_of, written
 from voa_store.summaries import list_sessions
 from voa_store.tables import GONE, history, sessions
@@ -52,7 +52,7 @@ _MARK = select(sessions.c.version, sessions.c.updated_at).where(
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
 
 
-class SqlStore(Contents):
+class SqlStore(Contents, RobotRecords):
     """Store on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`.
 
     Args:
@@ -65,7 +65,7 @@ class SqlStore(Contents):
 
     def __init__(self, url: str, patience_s: float = PATIENCE_SECONDS) -> None:
         self._engines = connect(url, patience_s)
-        super().__init__(self._engines)
+        Contents.__init__(self, self._engines)
         self._readers = self._engines.readers
         self._mark = _MARK.compile(dialect=self._single.dialect)
         self._notifies = self._writer.dialect.name == "postgresql"
@@ -170,25 +170,6 @@ class SqlStore(Contents):
         # PostgreSQL cannot store a NUL in a text, so no id contains one.
         return None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
 
-    def robot_session(self, robot: str, scenario: str) -> str | None:
-        """Find the session that the next look of a robot, mapped to a scenario, belongs to; None: there is none."""
-        with statement(self._single) as connection:
-            return claims.find(connection, robot, scenario).id
-
-    def settle_robot(self, robot: str, scenario: str) -> str | None:
-        """Claim a robot for the session that `robot_session` finds; returns that session, None: there is none."""
-        with statement(self._single) as connection:
-            assignment = claims.find(connection, robot, scenario)
-        if assignment.settled or assignment.session is None:  # nothing to write: the usual case
-            return assignment.id
-        with transaction(self._writer) as connection:
-            return claims.settle(connection, robot, scenario)
-
-    def claim_robot(self, robot: str, session: str | None) -> bool:
-        """Claim a robot for a session, or release it from every session (None); False: there is no such session."""
-        with transaction(self._writer) as connection:
-            return claims.put(connection, robot, session)
-
     def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
         """List at most `limit` sessions after a cursor, oldest first."""
         with statement(self._single) as connection:
@@ -227,11 +208,6 @@ class SqlStore(Contents):
                     count_look(connection, id_, write.look)
                 self._notify(connection, id_)
             keep_response(connection, write.key, change.response)
-
-    def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:
-        """Read at most `limit` looks of a robot that a session has accepted, the newest first."""
-        with statement(self._single) as connection:
-            return newest_looks(connection, id_, robot, limit)
 
     def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
         """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
