@@ -1,4 +1,4 @@
-"""The headers of the contract: ETag, If-Match, Idempotency-Key."""
+"""The headers of versions and of repeated requests: ETag, If-Match and Idempotency-Key."""
 
 import re
 from typing import Annotated
@@ -23,12 +23,12 @@ _STRONG_TAG = re.compile(r'^(?:"v(\d{1,18})"|v(\d{1,18}))$')
 
 
 def etag(version: int) -> dict[str, str]:
-    """Make the header that names a version of a session."""
+    """Return the ETag header of a version of a session."""
     return {"ETag": f'"v{version}"'}
 
 
 def versions(if_match: str | None) -> frozenset[int] | None:
-    """Read the versions that an If-Match accepts; None: any. A tag of another form matches no version."""
+    """Return the versions that an If-Match accepts; None: any version. A tag of another form matches no version."""
     if if_match is None or if_match.strip() == "*":
         return None
     matches = (_STRONG_TAG.match(tag.strip()) for tag in if_match.split(","))
