@@ -4,22 +4,22 @@ Entrypoints stand in front (HTTP, Zenoh, remote calls), use cases in the middle,
 behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mapping/` knows both.
 
 | folder or file | purpose                                                                                 |
-|----------------|-----------------------------------------------------------------------------------------|
-| `serve`        | the command `voa serve`: options, sockets and signals of the process                    |
-| `settings`     | settings from the command line, from `VOA_*` in the environment, and their defaults     |
-| `environment`  | finds variables `VOA_*` that are not settings, such as misspelt ones                    |
-| `bootstrap`    | the composition root: builds the use cases, their queues and caches from the settings   |
-| `services`     | the use cases and queues, as `bootstrap` hands them to every entrypoint                 |
-| `http/`        | HTTP: resources, problem documents, limits, connections                                 |
-| `zenoh/`       | Zenoh: queries, raw scans, ROS 2 topics of mapped robots; publishes beliefs             |
-| `rpc/`         | remote calls: methods by name, for Zenoh queries and for callers in this process        |
-| `requests/`    | reads requests for every entrypoint: bodies, limits, attachments, idempotency keys      |
-| `guard`        | turns every error that leaves an entrypoint's work into a failure                       |
-| `failures`     | the failures that callers see: kind, status and title of each problem document          |
-| `described`    | describes these failures for the OpenAPI document                                       |
-| `usecases/`    | the operations of the service, without a protocol and without a database                |
-| `mapping/`     | converts messages to the mathematics and back                                           |
-| `ports`        | interfaces of the use cases to the store, the clock, ids and the reader of meshes       |
-| `meshes/`      | reads untrusted mesh files in processes with limits                                     |
-| `runtime/`     | queues, threads, caches, changes of sessions, memory, metrics, logs, the end            |
+|-------------------|-----------------------------------------------------------------------------------------|
+| `serve`           | the command `voa serve`: options, sockets and signals of the process                    |
+| `settings`        | settings from the command line, from `VOA_*` in the environment, and their defaults     |
+| `environment`     | finds variables `VOA_*` that are not settings, such as misspelt ones                    |
+| `bootstrap`       | the composition root: builds the use cases, their queues and caches from the settings   |
+| `services`        | the use cases and queues, as `bootstrap` hands them to every entrypoint                 |
+| `http/`           | HTTP: resources, problem documents, limits, connections                                 |
+| `zenoh/`          | Zenoh: queries, raw scans, ROS 2 topics of mapped robots; publishes beliefs             |
+| `rpc/`            | remote calls: methods by name, for Zenoh queries and for callers in this process        |
+| `requests/`       | reads requests for every entrypoint: bodies, limits, attachments, idempotency keys      |
+| `guard`           | turns every error that leaves an entrypoint's work into a failure                       |
+| `failures`        | the failures that callers see: kind, status and title of each problem document          |
+| `problem_schemas` | the schemas of these problem documents for the OpenAPI document                         |
+| `usecases/`       | the operations of the service, without a protocol and without a database                |
+| `mapping/`        | converts messages to the mathematics and back                                           |
+| `ports`           | interfaces of the use cases to the store, the clock, ids and the reader of meshes       |
+| `meshes/`         | reads untrusted mesh files in processes with limits                                     |
+| `runtime/`        | queues, threads, caches, changes of sessions, memory, metrics, logs, the end            |
 """

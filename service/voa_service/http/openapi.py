@@ -6,7 +6,6 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from voa_msgs.problems import Problem
 from voa_service.failures import (
     Failure,
     Forbidden,
@@ -21,6 +20,7 @@ from voa_service.failures import (
     WireVersionMismatch,
 )
 from voa_service.http.problems import MEDIA_TYPE
+from voa_service.problem_schemas import problem_schema
 from voa_service.settings import Limits
 
 TAGS = [
@@ -44,6 +44,7 @@ TAGS = [
 ]
 """Tags of the operations, in the order of the document; each operation has exactly one."""
 
+_KINDS: dict[str, type[Failure]] = {kind.kind: kind for kind in Failure.__subclasses__()}
 _WORDS = {"integer": "maximum", "array": "maxItems", "object": "maxProperties"}
 _PROBLEMS = "x-problems"
 _ANY_CALL: tuple[type[Failure], ...] = (
@@ -74,8 +75,8 @@ def problems(*kinds: type[Failure]) -> dict[int | str, dict[str, Any]]:
     """
     responses: dict[int | str, dict[str, Any]] = {}
     for kind in kinds:
-        response = responses.setdefault(kind.status, {"description": "", "model": Problem, _PROBLEMS: []})
-        response[_PROBLEMS].append([kind.kind, kind.title])
+        response = responses.setdefault(kind.status, {"description": "", _PROBLEMS: []})
+        response[_PROBLEMS].append(kind.kind)
     return responses
 
 
@@ -94,13 +95,13 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
     document = get_openapi(
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=TAGS
     )
+    schemas = document["components"]["schemas"]
     for path, operations in document["paths"].items():
         for operation in operations.values():
             _summarise(operation)
             if path.startswith("/v1/"):
                 _add_problems(operation["responses"], _of_any_call(operation))
-            _describe_problems(operation["responses"])
-    schemas = document["components"]["schemas"]
+            _describe_problems(operation["responses"], schemas)
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     _state_limits(schemas, limits)
@@ -127,22 +128,24 @@ def _add_problems(responses: dict[str, Any], kinds: Iterable[type[Failure]]) -> 
     for kind in kinds:
         response = responses.setdefault(str(kind.status), {})
         entries = response.setdefault(_PROBLEMS, [])
-        if [kind.kind, kind.title] not in entries:
-            entries.append([kind.kind, kind.title])
+        if kind.kind not in entries:
+            entries.append(kind.kind)
 
 
-def _describe_problems(responses: dict[str, Any]) -> None:
-    """Replace the marks of problems by descriptions, and by schemas that list the kinds."""
+def _describe_problems(responses: dict[str, Any], schemas: dict[str, Any]) -> None:
+    """Replace the marks of problems by descriptions; the schema of each kind goes into the document's `schemas`."""
     for status in [status for status, response in responses.items() if _PROBLEMS in response]:
-        entries = responses[status][_PROBLEMS]
-        schema = {
-            "$ref": f"#/components/schemas/{Problem.__name__}",
-            "properties": {"type": {"enum": [f"urn:voa:problem:{kind}" for kind, _ in entries]}},
-        }
+        kinds = [_KINDS[kind] for kind in responses[status][_PROBLEMS]]
+        schemas |= {_schema_name(kind): problem_schema(kind) for kind in kinds}
+        references = [{"$ref": f"#/components/schemas/{_schema_name(kind)}"} for kind in kinds]
         responses[status] = {
-            "description": "; ".join(f"{title} (`{kind}`)" for kind, title in entries),
-            "content": {MEDIA_TYPE: {"schema": schema}},
+            "description": "; ".join(f"{kind.title} (`{kind.kind}`)" for kind in kinds),
+            "content": {MEDIA_TYPE: {"schema": references[0] if len(references) == 1 else {"oneOf": references}}},
         }
+
+
+def _schema_name(kind: type[Failure]) -> str:
+    return f"{kind.__name__}Problem"
 
 
 def _state_limits(node: Any, limits: Limits) -> None:

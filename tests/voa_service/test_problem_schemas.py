@@ -6,8 +6,8 @@ import json
 import pytest
 
 from voa_service import failures
-from voa_service.described import PROBLEM_TYPE, described, problem_schema
 from voa_service.failures import Failure, HttpError, document
+from voa_service.problem_schemas import problem_schema
 
 KINDS = [
     kind
@@ -27,15 +27,3 @@ def test_a_problem_document_has_the_members_that_its_schema_names(kind: type[Fai
     assert sent["type"] == schema["properties"]["type"]["const"]
     assert "$ref" not in json.dumps(schema)
     assert all(schema["properties"][name].get("description") for name in kind.members)
-
-
-def test_failures_are_grouped_by_status() -> None:
-    responses = described(failures.NotFound, failures.UnknownReference, failures.InvalidRequest, failures.NotFound)
-    assert list(responses) == [404, 422]
-    assert responses[404]["description"] == "Not found (`not-found`)"
-    schemas = responses[422]["content"][PROBLEM_TYPE]["schema"]["oneOf"]
-    assert [schema["properties"]["type"]["const"] for schema in schemas] == [
-        "urn:voa:problem:unknown-name",
-        "urn:voa:problem:invalid-request",
-    ]
-    assert responses[404]["content"][PROBLEM_TYPE]["schema"]["title"] == "Not found"
