@@ -3,7 +3,7 @@
 Entrypoints stand in front (HTTP, Zenoh, remote calls), use cases in the middle, the store and the reader of meshes
 behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mapping/` knows both.
 
-| folder or file | purpose                                                                                 |
+| folder or file    | purpose                                                                                 |
 |-------------------|-----------------------------------------------------------------------------------------|
 | `serve`           | the command `voa serve`: options, sockets and signals of the process                    |
 | `settings`        | settings from the command line, from `VOA_*` in the environment, and their defaults     |

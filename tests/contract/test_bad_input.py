@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -42,11 +43,16 @@ def test_bad_input_gets_its_problem_and_changes_nothing(world: World, case: Case
 @pytest.fixture(scope="module")
 def documented(world: World) -> dict[tuple[str, str, int], set[str]]:
     """Kinds of problems that the OpenAPI document lists, by method, path and status."""
+    document = world.service.get("/openapi.json")
+    schemas = document["components"]["schemas"]
+
+    def kinds(schema: dict[str, Any]) -> set[str]:
+        references = [one["$ref"].rpartition("/")[2] for one in schema.get("oneOf", [schema])]
+        return {schemas[name]["properties"]["type"]["const"] for name in references}
+
     return {
-        (method.upper(), path, int(status)): set(
-            response["content"]["application/problem+json"]["schema"]["properties"]["type"]["enum"]
-        )
-        for path, operations in world.service.get("/openapi.json")["paths"].items()
+        (method.upper(), path, int(status)): kinds(response["content"]["application/problem+json"]["schema"])
+        for path, operations in document["paths"].items()
         for method, operation in operations.items()
         for status, response in operation["responses"].items()
         if status >= "400"
