@@ -43,11 +43,13 @@ class Belief:
             length: number of poses; None: any.
 
         Raises:
-            InvalidInput: the length or the sum is another, or a number is negative or not finite.
+            InvalidInput: the length is not `length`, the sum is not 1, or a number is negative or not finite.
         """
         p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
         if (p < 0.0).any():
-            raise InvalidInput(field, "numbers of at least 0", f"{p.min():g} at {int(p.argmin())}")
+            raise InvalidInput(
+                field, "numbers of at least 0", f"{p.min():g} for pose {int(p.argmin())} (counted from 0)"
+            )
         total = math.fsum(np.minimum(p, _NO_SHARE))  # the sum of the largest floats is none
         if abs(total - 1.0) > SUM_TOLERANCE:
             raise InvalidInput(field, "a sum within 1e-6 of 1", f"a sum of {total:.9g}")

@@ -90,7 +90,9 @@ class ObservationPredictor:
         shape = (len(self.poses), self.lidar.grid.beams)
         for name, ranges in self.data.items():
             if ranges.shape != shape:
-                raise InvalidInput(f"predictions of {name!r}", f"shape {shape}", f"shape {ranges.shape}")
+                raise InvalidInput(
+                    f"predictions of {name!r}", f"shape (poses, beams) = {shape}", f"shape {ranges.shape}"
+                )
             if not (ranges >= 0.0).all():
                 raise InvalidInput(f"predictions of {name!r}", "ranges of at least 0, or none", "a negative one")
 

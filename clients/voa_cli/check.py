@@ -1,7 +1,7 @@
 """`voa check`: list the probable mistakes in a scenario file, before a robot uses it.
 
 voa check scenario.json                             exit code 0: no warning; 1: warnings; 2: it cannot be used
-voa check scenario.json --url http://lab:8000       by a running service, which stores the scenario
+voa check scenario.json --url http://lab:8000       by a running service, which stores the scenario: prints its id
 
 All pairs of a pose and a sensor configuration are checked. Warnings do not change what the service computes.
 """
@@ -37,6 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print_warnings(console, mistakes)
     counts = f"{len(scenario.poses)} poses, {len(scenario.grasps)} grasps, {len(scenario.sensors)} places"
     console.print(f"{scenario.name!r} ({counts}): {_summary(len(mistakes))}", style="bold")
+    if options.url is not None:
+        console.print(f"stored as scenario {scenario.id}")
     return 1 if mistakes else 0
 
 

@@ -45,7 +45,7 @@ def read(call: Call[M], reply: Reply) -> M:
 
 
 def check(reply: Reply) -> None:
-    """Raise WireVersionError or ProblemError if a reply is not an answer, as `read` does."""
+    """Raise ProblemError if the service refused the call, WireVersionError if its messages are of another version."""
     if reply.wire is not None and reply.wire != WIRE_VERSION:
         raise WireVersionError(_skew(reply.wire))
     if not reply.refused:

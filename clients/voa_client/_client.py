@@ -182,13 +182,13 @@ class Client:
     def put_belief(
         self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None
     ) -> Session:
-        """Replace a session's belief, or reset it to the prior; with `if_match` only if it has that version."""
+        """Replace a session's belief, or reset it to the prior; `if_match`, over HTTP: only if it has that version."""
         return self._do(calls.put_belief(session_id, request, if_match), key)
 
     def report_outcome(
         self, session_id: str, request: OutcomeRequest, *, key: str | None = None, if_match: int | None = None
     ) -> UpdatedSession:
-        """Update a session's belief by a grasp's outcome; with `if_match` only if it has that version."""
+        """Update a session's belief by a grasp's outcome; with `if_match`, over HTTP, only if it has that version."""
         return self._do(calls.report_outcome(session_id, request, if_match), key)
 
     def apply_scan(

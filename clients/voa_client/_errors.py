@@ -64,7 +64,7 @@ class InvalidRequestError(ProblemError):
 
 
 class DeniedError(ProblemError):
-    """The caller has no valid API key, or its role does not allow the request."""
+    """The service does not allow the request, such as one that comes from a web page of another site."""
 
 
 class NotFoundError(ProblemError):

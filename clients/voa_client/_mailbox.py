@@ -21,7 +21,9 @@ MOST_BYTES = 32_000_000
 
 @dataclass(frozen=True)
 class Batch:
-    """News that arrived since the last batch.
+    """News of a session that arrived since the last batch.
+
+    A hint is a sample on Zenoh, which anyone could have sent: it is not believed until the service confirms it.
 
     Attributes:
         news: from the service's own connection, in order, with the end of the watch.

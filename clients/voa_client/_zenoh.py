@@ -33,6 +33,10 @@ _MOST_BODY_BYTES = 8_000_000
 """Largest body of a hint that is kept; of larger ones, only the version is."""
 
 
+def _silence(target: str, seconds: float) -> str:
+    return f"no response at {target} within {seconds:.3g} s: is the service joined to this router? (`voa doctor`)"
+
+
 class ZenohTransport:
     """Transport to a service behind a Zenoh router.
 
@@ -57,7 +61,7 @@ class ZenohTransport:
         left = max(CHECK_S, until - time.monotonic())
         _query(session, target, call, key, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
-            raise TimedOutError(f"no answer at {target} within {seconds:.3g} s")
+            raise TimedOutError(_silence(target, seconds))
         return _reply(target, replies)
 
     @contextmanager
@@ -108,7 +112,7 @@ class AsyncZenohTransport:
             async with asyncio.timeout(left + _GRACE_S):
                 await complete.wait()
         except TimeoutError as error:
-            raise TimedOutError(f"no answer at {target} within {seconds:.3g} s") from error
+            raise TimedOutError(_silence(target, seconds)) from error
         return _reply(target, replies)
 
     @asynccontextmanager

@@ -72,7 +72,7 @@ class BeamUpdate(_Update):
     z_short: NotNegative | None = None
     """Share of short returns, from something in front of the object; null: 0.05."""
     z_no_return: NotNegative | None = None
-    """Share of no-returns where a return is predicted; null: the lidar's `dropout` and 0.05."""
+    """Share of no-returns where a return is predicted; null: the lidar's `dropout` plus 0.05."""
     z_random: NotNegative | None = None
     """Share of random returns, uniform up to `range_max`; null: 0.05."""
     sigma_hit_m: Positive | None = None

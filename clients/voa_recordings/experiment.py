@@ -183,8 +183,11 @@ def _scans(
         for number, row in _rows(source, lines):
             try:
                 pair = (row["sensor"], row["pose"])
-                if pair[0] not in sensors or pair[1] not in poses:
-                    raise InvalidExperiment(f"experiment.json has no sensor {pair[0]!r} with pose {pair[1]!r}")
+                for what, name, names in (("sensor", pair[0], sensors), ("pose", pair[1], poses)):
+                    if name not in names:
+                        raise InvalidExperiment(
+                            f"experiment.json has no {what} {name!r}, only {', '.join(sorted(names))}"
+                        )
                 beam = Beam(lidar.beam(float(row["angle_deg"])), _metres(row["measured"]), _metres(row["predicted"]))
                 beams.setdefault(pair, []).append(beam)
                 heights.setdefault(pair, _metres(row.get("plane_height")))
@@ -209,5 +212,5 @@ def _rows(source: Path, lines: Iterable[str]) -> Iterator[tuple[int, dict[str, s
 def _metres(text: str | None) -> float | None:
     value = float(text) if text and not text.isspace() else math.nan
     if value < 0.0:
-        raise ValueError(f"expected metres, got {value}")
+        raise ValueError(f"expected a range of at least 0 m, got {value:g}")
     return value if math.isfinite(value) else None

@@ -16,7 +16,7 @@ class Refusal:
     Attributes:
         reason: label of its metric.
         detail: of the response and of the log.
-        answer: kind of response; None: there is no response, as there was no request or its response has begun.
+        answer: kind of response; None: nothing can be sent, as there was no request yet or its response has begun.
         headers: of the response.
     """
 

@@ -61,7 +61,7 @@ def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
         size, kind = _CHUNK.unpack_from(content, at)
         at += _CHUNK.size
         if at + size > length:
-            raise UnreadableMesh(f"a chunk says {size} bytes, the file has {length - at}: is it cut off?")
+            raise UnreadableMesh(f"a chunk claims {size} bytes, only {length - at} are left: is the file cut off?")
         chunks.append((kind, content[at : at + size]))
         at += size
     if not chunks or chunks[0][0] != _JSON:
@@ -72,7 +72,9 @@ def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
 def _placed(document: Document, buffers: Buffers) -> Iterator[tuple[Node, Floats]]:
     """Yield the nodes of the scene that have a mesh, each with its matrix (4, 4) to the scene; once per instance."""
     if document.scene is None and len(document.scenes) != 1:
-        raise UnreadableMesh(f"it has {len(document.scenes)} scenes and does not say which of them to show")
+        raise UnreadableMesh(
+            f"it has {len(document.scenes)} scenes and does not say which of them to show: export one scene"
+        )
     roots = item(document.scenes, document.scene or 0, "scene").nodes
     waiting = [(index, np.eye(4)) for index in reversed(roots)]
     seen: set[int] = set()

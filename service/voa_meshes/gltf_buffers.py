@@ -119,7 +119,9 @@ class Buffers:
         buffer = item(self.document.buffers, index, "buffer")
         content = self._content(index, buffer)
         if len(content) < buffer.byte_length:
-            raise UnreadableMesh(f"buffer {index} says {buffer.byte_length} bytes, the file has {len(content)}")
+            raise UnreadableMesh(
+                f"buffer {index} claims {buffer.byte_length} bytes, the file has {len(content)}: export it again"
+            )
         return content[: buffer.byte_length]
 
     def _content(self, index: int, buffer: Buffer) -> bytes:

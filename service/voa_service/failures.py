@@ -1,6 +1,6 @@
 """Failures: requests that cannot be answered, as callers of every entrypoint see them.
 
-`guard` turns other errors into failures; `described` lists their members in the OpenAPI document.
+`guard` turns other errors into failures; `problem_schemas` describes their members for the OpenAPI document.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Errors of the store: each says in its message what is wrong and what to do; none knows a protocol.
+"""Errors of the store: each says what is wrong, and what to do where something can be done; none knows a protocol.
 
 StoreError
 |-- SessionMissing      there is no session with this id
@@ -118,4 +118,7 @@ class NewerTables(CannotOpen):
     """
 
     def __init__(self, revision: str, newest: str) -> None:
-        super().__init__(f"its tables are of revision {revision}, this version knows revisions up to {newest}")
+        super().__init__(
+            f"its tables are of revision {revision}, this version of the service knows revisions up to {newest}: "
+            "update the service, or restore a backup"
+        )

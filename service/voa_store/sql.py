@@ -98,7 +98,7 @@ class SqlStore(Contents, RobotRecords):
         """
         with statement(self._single) as connection:
             if not is_current(connection):
-                raise RuntimeError("the tables are those of another version of the service")
+                raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
 
     def close(self) -> None:
@@ -179,8 +179,9 @@ class SqlStore(Contents, RobotRecords):
     def change(self, id_: str, write: Write) -> Iterator[SessionChange]:
         """Change a session within one transaction, which is committed when the `with` block ends.
 
-        The block computes the new state from `SessionChange.state` and calls `SessionChange.respond`. It has no state
-        where the write was answered before under its key. An error within the block leaves everything unchanged.
+        The block computes the new state from `SessionChange.state` and calls `SessionChange.respond`. `state` is None
+        where the key was used before; `response` is then the stored response. An error within the block leaves
+        everything unchanged.
 
         Raises:
             KeyReused: the key was used for another request.

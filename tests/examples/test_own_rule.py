@@ -106,7 +106,10 @@ def test_the_default_of_a_parameter_comes_from_the_lidar(url: str) -> None:
 
 @pytest.mark.parametrize(
     ("parameters", "words"),
-    [({"scale": 1.0}, "no parameter 'scale'; the rule has scale_m, cap_m"), ({"cap_m": 0}, "a number above 0, not 0")],
+    [
+        ({"scale": 1.0}, "no parameter 'scale'; the rule has scale_m, cap_m"),
+        ({"cap_m": 0}, "expected a number above 0, got 0"),
+    ],
 )
 def test_the_rule_refuses_wrong_parameters_itself(url: str, parameters: dict[str, float], words: str) -> None:
     body = data_scenario(update=UPDATE | {"parameters": parameters})

@@ -77,7 +77,7 @@ def preset_of(name: str) -> dict[str, Any]:
 
 def test_presets_are_listed_by_the_names_of_their_files() -> None:
     assert list(lidar_presets()) == NAMES
-    assert set(NAMES) >= PROMISED
+    assert set(NAMES) == PROMISED, "a preset that is added goes into PROMISED, too"
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -105,7 +105,8 @@ def test_a_preset_is_a_lidar_that_a_scenario_may_have(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_no_document_gives_is_called_an_assumption(name: str) -> None:
-    assert "dropout is an assumption" in preset_of(name)["source"]
+    source = preset_of(name)["source"]
+    assert "dropout is an assumption" in source or "dropout is measured" in source
 
 
 @pytest.mark.parametrize("name", sorted(NOISE_M))

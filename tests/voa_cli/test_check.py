@@ -26,6 +26,9 @@ def test_the_shipped_scenarios_are_as_they_should_be(
     out, err = capfd.readouterr()
     assert "nothing looks wrong" in out
     assert err == ""
+    with Client(process) as client:
+        stored = out.rstrip().rpartition("stored as scenario ")[2]
+        assert client.get_scenario(stored).id == stored
 
 
 def test_warnings_are_named_explained_and_counted(

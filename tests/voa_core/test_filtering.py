@@ -18,7 +18,7 @@ def test_a_belief_is_made_to_sum_to_1() -> None:
     ("values", "length", "message"),
     [
         ([0.5, 0.5], 3, "belief: expected shape 3, got shape 2"),
-        ([1.1, -0.1], None, "belief: expected numbers of at least 0, got -0.1 at 1"),
+        ([1.1, -0.1], None, "belief: expected numbers of at least 0, got -0.1 for pose 1"),
         ([0.5, 0.4], None, "belief: expected a sum within 1e-6 of 1, got a sum of 0.9"),
         ([0.5, 0.5 + 2e-6], None, "belief: expected a sum within 1e-6 of 1, got a sum of 1.000002"),
         ([0.5, 0.5 - 2e-6], None, "belief: expected a sum within 1e-6 of 1, got a sum of 0.999998"),

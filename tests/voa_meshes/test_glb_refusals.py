@@ -103,7 +103,7 @@ REFUSED: dict[str, tuple[Made, str]] = {
         file(buffers=[{"byteLength": 9}, {"byteLength": 9}], bufferViews=[{"buffer": 1, "byteLength": 9}] * 2),
         "buffer 1 has no bytes",
     ),
-    "a buffer that is cut off": (file(buffers=[{"byteLength": 10**6}]), "buffer 0 says 1000000 bytes"),
+    "a buffer that is cut off": (file(buffers=[{"byteLength": 10**6}]), "buffer 0 claims 1000000 bytes"),
     "a buffer that is not base64": (file(buffers=[{"byteLength": 9, "uri": "data:;base64,***"}]), "marked as base64"),
     "an index beyond the end": (
         changed(lambda made: made.document["meshes"][0]["primitives"][0].update(indices=made.indices([0, 1, 12]))),
@@ -170,7 +170,7 @@ REFUSED: dict[str, tuple[Made, str]] = {
     "version 1 of GLB": (lambda: b"glTF" + struct.pack("<II", 1, 12), "expected glTF 2, got version 1"),
     "a .gltf file": (lambda: b'{"asset": {"version": "2.0"}}', "a file that begins with 'glTF'"),
     "a file that is cut off": (lambda: step().file()[:-10], "the header says .* bytes, the file has .*: is it cut off"),
-    "a chunk that is cut off": (lambda: short(step().file()), "a chunk says .* is it cut off"),
+    "a chunk that is cut off": (lambda: short(step().file()), "a chunk claims .* is the file cut off"),
     "a header alone": (lambda: b"glTF" + struct.pack("<II", 2, 12), "a chunk of JSON first"),
     "less than a header": (lambda: b"glTF", "the header of a GLB file"),
     "JSON that is none": (lambda: glb({}).replace(b"{}", b"{["), "its glTF document is not as expected"),

@@ -16,7 +16,7 @@ class Gaussian(DistanceRule):
     """
 
     name: ClassVar[str] = "gaussian"
-    meaning: ClassVar[str] = "weight exp(-d²/2), d the length of the vector of differences in metres"
+    meaning: ClassVar[str] = "weight exp(-d²/2s²), d the length of the vector of differences, s 1 m unless stated"
 
     sigma_m: float = 1.0
 

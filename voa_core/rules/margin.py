@@ -21,7 +21,7 @@ class Margin(DistanceRule):
 
     name: ClassVar[str] = "margin"
     meaning: ClassVar[str] = (
-        "a pose stays possible if every beam agrees within 8 mm; if no pose does, the nearest poses share the belief"
+        "a pose stays possible if every beam agrees within a margin (8 mm unless stated); all others are excluded"
     )
 
     margin_m: float = 0.008

@@ -34,7 +34,7 @@ class CappedRule:
             if name not in values:
                 raise ValueError(f"no parameter {name!r}; the rule has {', '.join(values)}")
             if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0.0:
-                raise ValueError(f"{name}: a number above 0, not {value!r}")
+                raise ValueError(f"{name}: expected a number above 0, got {value!r}")
             values[name] = float(value)
         return cls(no_return_m, **values)
 

@@ -54,7 +54,7 @@ def choices(
 
 
 def _draw(policy: str, trial: Trial) -> Callable[[int], int]:
-    """Random choices of a policy; those of `random` are part of the trial, so that rows can be compared with them."""
+    """Make the random source of a policy; `random` uses the draw that is stored in the trial, the same in every row."""
     if policy == "random":
         return lambda _count: trial.random_look
     rng = random_source(trial.drop.index, "policy", policy, trial.object, trial.kind)

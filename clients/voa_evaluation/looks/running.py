@@ -54,7 +54,7 @@ def set_up(client: Client, target: FleetObject, scores: GraspScores, setting: Se
 
 
 def measure_scores(target: FleetObject, setting: Setting, progress: Progress | None = None) -> GraspScores:
-    """Measure the grasp scores of an object, with noise that no trial shares."""
+    """Measure the grasp scores of an object, from random numbers that no trial uses."""
     return score_grasps(
         target, setting.attempts, setting.imperfections, setting.seed, processes=setting.processes, progress=progress
     )

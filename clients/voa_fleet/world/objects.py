@@ -222,7 +222,13 @@ def _check(target: FleetObject) -> None:
         raise InvalidObject(f"{where}: expected grasps {target.grasps}, got {sorted(target.physics.grasps)}")
     resting = [pose for rest in target.physics.rests.values() for pose in rest.poses]
     if sorted(resting) != sorted(target.poses):
-        raise InvalidObject(f"{where}: expected every pose {target.poses} to rest in one way, got {resting}")
+        absent = sorted(set(target.poses) - set(resting))
+        repeated = sorted({pose for pose in resting if resting.count(pose) > 1})
+        unknown = sorted(set(resting) - set(target.poses))
+        raise InvalidObject(
+            f"{where}: expected each pose under exactly one of `rests`: missing {absent}, repeated {repeated}, "
+            f"unknown {unknown}"
+        )
     if any(pose.position is None or pose.quaternion_wxyz is None for pose in target.scenario.poses):
         raise InvalidObject(f"{target.folder / 'scenario.json'}: expected position and quaternion_wxyz of every pose")
     if target.scenario.lidar.height_m is None:

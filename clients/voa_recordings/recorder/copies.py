@@ -36,7 +36,7 @@ class Copies:
         self._lock = threading.Lock()
 
     def is_new_live(self, sample: zenoh.Sample) -> bool:
-        """Register a sample of the plain subscriber; return True if it is new."""
+        """Register a sample that was received live, not fetched from a publisher's cache; return True if it is new."""
         name = _name(sample)
         return name is None or self.note_live(*name)
 

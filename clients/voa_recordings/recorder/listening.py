@@ -70,7 +70,7 @@ def listening(session: zenoh.Session, wanted: Wanted, inbox: Inbox, now_ns: Call
 
 
 def _in_order(wanted: Wanted) -> list[_Expression]:
-    """List each expression once; those of rmw_zenoh come last, because they accept fewer samples."""
+    """List each expression once; those of rmw_zenoh come last, because they ignore keys of another form."""
     kinds = [(text, (False, False)) for text in wanted.keys]
     kinds += [(text, (True, False)) for text in wanted.topics] + [(text, (True, True)) for text in wanted.of_rmw]
     first: dict[str, tuple[bool, bool]] = {}

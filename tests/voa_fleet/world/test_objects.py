@@ -63,7 +63,7 @@ def test_poses_and_grasps_that_do_not_exist_are_refused(mug: FleetObject) -> Non
     [
         ("physics.json", {"density_kg_m3": -1.0}, "density_kg_m3"),
         ("physics.json", {"grasps": {}}, "expected grasps"),
-        ("physics.json", {"rests": {"flat": {"poses": ["U_0"], "ups": [[0, 0, 1]]}}}, "to rest in one way"),
+        ("physics.json", {"rests": {"flat": {"poses": ["U_0"], "ups": [[0, 0, 1]]}}}, "under exactly one of `rests`"),
         ("physics.json", {"colour": "red"}, "colour"),
         ("scenario.json", {"object": None}, "mesh's file name"),
         ("scenario.json", {"object": "absent.obj"}, "absent.obj"),
