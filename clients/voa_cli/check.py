@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     counts = f"{len(scenario.poses)} poses, {len(scenario.grasps)} grasps, {len(scenario.sensors)} places"
     console.print(f"{scenario.name!r} ({counts}): {_summary(len(mistakes))}", style="bold")
     if options.url is not None:
-        console.print(f"stored as scenario {scenario.id}")
+        console.print(f"stored as scenario {scenario.id}", soft_wrap=True)
     return 1 if mistakes else 0
 
 
