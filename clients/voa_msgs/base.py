@@ -6,7 +6,16 @@ from itertools import islice
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
-from pydantic import BaseModel, BeforeValidator, ConfigDict, JsonValue, StringConstraints
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    JsonValue,
+    PlainValidator,
+    StringConstraints,
+    TypeAdapter,
+    WithJsonSchema,
+)
 from pydantic_core import PydanticKnownError
 
 from voa_msgs.bounds import LimitedBy, OneMistake
@@ -67,6 +76,20 @@ Free = Annotated[JsonValue, BeforeValidator(_checked_free)]
 
 At most `MOST_NESTED` levels deep, `MOST_FREE_VALUES` values and `MOST_FREE_CHARACTERS` characters large.
 """
+
+_JSON: TypeAdapter[Any] = TypeAdapter(Free)
+
+
+def _free_object(value: Any) -> dict[str, Any]:
+    """Read the user's own JSON, which must be an object; its size is bounded as that of `Free`."""
+    checked: Any = _JSON.validate_python(value)
+    if not isinstance(checked, dict):
+        raise ValueError(f"expected an object of values by name, got {type(checked).__name__}")
+    return checked
+
+
+FreeObject = Annotated[dict[str, Any], PlainValidator(_free_object), WithJsonSchema({"type": "object"})]
+"""A JSON object of the user's own, bounded as `Free`."""
 
 Name = Annotated[str, StringConstraints(min_length=1, max_length=128, pattern=r"^[^\x00]*$")]
 """Text of 1 to 128 characters without NUL, which PostgreSQL cannot store."""

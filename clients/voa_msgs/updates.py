@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Le
 from pydantic import Field
 
-from voa_msgs.base import LEAST, Free, Message, Name, NotNegative, Positive
+from voa_msgs.base import LEAST, FreeObject, Message, Name, NotNegative, Positive
 
 OnNoMatch = Literal["reject", "nearest"]
 
@@ -95,7 +95,7 @@ class PluginUpdate(_Update):
     """Always `plugin`."""
     name: Name
     """Name of the rule, which is the name of its entry point."""
-    parameters: dict[Name, Free] = Field(default={})
+    parameters: FreeObject = Field(default={})
     """Parameters of the rule, which checks them itself."""
 
 

@@ -46,9 +46,13 @@ class Command:
     def is_local(self) -> bool:
         """True if it runs on any machine: nothing is to be filled in, and no service, router or screen is named.
 
-        Commands that run until they are ended, or for minutes, are left out too.
+        Commands that run until they are ended, or for minutes, and those about a file of the reader's own, are left
+        out too.
         """
-        if self.words[:2] in (["voa", "serve"], ["voa", "evaluate"]):
+        if self.words[:2] in (["voa", "serve"], ["voa", "evaluate"], ["voa", "record"]):
+            return False
+        files = [word for word in self.words if re.fullmatch(r"[\w./-]+\.(json|toml|mcap)", word)]
+        if not all((REPOSITORY / file).is_file() for file in files):
             return False
         return not any(re.search(r"[A-Z]{2}|://|^--video$", word) for word in self.words)
 

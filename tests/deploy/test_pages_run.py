@@ -119,6 +119,8 @@ def _stated_counts(object_: str) -> tuple[int, ...]:
 
 def _counts(printed: str) -> tuple[int, ...]:
     """Numbers of grasps that succeeded without looks, and with them, as the demo prints them."""
-    failed = re.search(r"without a look (\d+) of (\d+) grasps failed, .*? (\d+) of \2\.", " ".join(printed.split()))
+    failed = re.search(
+        r"Without a look (\d+) of (\d+) grasps failed, with looks (\d+) of \2\.", " ".join(printed.split())
+    )
     assert failed is not None
     return int(failed[2]) - int(failed[1]), int(failed[2]) - int(failed[3])

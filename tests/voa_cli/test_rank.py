@@ -109,7 +109,10 @@ def test_what_does_not_go_together_is_a_usage_error(arguments: list[str], capsys
         (json.dumps(data_scenario(posse=[])), "posse: no such field: expected one of name, object, poses, "),
         (json.dumps(data_scenario(scael=1)), ", prior, scale, up"),
         (json.dumps(changed(data_scenario(), "poses.0.nmae", "x")), "nmae: no such field: expected one of name, posi"),
-        (json.dumps(changed(data_scenario(), "predictions.Q1.P1.0", math.nan)), "in predictions, null for no return"),
+        (
+            json.dumps(changed(data_scenario(), "predictions.Q1.P1.0", math.nan)),
+            "in predictions write null",
+        ),
         (json.dumps(data_scenario(object="box.obj", scale=0)), "scale: "),
         (json.dumps(data_scenario(object="box.obj", up="Y")), "up: "),
         (json.dumps(data_scenario(scale=0.001)), "scale: needs a mesh file as `object`"),

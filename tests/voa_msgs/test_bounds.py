@@ -42,7 +42,7 @@ def lists(node: Any, wrapped: bool = False) -> Iterator[tuple[str, bool]]:
         if kind == "list":
             yield str(node)[:200], bool(node.get("fail_fast")) and (wrapped or "max_length" in node)
         for name, child in node.items():
-            if name != "metadata":
+            if name not in ("metadata", "serialization"):
                 yield from lists(child, kind == "function-wrap" and name == "schema")
     elif isinstance(node, list | tuple):
         for child in node:

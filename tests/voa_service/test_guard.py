@@ -16,6 +16,8 @@ from voa_store.errors import StoreError
 
 KINDS: list[tuple[Exception, str, int, dict[str, object]]] = [
     (core.UnknownName("grasp", "G9", ["G1"]), "unknown-name", 422, {"known": ["G1"]}),
+    (core.RuleNotInstalled("mine", ["capped"]), "unknown-name", 422, {"known": ["capped"]}),
+    (core.RuleFault("mine", "statistic", "NaN", "numbers"), "rule-failed", 500, {}),
     (core.NoMesh("no mesh"), "no-mesh", 422, {}),
     (core.BeamGridMismatch("beams"), "beam-grid-mismatch", 422, {}),
     (
