@@ -1,4 +1,4 @@
-"""One attack, and what came of it."""
+"""Attacks on the service, and their outcomes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

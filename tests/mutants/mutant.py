@@ -53,9 +53,9 @@ def judge(mutant: Mutant, tree: Path) -> Verdict:
         path.write_text(before, encoding="utf-8")
     if not failed:
         return Verdict("survived")
-    found = _FAILED.search(output)
+    match = _FAILED.search(output)
     return (
-        Verdict("killed", *(part or "" for part in found.groups())) if found else Verdict("killed", how=output[-200:])
+        Verdict("killed", *(part or "" for part in match.groups())) if match else Verdict("killed", how=output[-200:])
     )
 
 

@@ -131,10 +131,10 @@ async def settled() -> None:
         await asyncio.sleep(0)
 
 
-def story(tell: Callable[[], Awaitable[None]]) -> None:
+def run(scenario: Callable[[], Awaitable[None]]) -> None:
     """Run a test that needs an event loop."""
 
     async def run() -> None:
-        await tell()
+        await scenario()
 
     asyncio.run(run())

@@ -163,10 +163,10 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     assert evaluate.main(["all", "--recorded", str(folder), "--url", process, "--out", str(out)]) == 0
     assert "report.html" in capsys.readouterr().out
     assert 'class="notice"' not in (out / "report.html").read_text(encoding="utf-8")
-    found = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
-    assert {rule for rule, _ in found} == set(RULES)
-    assert found["exponential", "Q2"]["aecd"] == ""
-    assert found["exponential", "Q2"]["poses_measured"] == "1"
+    rows = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
+    assert {rule for rule, _ in rows} == set(RULES)
+    assert rows["exponential", "Q2"]["aecd"] == ""
+    assert rows["exponential", "Q2"]["poses_measured"] == "1"
     page = (out / "report.html").read_text(encoding="utf-8")
     assert '<td class="number">1/2</td>' in page
     assert (out / "observation-lab-3-4-tiny-sensors.csv").is_file()

@@ -94,8 +94,8 @@ class Model:
         claimed, after = self.claims.get(robot, ("never claimed", -1))
         if claimed is None or claimed in self.opened:
             return claimed
-        later = [id_ for id_ in self.order if self.opened[id_] > after]
-        return later[-1] if later else None
+        opened_after = [id_ for id_ in self.order if self.opened[id_] > after]
+        return opened_after[-1] if opened_after else None
 
     def claim(self, robot: str, session: str | None) -> None:
         """Make a session, or none, the robot's own."""
@@ -289,15 +289,15 @@ class Histories(RuleBasedStateMachine):
 
     @rule(store=st.integers(0, 1), limit=st.integers(1, 4))
     def list_in_pages(self, store: int, limit: int) -> None:
-        found: list[str] = []
+        listed: list[str] = []
         after = None
         while True:
             page = self.stores[store].list_sessions(limit, after)
-            found += [state.id for state in page.items]
+            listed += [state.id for state in page.items]
             after = page.next
             if after is None:
                 break
-        assert found == self.model.order
+        assert listed == self.model.order
 
     @invariant()
     def every_robot_s_session_is_as_the_model_says(self) -> None:
