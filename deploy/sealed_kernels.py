@@ -9,7 +9,7 @@ from numba.core.caching import UserProvidedCacheLocator
 
 
 class SealedCacheLocator(UserProvidedCacheLocator):
-    """NUMBA_CACHE_DIR as it is."""
+    """Locator of the cache in NUMBA_CACHE_DIR that accepts a folder in which it cannot write."""
 
     def ensure_cache_path(self) -> None:
-        """Nothing: it is only read."""
+        """Create no folder: the cache is only read."""

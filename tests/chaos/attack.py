@@ -22,7 +22,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Attack:
-    """One attack.
+    """Attack on the service.
 
     Attributes:
         name: of a few words ("300 000 wrong items in a body").

@@ -37,7 +37,7 @@ class Body:
 
 
 class Pulse:
-    """Asks for `/livez` all the time; remembers the longest wait."""
+    """Requests `/livez` all the time; remembers the longest wait."""
 
     def __init__(self, url: str) -> None:
         self._address = _address(url)

@@ -99,7 +99,7 @@ def test_a_mesh_in_millimetres_is_read_by_its_scale_and_the_hint_says_where(
 
 
 class Uploads(Client):
-    """A client that notes what it is asked to upload."""
+    """A client that records its uploads."""
 
     def __init__(self) -> None:
         super().__init__("http://127.0.0.1:9")

@@ -1,4 +1,4 @@
-"""What a process hears of sessions that another one moves: on PostgreSQL at once, by LISTEN."""
+"""On PostgreSQL a process is notified at once, by LISTEN, of sessions that another process changes."""
 
 from collections.abc import Iterator
 from queue import Queue
@@ -28,12 +28,12 @@ def writer(url: str) -> Iterator[SqlStore]:
 
 @pytest.fixture
 def changed_sessions(url: str, writer: SqlStore) -> Iterator["Queue[str]"]:
-    """The sessions that another process's store hears of; it listens when this is given."""
+    """Ids of the sessions of which another process's store is notified; it listens already."""
     changed: Queue[str] = Queue()
     store = SqlStore(url)
     store.listen(changed.put)
     create(writer, "first")
-    while changed.empty():  # until it listens: what was said before that is not heard
+    while changed.empty():  # until it listens: earlier notifications are lost
         change(writer, "first", write(), next_version)
         if not changed.empty() or _wait(changed):
             break

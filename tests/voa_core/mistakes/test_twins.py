@@ -54,7 +54,7 @@ def test_poses_without_geometry_have_no_twins() -> None:
 
 
 def test_a_mirror_image_has_the_same_moments_and_is_no_twin() -> None:
-    """Two prongs of equal moments, one bent left, one right: only the surface tells them apart."""
+    """Two prongs of equal moments, one bent left, one right: only the surface distinguishes them."""
     flat = Object.from_arrays(
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [0.2, 0.1, 0.5], [0.2, -0.1, -0.5]],
         [[0, 2, 4], [1, 2, 4], [0, 3, 5], [1, 3, 5], [0, 2, 5], [1, 3, 4]],

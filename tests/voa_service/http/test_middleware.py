@@ -1,4 +1,4 @@
-"""What stands around the application: ids, limits on bodies, and the answer to a defect of our own."""
+"""Middleware around the application: request ids, limits on bodies, and the response to a defect of the service."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""In which precision rankings are computed, and that it hardly matters; what is kept of a scenario."""
+"""Models of scenarios: the precision of rankings, and the parts of a scenario that are cached."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What can be computed again is computed once, and goes when there is no room."""
+"""The cache computes each value once, and drops values when there is no room."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor

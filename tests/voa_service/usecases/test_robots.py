@@ -1,4 +1,4 @@
-"""Reports of robots stay bounded, and show the session of each at the moment when they are asked for."""
+"""Reports of robots stay bounded, and show the session of each robot at the time of the request."""
 
 from datetime import UTC, datetime, timedelta
 from itertools import count

@@ -20,13 +20,13 @@ from voa_store.errors import Unavailable
 
 GOOD = (0.5, 0.5, math.inf, 1.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)
-"""Of a lidar that spins up: no look of it is accepted."""
+"""Ranges of a lidar that spins up: no look of them is accepted."""
 SCANS = 3
 NAME = "tb3_1"
 
 
 class Process:
-    """One process: a service, and the robot as it is mapped there."""
+    """A process: a service, and the robot as it is mapped there."""
 
     def __init__(self, service: Service, mapping: RobotMapping) -> None:
         self.service = service

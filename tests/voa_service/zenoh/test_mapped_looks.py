@@ -57,7 +57,7 @@ def problems(received: list[Sample], type_: str = REFUSED) -> list[Json]:
 
 
 def events(own: Lab, event: str) -> int:
-    """How often something on Zenoh was counted."""
+    """Count of an event on Zenoh, from the service's metrics."""
     lines = own.service.http.get("/metrics").text.splitlines()
     counters = [line for line in lines if "_total" in line and f'event="{event}"' in line]
     return sum(int(float(line.split()[-1])) for line in counters)

@@ -1,4 +1,4 @@
-"""What the service publishes: in the order of versions, each once, and whatever went wrong before."""
+"""The service publishes versions in order, each once, also after failures."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -82,7 +82,7 @@ class Lab:
             yield
 
     def put(self, most: int, wire: Wire | None = None) -> list[tuple[str, bytes | None]]:
-        """What is put of all that waits, when that much is."""
+        """Publish until `most` messages were put; returns the key and attachment of each."""
         wire = wire or Wire()
         with self.on(wire):
             wait_for(lambda: len(wire.put_so_far) >= most, "what was waiting")

@@ -1,4 +1,4 @@
-"""Two replicas hear every sample: each counts once, and a robot is told once what could not be used."""
+"""Two replicas receive every sample: each counts once, and each refusal is published once."""
 
 import json
 import math
@@ -70,24 +70,24 @@ class Pair:
         wait_for(all_do, "both services to say so of each robot")
 
     def stamps(self, session: str) -> list[Any]:
-        """Of the scans in the history of a session."""
+        """Stamps of the scans in the history of a session."""
         items = self.services[0].get(f"/v1/sessions/{session}/history?limit=1000")["items"]
         return [entry["request"]["scan"].get("stamp") for entry in items if entry["kind"] == "scan"]
 
     def applied(self, session: str, robot: str = ROBOTS[0]) -> list[Any]:
-        """The same when whatever the robot put before was worked on: its scans are taken in order."""
+        """Stamps of the applied scans, after all scans of the robot were handled: they are taken in order."""
         put(self, session, robot, stamped("last"))
         wait_for(lambda: "last" in self.stamps(session), "the last scan")
         return self.stamps(session)[:-1]
 
     def count(self, event: str) -> list[int]:
-        """How often each service counted what happened on Zenoh."""
+        """Count of an event on Zenoh, for each service."""
         lines = [service.http.get("/metrics").text.splitlines() for service in self.services]
         counters = [[line for line in each if f'event="{event}"' in line and "_total" in line] for each in lines]
         return [int(float(each[0].split()[-1])) if each else 0 for each in counters]
 
     def flush(self) -> None:
-        """Returns when whatever either service has put so far was heard: what it put later was heard too."""
+        """Return when all that the services have put so far was received: a message put after it has arrived."""
         wait_for(lambda: not any(service.inside.health.link.state != "connected" for service in self.services), "both")
         opened = {service.open(self.scenario) for service in self.services}
         wait_for(lambda: opened <= {sample.key.rpartition("/")[2] for sample in self._beliefs}, "both")

@@ -107,7 +107,7 @@ class Lab:
         self.bus.session.put(key, payload, attachment=attachment)
 
     def revolutions(self, count: int, first: int = 0, ranges: Sequence[float] = GOOD, robot: str = "tb3_1") -> None:
-        """So many scans at 5 Hz by the robot's clock; returns when all were heard."""
+        """Publish `count` scans at 5 Hz by the robot's clock; returns when all were received."""
         before = self.report(robot)["scans"]
         for turn in range(first, first + count):
             self.put(f"{robot}/scan", laser_scan(ranges, 100.0 + 0.2 * turn))
@@ -245,7 +245,7 @@ def test_a_look_that_was_requested_is_not_forgotten(own: Lab) -> None:
         'place = { from = "sensor", sensor = "Q1" }\n'
     )
     first = own.service.open(scenario)
-    own.bus.call("robot.look", {"robot": "tb3_1"})  # before it was ever heard
+    own.bus.call("robot.look", {"robot": "tb3_1"})  # before its first scan
     own.revolutions(3)
     wait_for(lambda: own.version(first) == 1, "the look")
 
