@@ -23,7 +23,7 @@ from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
 
 TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--quick", "--seed", "5")
-LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))
+LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[4] / "shared" / "lab-holder"))
 needs_lab = pytest.mark.skipif(
     not LAB.is_dir(), reason=f"the lab's data are not at {LAB}; VOA_LAB_HOLDER names another place"
 )
