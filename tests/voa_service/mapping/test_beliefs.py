@@ -32,7 +32,7 @@ def test_a_belief_is_the_given_one_or_else_the_prior_of_the_scenario() -> None:
 
 @pytest.mark.parametrize("numbers", [[0.5, 0.5], [0.5, 0.5, 0.5]])
 def test_numbers_that_are_no_belief_are_refused_under_the_name_of_their_field(numbers: list[float]) -> None:
-    with pytest.raises(InvalidInput, match="^sensor_belief: "):
+    with pytest.raises(InvalidInput, match=r"^sensor_belief: "):
         belief_of(numbers, core_scenario(), "sensor_belief")
 
 
