@@ -27,5 +27,5 @@ def test_any_other_cursor_is_refused_before_the_store_is_read(cursor: str) -> No
     def listing(limit: int, after: str | None) -> Listed[int]:
         raise AssertionError("the store was read")
 
-    with pytest.raises(InvalidRequest, match="^after: expected the `next` of a page"):
+    with pytest.raises(InvalidRequest, match=r"^after: expected the `next` of a page"):
         page(listing, str, 1, cursor)

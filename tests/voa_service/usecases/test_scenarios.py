@@ -1,4 +1,4 @@
-"""Scenarios: stored under the digest of their content, whose defaults are written out; and predictions within bounds."""
+"""Scenarios: stored under the digest of their content with its defaults; and predictions within bounds."""
 
 import hashlib
 import json
@@ -42,7 +42,7 @@ def test_the_id_depends_on_the_content_with_its_defaults_written_out(scenarios: 
     assert len({plain, *(scenarios.create(other)[0].id for other in others)}) == 4
 
 
-def test_fields_that_were_added_since_are_no_part_of_the_id_while_they_have_their_defaults(
+def test_a_new_field_with_its_default_is_no_part_of_the_id(
     scenarios: Scenarios,
 ) -> None:
     own = scenarios.create(request())[0]
