@@ -44,7 +44,7 @@ def test_beams_span_at_most_a_turn(sign: float) -> None:
     degree = sign * math.radians(1.0)
     own = {"angle_min": 0.0}
     scan_of(scan(ranges=[0.5] * 361, angle_increment=degree, **own), LIDAR)
-    with pytest.raises(BeamGridMismatch, match="57.3 turns: is it in degrees"):
+    with pytest.raises(BeamGridMismatch, match=r"57\.3 turns: is it in degrees"):
         scan_of(scan(ranges=[0.5] * 360, angle_increment=sign, **own), LIDAR)
 
 
