@@ -31,9 +31,11 @@ def ranked(task: RankingTask) -> Ranking:
 def test_looks_are_ranked_by_net_value_and_the_first_is_recommended(model: Model) -> None:
     ranking = ranked(ranking_task(model, GIVEN, VoaRequest(outcomes=True)))
     first, second = ranking.ranking
-    assert (first.sensor, second.sensor, second.voa) == ("Q1", "Q2", pytest.approx(0.0, abs=1e-12))
+    assert (first.sensor, second.sensor) == ("Q1", "Q2")
+    assert second.voa == pytest.approx(0.0, abs=1e-12)
     # Before: G1 succeeds with (0.9 + 0.1) / 2; after the look: G1 at P1, G2 at P2.
-    assert (ranking.best_grasp_before, ranking.expected_score_before) == ("G1", pytest.approx(0.5))
+    assert ranking.best_grasp_before == "G1"
+    assert ranking.expected_score_before == pytest.approx(0.5)
     assert first.voa == pytest.approx(0.85 - 0.5)
     assert first.expected_score_after == pytest.approx(0.85)
     assert [(outcome.pose, outcome.best_grasp) for outcome in first.outcomes or []] == [("P1", "G1"), ("P2", "G2")]
@@ -58,7 +60,8 @@ def test_a_task_counts_the_outcomes_of_each_look_by_the_sensor_agent_s_belief(mo
 def test_only_the_requested_looks_and_grasps_take_part(model: Model) -> None:
     ranking = ranked(ranking_task(model, GIVEN, VoaRequest(sensors=["Q2"], grasps=["G2"])))
     assert [look.sensor for look in ranking.ranking] == ["Q2"]
-    assert (ranking.best_grasp_before, ranking.expected_score_before) == ("G2", pytest.approx(0.45))
+    assert ranking.best_grasp_before == "G2"
+    assert ranking.expected_score_before == pytest.approx(0.45)
 
 
 def test_requests_that_do_not_fit_the_scenario_are_refused(model: Model) -> None:
