@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.serving import PREDICTIONS, Service, as_scan
+from tests.support.serving import PREDICTIONS, Service, as_scan, data_scenario
 from voa_core.errors import InvalidInput, UnknownName
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
 from voa_service.failures import NotFound, UnknownReference
@@ -125,8 +125,16 @@ def test_an_update_of_a_stated_belief_stores_nothing(updates: Updates, service: 
     estimate = updates.update_once(UpdateRequest.model_validate(request))
     assert (estimate.version, estimate.update.accepted, estimate.last_fit_rmsd_mm) == (None, True, 0.0)
     assert estimate.belief[1] > 0.5 > estimate.belief[0] > estimate.belief[2] == 0.0
-    refused = updates.update_once(UpdateRequest.model_validate(EMPTY.model_dump() | request | {"scan": EMPTY.scan}))
-    assert (refused.belief, refused.last_fit_rmsd_mm) == ([0.5, 0.5, 0.0], None)
-    assert service.stored() == before
     with pytest.raises(UnknownReference, match="'nothing'"):
         updates.update_once(UpdateRequest.model_validate(request | {"scenario": "nothing"}))
+    assert service.stored() == before
+
+
+def test_a_stated_belief_has_no_fit_where_no_pose_explains_the_scan(updates: Updates, service: Service) -> None:
+    exact = service.create(data_scenario(update={"rule": "margin", "no_return_m": 1.0}))
+    request = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.7] * 4}}).model_dump()
+    belief = [0.5, 0.5, 0.0]
+    refused = updates.update_once(UpdateRequest.model_validate(request | {"scenario": exact, "belief": belief}))
+    assert (refused.update.accepted, refused.update.reason) == (False, "no_match")
+    assert (refused.belief, refused.last_fit_rmsd_mm) == (belief, None)
+    assert refused.update.fit_rmsd_mm is not None
