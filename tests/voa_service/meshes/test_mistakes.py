@@ -39,3 +39,9 @@ def test_a_mesh_that_stands_on_the_other_plane_is_warned_about() -> None:
 )
 def test_a_mesh_that_stands_on_the_table_or_beside_the_axis_is_not(low: list[float], high: list[float]) -> None:
     assert up_mistakes(box(low, high), "+Z") == []
+
+
+def test_a_mesh_that_was_read_with_y_up_is_compared_with_the_z_of_its_file() -> None:
+    (warning,) = up_mistakes(box([-1.0, -2.0, -1.0], [1.0, 0.0, 1.0]), "+Y")
+    assert "stands on its file's plane z = 0" in warning.detail
+    assert up_mistakes(box([-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]), "+Y") == []
