@@ -27,14 +27,14 @@ from voa_cli.replay.sessions import show_session, show_sessions
 from voa_client import Client, Scenario, VoaClientError
 from voa_client.local import service_at
 from voa_client.scenario_files import load_scenario
-from voa_msgs.updates import BUILT_IN
+from voa_msgs.updates import BUILT_IN, PAPER_RULES
 from voa_recordings.experiment import read_experiment
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import Recording, is_recording
 from voa_recordings.files.ros_types import RosTypes
 from voa_recordings.files.sessions import recorded_sessions
 from voa_recordings.replay.experiment_report import distance_from_expected
-from voa_recordings.replay.experiments import RULES, replay_experiment
+from voa_recordings.replay.experiments import replay_experiment
 from voa_recordings.replay.looks import replay_looks
 from voa_recordings.replay.mappings import mapping_of_one_lidar, read_mappings
 from voa_recordings.replay.sessions import SessionsReport, replay_sessions
@@ -173,9 +173,9 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         metavar="NAME[,NAME]",
         type=_names,
-        default=[list(RULES)],
+        default=[list(PAPER_RULES)],
         help=f"update rules, built in ({', '.join(BUILT_IN)}) or provided to the service by another package "
-        f"(default {','.join(RULES)})",
+        f"(default {','.join(PAPER_RULES)})",
     )
     bag = parser.add_argument_group("scans of robots, in a bag or recording")
     bag.add_argument(
