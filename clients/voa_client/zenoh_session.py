@@ -14,7 +14,6 @@ from voa_client._zenoh_link import config, zenoh_library
 
 if TYPE_CHECKING:
     import zenoh
-    from zenoh.handlers import Callback
 
 
 class NoRouter(VoaClientError):
@@ -57,10 +56,3 @@ def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
         yield session
     finally:
         session.close()
-
-
-def declare_latched_subscriber(session: "zenoh.Session", expression: str, receive: "Callback[zenoh.Sample]") -> Any:
-    """Subscribe to a key expression, and fetch the newest message that its publishers keep (transient local in ROS)."""
-    extensions = zenoh_library().ext
-    history = extensions.HistoryConfig(detect_late_publishers=True, max_samples=1)
-    return extensions.declare_advanced_subscriber(session, expression, receive, history=history)

@@ -8,9 +8,9 @@ from typing import Any
 import zenoh
 from zenoh.handlers import Callback
 
-from voa_client.zenoh_session import declare_latched_subscriber
 from voa_recordings.recorder.copies import Copies
 from voa_recordings.recorder.inbox import Inbox, Received
+from voa_ros.latched import declare_latched_subscriber
 from voa_ros.messages import NANOSECONDS
 
 _RMW_CHUNKS = 4

@@ -190,7 +190,7 @@ def rule_name(update: UpdateRule) -> str:
 def paper_update(rule: str, no_return_m: float | None) -> UpdateRule:
     """Return an update rule with its default parameters, as the papers use it.
 
-    In the papers, `margin` shares the belief among the nearest poses where a scan matches none; the others always match.
+    There, `margin` shares the belief among the nearest poses where a scan matches none; the others always match.
 
     Args:
         rule: its name; one that is not built in is a rule that another package provides to the service.
