@@ -88,6 +88,7 @@ MESSAGES = {
     *("BeliefRequest", "CandidateSensor", "GraspNow", "Health", "HistoryEntry", "LidarPresets", "Look", "Object"),
     *(
         "OutcomeRequest",
+        "PoseUncertainty",
         "Predictions",
         "PredictionsRequest",
         "Problem",
