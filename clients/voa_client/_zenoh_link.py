@@ -39,7 +39,7 @@ async def joined(link: "Link", seconds: float) -> "zenoh.Session":
 
 
 class Links:
-    """Links to a router: one for calls, and a second one for news, so that a flood of samples delays no answer."""
+    """Links to a router: one for calls, and a second one for news, so that a flood of samples delays no response."""
 
     def __init__(self, address: ZenohAddress) -> None:
         self._address = address

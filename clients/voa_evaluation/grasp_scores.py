@@ -129,7 +129,9 @@ def score_grasps(
         _Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns
     ]
     by_name: dict[tuple[str, str], Cell] = {}
-    for cell in _in_processes(tasks, processes) if processes > 1 else (_cell(task, bench.scene.world) for task in tasks):
+    for cell in (
+        _in_processes(tasks, processes) if processes > 1 else (_cell(task, bench.scene.world) for task in tasks)
+    ):
         by_name[cell.pose, cell.grasp] = cell
         if progress is not None:
             progress(cell.attempts)

@@ -103,7 +103,7 @@ MESSAGES = {
 }
 ERRORS = {
     *("ConflictError", "DeniedError", "InvalidRequestError", "NotFoundError", "OverloadedError", "ProblemError"),
-    *("StaleVersionError", "TimedOutError", "UnavailableError", "UnexpectedAnswerError", "UnreachableError"),
+    *("StaleVersionError", "TimedOutError", "UnavailableError", "UnexpectedResponseError", "UnreachableError"),
     *("UsageError", "VoaClientError", "WireVersionError"),
 }
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from voa_fleet.devices.protocol import GraspOutcome
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session, UpdatedSession
@@ -46,7 +46,7 @@ class RobotArrived:
 class LookTaken:
     """The session has processed a look."""
 
-    look: TakenLook
+    look: EpisodeLook
 
 
 @dataclass(frozen=True)
