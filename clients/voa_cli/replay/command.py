@@ -22,8 +22,7 @@ from typing import Any
 from rich.console import Console
 
 from voa_cli.progress import shown_progress
-from voa_cli.replay import experiments, looks
-from voa_cli.replay.sessions import show_session, show_sessions
+from voa_cli.replay import experiments, looks, sessions
 from voa_client import Client, Scenario, VoaClientError
 from voa_client.local import service_at
 from voa_client.scenario_files import load_scenario
@@ -92,25 +91,25 @@ def _replay_session(options: argparse.Namespace, console: Console) -> int:
     if options.json:
         print(rebuilt.session.model_dump_json(indent=1))
     else:
-        show_session(console, rebuilt)
+        sessions.show_one(console, rebuilt)
     return 0 if rebuilt.same else 1
 
 
 def _replay_recording(options: argparse.Namespace, console: Console) -> int:
     recording = Recording(options.path, RosTypes())
-    sessions = recorded_sessions(recording.messages())
-    if not sessions:
+    recorded = recorded_sessions(recording.messages())
+    if not recorded:
         raise UnreadableRecording(
             f"{options.path} holds no session{recording.summary}; to replay the scans of a robot, give --scenario, and "
             "--robots or --sensor"
         )
     with service_at(options.url) as client:
-        replays = replay_sessions(client, sessions, options.mesh)
+        replays = replay_sessions(client, recorded, options.mesh)
     report = SessionsReport(recording.recovered, recording.damage, replays)
     if options.json:
-        _print_json(report.document())
+        _print_json(sessions.document(report))
     else:
-        show_sessions(console, report)
+        sessions.show(console, report)
     return 0 if report.agrees else 1
 
 
