@@ -139,7 +139,7 @@ def config(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
 
     Args:
         address: of the router, with credentials and certificates.
-        open_ms: how long opening waits for the router, milliseconds; 0: one try.
+        open_ms: time for which opening waits for the router, milliseconds; 0: one try.
         more: further entries of Zenoh's configuration, by path.
 
     Raises:

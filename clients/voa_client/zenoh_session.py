@@ -35,7 +35,7 @@ def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
 
     Args:
         address: of the router, with the user to connect as.
-        open_ms: how long to wait for the router, milliseconds; 0: try once.
+        open_ms: time to wait for the router, milliseconds; 0: try once.
         more: further entries of Zenoh's configuration, by path.
 
     Raises:

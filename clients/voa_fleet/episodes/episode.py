@@ -139,7 +139,7 @@ def run_episode(
 
 @dataclass(frozen=True, eq=False)
 class _Surroundings:
-    """What a policy's situations are made from: fixed for an episode."""
+    """Everything that the situations of an episode are made from, apart from its looks."""
 
     pair: Pair
     scenario: Scenario

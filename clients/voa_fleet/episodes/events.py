@@ -25,7 +25,7 @@ class LookChosen:
         sensor: name of the sensor configuration; None: grasp.
         ranking: the service's ranking of the looks, where the policy requested it.
         min_gain: net value that a look has to exceed for the service to recommend it.
-        used_up: whether the policy wants another look and the episode allows no more.
+        used_up: True if the policy wants another look and the episode allows no more.
     """
 
     sensor: str | None

@@ -39,8 +39,8 @@ class ReplayedRobot:
     Attributes:
         robot: its name in the mapping.
         session: id of the session that received its looks.
-        scans: how many the recording has of it.
-        looks: how many were sent.
+        scans: number of its scans in the recording.
+        looks: number of its looks that were sent.
         waiting_for: the condition for another look that was not met at the end; None: there is none.
         warnings: probable mistakes in how the robot was used.
         unreadable: why the newest message that could not be used was not; None: all could.
@@ -63,7 +63,7 @@ class LooksReport:
         scenario: that the sessions are on.
         robots: in the order of the mapping.
         looks: in the order of the recording.
-        messages: how many were read from the recording.
+        messages: number of messages that were read from the recording.
         damage: of the recording, as predicates ("ends in the middle"); None: none.
     """
 

@@ -22,7 +22,7 @@ class SessionsReport:
     """The sessions of a recording, rebuilt.
 
     Attributes:
-        messages: how many were read from the recording.
+        messages: number of messages that were read from the recording.
         damage: of the recording, as predicates ("ends in the middle"); None: none.
         sessions: by their id in the recording.
     """
