@@ -30,7 +30,7 @@ def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> A
 
 @dataclass(frozen=True)
 class DistanceRule:
-    """Base of the rules whose weight depends on d alone: their statistic is d^2, and `log_weights` is theirs to add.
+    """Base of the rules whose weight depends on d alone: their statistic is d^2, and each adds `log_weights`.
 
     Each field of a subclass is a parameter of its rule, a number above 0; its default is the parameter's.
 

@@ -1,4 +1,8 @@
-"""The built-in update rules by name: the only place that lists them."""
+"""The built-in update rules by name.
+
+`voa_core` lists them nowhere else. Their messages are the union `voa_msgs.updates.BuiltInUpdate`, which cannot import
+this package; `tests/contract/test_rules.py` refuses a difference in names, order or parameters.
+"""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -17,7 +17,7 @@ from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVAR
 from voa_recordings.files.writer import RecordingWriter
 from voa_recordings.recorder.filing import Filing
 from voa_recordings.recorder.histories import Histories
-from voa_recordings.recorder.inbox import Answer, Inbox, Received
+from voa_recordings.recorder.inbox import FetchedDocument, Inbox, ReceivedSample
 from voa_recordings.recorder.listening import is_of_rmw
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import Odometry, Pose, PoseWithCovariance, Stamp
@@ -34,14 +34,16 @@ RMW = "0/tb3_1/scan/sensor_msgs::msg::dds_::LaserScan_/RIHS01_x"
 NEXT = START_NS + 1_000_000_000
 
 
-def received(key: str, payload: bytes = b"", **changes: Any) -> Received:
+def received(key: str, payload: bytes = b"", **changes: Any) -> ReceivedSample:
     content: dict[str, Any] = {
         "attachment": b"", "encoding": "zenoh/bytes", "deleted": False, "log_ns": NEXT, "sent_ns": None,
     }  # fmt: skip
-    return Received(key, payload, **(content | changes))
+    return ReceivedSample(key, payload, **(content | changes))
 
 
-def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
+def filed(
+    *items: ReceivedSample | FetchedDocument,
+) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
     """Topic, type and message of each; the sessions that moved."""
     file = BytesIO()
     writer = RecordingWriter(file, TYPES)
@@ -154,7 +156,7 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
         received(KEYS.scan("s1", "r1"), SCAN, attachment=b"no JSON"),
         received(KEYS.refused("s1", "r1"), b"{}"),
         received(f"{KEYS.root}/other/s1", b"{}"),
-        Answer("s1", "history", b"{}", NEXT, NEXT),
+        FetchedDocument("s1", "history", b"{}", NEXT, NEXT),
     )
     assert Counter((topic, kind) for topic, kind, _ in result) == {
         ("/voa/s1/belief", "Session"): 1,
