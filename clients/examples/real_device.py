@@ -3,8 +3,8 @@
     python clients/examples/real_device.py [URL]
 
 The program opens a session, drives the lidar to the places that the service recommends, sends the scans, runs the arm's
-program for the best grasp, and reports the outcome. The three drivers below stand in for a table with a mug on it: replace
-them with your navigation stack, your lidar and your arm's controller, and leave the rest. Copy
+program for the best grasp, and reports the outcome. The three drivers below stand in for a table with a mug on it:
+replace them with your navigation stack, your lidar and your arm's controller, and leave the rest. Copy
 `clients/voa_fleet/devices/example.py` and fill in the places that it marks. Without a URL a service is started for the
 length of the program. It needs the extra `fleet`.
 """

@@ -1,6 +1,6 @@
 """The compose files, the balancer and the Dockerfile agree with each other and with deploy/docs/operations.md.
 
-What `make image` cannot run is at least read.
+These tests read the files that `make image` cannot run.
 """
 
 import re
@@ -96,7 +96,7 @@ def test_the_balancer_checks_the_readiness_of_every_replica() -> None:
     assert "uri /readyz" in configuration
 
 
-def test_the_image_is_nobodys_and_says_what_it_is() -> None:
+def test_the_image_has_an_unprivileged_user_version_and_license() -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert "USER 10001:10001" in FINAL_STAGE
     assert f"ARG VERSION={project['version']}\n" in FINAL_STAGE

@@ -4,11 +4,13 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import zenoh
 from pydantic import BaseModel
 
+from tests.architecture.test_language import retired
 from tests.deploy.pages import PAGES, README, REPOSITORY, Command, Page, agrees, page
 from tests.support.serving import Service
 from voa_cli.main import main
@@ -54,6 +56,30 @@ def test_links_lead_somewhere(each: Page) -> None:
 def test_named_files_and_folders_exist(each: Page) -> None:
     for path in PATHS.findall(each.text):
         assert (REPOSITORY / path).exists(), path
+
+
+BUILD_FILES = [
+    REPOSITORY / "Makefile",
+    *sorted(
+        path
+        for pattern in ("deploy/Dockerfile", "deploy/*.sh", "deploy/*.yml", "deploy/*.cfg", "assets/**/README.md")
+        for path in REPOSITORY.glob(pattern)
+    ),
+]
+"""Texts beside the pages and the code: build files and descriptions of data."""
+WITH_RETIRED_WORDS = {"deploy/docs/glossary.md"}
+"""Pages that list the retired words."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [*(REPOSITORY / each.path for each in PAGES if each.path not in WITH_RETIRED_WORDS), *BUILD_FILES],
+    ids=lambda path: path.relative_to(REPOSITORY).as_posix(),
+)
+def test_no_retired_word_is_used(path: Path) -> None:
+    words = "|".join(word for word, only_in_names in retired().items() if not only_in_names)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if re.search(rf"\b({words})\b", line, re.IGNORECASE)] == []
 
 
 def test_the_scenarios_and_the_scan_are_valid_requests() -> None:
