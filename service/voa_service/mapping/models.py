@@ -19,12 +19,12 @@ from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
-from voa_msgs import large_json
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.failures import Failure, UnknownReference, not_found
 from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
 from voa_service.ports import Store
+from voa_service.requests import large_json
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting

@@ -197,7 +197,8 @@ class Ros2:
         """Apply a look unless the session has it; after a failure the robot's stop may make another look."""
         robot, due = look.robot, look.due
         try:
-            outcome = apply_look(self._services.updates, due)
+            with guarded():
+                outcome = apply_look(self._services.updates, due)
         except Failure as failure:
             robot.rejected(due, failure.kind)
             raise
