@@ -18,11 +18,11 @@ class Machine:
     def __init__(self, folder: Path, user: int = 0) -> None:
         self.commands = folder / "bin"
         self.commands.mkdir()
-        self.told = folder / "told"
+        self.calls = folder / "calls"
         for name in OF_EVERY_MACHINE:
-            found = shutil.which(name)
-            assert found is not None
-            (self.commands / name).symlink_to(found)
+            installed = shutil.which(name)
+            assert installed is not None
+            (self.commands / name).symlink_to(installed)
         self.script("id", f"echo {user}")
         self.clone = folder / "clone"
         for part in ("deploy/wheelhouse", ".venv/bin"):
@@ -48,7 +48,7 @@ class Machine:
 @pytest.mark.parametrize("there", [(), ("buildah",), ("podman",), ("podman", "runc"), NEEDED])
 def test_what_is_missing_is_installed_and_nothing_else(tmp_path: Path, there: tuple[str, ...]) -> None:
     machine = Machine(tmp_path)
-    machine.script("apt-get", f'echo "$*" >>{machine.told}')
+    machine.script("apt-get", f'echo "$*" >>{machine.calls}')
     for name in there:
         machine.script(name, "exit 0")
     done = machine.make_image()
@@ -56,22 +56,22 @@ def test_what_is_missing_is_installed_and_nothing_else(tmp_path: Path, there: tu
     assert "command not found" not in done.stderr
     missing = [name for name in NEEDED if name not in there]
     if not missing:
-        assert not machine.told.exists()
+        assert not machine.calls.exists()
         return
-    update, install = machine.told.read_text(encoding="utf-8").splitlines()
+    update, install = machine.calls.read_text(encoding="utf-8").splitlines()
     assert update.startswith("update")
     assert install.split()[-len(missing) :] == missing
     assert not set(there) & set(install.split())
 
 
-def test_without_apt_the_command_is_told(tmp_path: Path) -> None:
+def test_without_apt_the_command_is_printed(tmp_path: Path) -> None:
     done = Machine(tmp_path).make_image()
     assert done.returncode == 1
     assert "buildah podman runc missing" in done.stderr
     assert "sudo apt-get install --no-install-recommends buildah podman runc" in done.stderr
 
 
-def test_without_root_it_says_so(tmp_path: Path) -> None:
+def test_without_root_the_message_names_sudo(tmp_path: Path) -> None:
     done = Machine(tmp_path, user=1000).make_image()
     assert done.returncode == 1
     assert "sudo make image" in done.stderr
