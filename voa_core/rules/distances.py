@@ -45,7 +45,7 @@ class DistanceRule:
             number(parameter.name, getattr(self, parameter.name), above=0.0)
 
     @classmethod
-    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
+    def defaults(cls, lidar: LidarModel, *, spread: bool = False) -> dict[str, float]:  # noqa: ARG003
         """Every parameter with its default; that of `no_return_m` is the lidar's `range_max`."""
         own = {field.name: field.default for field in fields(cls) if isinstance(field.default, float)}
         return {"no_return_m": lidar.range_max, **own}

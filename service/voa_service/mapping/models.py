@@ -1,7 +1,7 @@
 """Builds the mathematics of stored scenarios, and keeps their cuts, predictions and weights in a bounded cache."""
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -128,7 +128,7 @@ class Models:
         def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
             return self._cache.get(("prediction", id_, key), make)
 
-        scenario = scenario_of(request, contours_at, remember, self._installed)
+        scenario = replace(scenario_of(request, contours_at, remember, self._installed), seed=id_)
 
         def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
             def make() -> Weigher:
