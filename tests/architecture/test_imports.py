@@ -12,12 +12,12 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 STDLIB = "<stdlib>"
 PYDANTIC = ("pydantic", "pydantic_core", "annotated_types")
-"""What a robot has when it has pydantic."""
+"""Packages that an installation of pydantic brings."""
 
 
 @dataclass(frozen=True)
 class Package:
-    """What a package may import: top-level names, and names that only some of its files may import.
+    """Imports that a package may have: top-level names, and names that only some of its files may import.
 
     Attributes:
         folder: where it stands in the repository.
@@ -222,20 +222,20 @@ def test_a_package_imports_only_what_it_may(name: str) -> None:
     files = files_of(folder)
     assert files
     wrong = {
-        str(path.relative_to(REPOSITORY)): found
+        str(path.relative_to(REPOSITORY)): forbidden_names
         for path in files
-        if (found := forbidden(name, package, path.relative_to(folder).as_posix(), path.read_text()))
+        if (forbidden_names := forbidden(name, package, path.relative_to(folder).as_posix(), path.read_text()))
     }
     assert not wrong, f"{name} may import {sorted(package.may)} and, where stated, {package.only_in}"
 
 
 def test_every_package_of_the_distribution_is_in_the_table() -> None:
-    found = {
+    folders = {
         path.parent.relative_to(REPOSITORY).as_posix()
         for base in (".", "service", "clients", "assets")
         for path in (REPOSITORY / base).glob("voa_*/__init__.py")
     }
-    assert found == {package.folder for package in PACKAGES.values() if (REPOSITORY / package.folder).is_dir()}
+    assert folders == {package.folder for package in PACKAGES.values() if (REPOSITORY / package.folder).is_dir()}
 
 
 def test_nobody_imports_a_folder_that_is_no_package() -> None:

@@ -1,4 +1,4 @@
-"""No text of the project tells anybody to install it from a package index: what has its name there is another's."""
+"""No text of the project advises to install `voa` from a package index, where another project has that name."""
 
 import re
 from pathlib import Path
@@ -32,8 +32,8 @@ def texts() -> dict[str, str]:
 def test_nothing_suggests_a_package_of_an_index() -> None:
     read = texts()
     assert {"README.md", "clients/voa_cli/main.py"} <= read.keys()
-    found = [f"{name}: {match[0]}" for name, text in read.items() for match in FROM_AN_INDEX.finditer(text)]
-    assert found == [], "expected voa_client.installing.install_hint"
+    commands = [f"{name}: {match[0]}" for name, text in read.items() for match in FROM_AN_INDEX.finditer(text)]
+    assert commands == [], "expected voa_client.installing.install_hint"
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What a robot installs: messages and client with the base dependencies, and none of the service's libraries."""
+"""The installation of a robot has the messages and the client, and none of the service's libraries."""
 
 import os
 import re
@@ -46,7 +46,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(python: Path, program: str) -> str:
-    """What a program prints that sees this install and nothing else."""
+    """Run a program in this installation alone; returns its output."""
     done = subprocess.run(
         [python, "-I", "-W", "error", "-c", program], capture_output=True, text=True, check=False, cwd=python.parent
     )
@@ -78,12 +78,12 @@ def test_the_base_install_talks_to_a_service(python: Path, process: str, capsys:
         "    print(client.health().status)\n"
         "main([])\n"
     )
-    told = run(python, program)
+    report = run(python, program)
     with capsys.disabled():
-        print(f"\nthe base install, in an environment of its own:\n{told}")
-    assert told.startswith("ready\n")
-    assert re.search(r"installed +[0-9.]+ MB", told)
-    assert "heavy       nothing" in told
+        print(f"\nthe base install, in an environment of its own:\n{report}")
+    assert report.startswith("ready\n")
+    assert re.search(r"installed +[0-9.]+ MB", report)
+    assert "heavy       nothing" in report
 
 
 @pytest.mark.parametrize("name", HEAVY)

@@ -131,16 +131,92 @@ def test_every_module_says_what_it_is_for() -> None:
     assert not silent
 
 
-def test_the_tests_mirror_the_packages() -> None:
-    """Folders of tests that are named after a package have no folder of a module that is not there."""
-    wrong = []
-    for name, package in PACKAGES.items():
-        tests, source = REPOSITORY / "tests" / name, REPOSITORY / package.folder
-        for path in sorted(tests.rglob("test_*.py")):
-            inside = path.relative_to(tests).parent
-            if not (source / inside).is_dir():
-                wrong.append(path.relative_to(REPOSITORY).as_posix())
-    assert not wrong
+TOPICS = {
+    "voa_core/rules/test_built_in.py": "all built-in rules are compared by one set of properties",
+    "voa_core/test_axioms.py": "laws that hold for the mathematics as a whole",
+    "voa_core/test_lab_holder.py": "the lab's own scans, through the whole of the mathematics",
+    "voa_ros/test_lidar_drivers.py": "messages of real lidar drivers, made by tests/support/lidar_drivers",
+    "voa_ros/test_look_taker_repeats.py": "the look taker and repeated revolutions",
+    "voa_ros/test_look_taker_scenes.py": "the look taker and scenes that change",
+    "voa_ros/test_pipeline_clocks.py": "the pipeline and clocks that are wrong",
+    "voa_client/test_bus.py": "followers on a bus where anybody may put anything",
+    "voa_client/test_conformance.py": "one suite for every transport",
+    "voa_client/test_events.py": "streams of events that a proxy has spoilt",
+    "voa_client/test_hints.py": "hints of a bus or proxy that are checked with the service",
+    "voa_client/test_surface.py": "the names of the package, sync and async",
+    "voa_cli/doctor/test_live_robots.py": "the doctor beside a real service and robot",
+    "voa_cli/test_rank_meshes.py": "`voa rank` and mesh files",
+    "voa_cli/test_record_latched.py": "`voa record` and publishers that keep their newest message",
+    "voa_assets/test_access.py": "the package itself",
+    "voa_assets/test_fleet_objects.py": "data: block and mallet",
+    "voa_assets/test_lidars.py": "data: lidar presets",
+    "voa_assets/test_mug_mesh.py": "data: the mug's mesh",
+    "voa_assets/test_mug_scenario.py": "data: the mug's scenario",
+    "voa_assets/test_recorded_mug.py": "data: the mug's recorded experiment",
+    "voa_meshes/test_glb_refusals.py": "GLB files that are refused",
+    "voa_store/test_after_kill.py": "the store after its process was killed",
+    "voa_store/test_conformance.py": "one suite for every database",
+    "voa_store/test_state_machine.py": "random sequences of calls against a model of the store",
+}
+"""Tests that are named after a topic and not after a module, with the topic."""
+TESTED_ELSEWHERE = {
+    "bootstrap": "builds everything: every test with the fixture `service` does",
+    "ports": "protocols and types alone; tests/voa_store/test_conformance.py holds the store to them",
+    "services": "a record of what `bootstrap` builds",
+    "http/app": "puts the routes together: tests/contract",
+    "http/calls": "tests/contract/test_bad_input.py",
+    "http/openapi": "tests/contract/test_openapi.py",
+    "http/problems": "tests/contract/test_bad_input.py",
+    "http/routes": "thin, one call of a use case each: tests/contract",
+    "http/server": "tests/voa_service/test_serve.py, in a process of its own",
+    "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
+    "zenoh/applying": "tests/voa_service/zenoh/test_ledger.py",
+    "zenoh/latched": "a call of Zenoh: tests/voa_service/zenoh/test_mapped_robot.py",
+    "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",
+    "zenoh/queries": "tests/voa_service/zenoh/test_entry.py, with a real router",
+    "zenoh/samples": "a record",
+    "zenoh/scans": "tests/voa_service/zenoh/test_entry.py, with a real router",
+}
+"""Modules and folders of `voa_service` without a test file of their own, and where they are tested."""
+
+
+def modules_of(package: str) -> set[str]:
+    """Modules and folders of a package as paths without suffix, such as "http/routes"; private names without "_"."""
+    source = REPOSITORY / PACKAGES[package].folder
+    inside = [path.relative_to(source) for path in files_of(source)]
+    modules = {path.with_name(path.stem.removeprefix("_")).as_posix() for path in inside if path.stem != "__init__"}
+    return modules | {path.parent.as_posix() for path in inside if path.parent != Path()}
+
+
+def mirrored(package: str) -> dict[str, str]:
+    """Test files of a package, each with the module or folder that its name stands for."""
+    tests = REPOSITORY / "tests" / package
+    files = [path.relative_to(tests) for path in sorted(tests.rglob("test_*.py"))]
+    return {
+        f"{package}/{path.as_posix()}": path.with_name(path.stem.removeprefix("test_")).as_posix() for path in files
+    }
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_test_file_is_named_after_a_module_or_is_a_listed_topic(package: str) -> None:
+    modules = modules_of(package)
+    assert [file for file, module in mirrored(package).items() if module not in modules and file not in TOPICS] == []
+
+
+def test_every_listed_topic_is_a_test_file_without_a_module() -> None:
+    files = {file: module for package in PACKAGES for file, module in mirrored(package).items()}
+    assert sorted(set(TOPICS) - set(files)) == []
+    assert [file for file in TOPICS if files[file] in modules_of(file.partition("/")[0])] == []
+
+
+def test_every_module_of_the_service_has_its_test_file_or_a_reason() -> None:
+    modules = {module for module in modules_of("voa_service") if not module.startswith("_")}
+    folders_ = {module for module in modules if (REPOSITORY / PACKAGES["voa_service"].folder / module).is_dir()}
+    tested = set(mirrored("voa_service").values())
+    excused = {module for module in modules if any(f"{module}/".startswith(f"{name}/") for name in TESTED_ELSEWHERE)}
+    assert sorted(modules - folders_ - tested - excused) == []
+    assert sorted(set(TESTED_ELSEWHERE) - modules) == [], "no reason is left for a module that is gone"
+    assert sorted(set(TESTED_ELSEWHERE) & tested) == [], "a module with a test file needs no reason"
 
 
 def test_every_package_is_typed() -> None:

@@ -1,4 +1,4 @@
-"""How fast the project is, as ratios against named peers measured in the same run.
+"""Benchmarks: speed as ratios to named peers that are measured in the same run.
 
 Each module here is one subject and offers `run() -> list[Result]`; to add one, write it and list it in
 `__main__.SUBJECTS`. Run them with `make bench`, or `python -m tests.benchmarks --only weights`.

@@ -44,9 +44,9 @@ def main() -> None:
     with threadpool_limits(1):
         for name in arguments.only or SUBJECTS:
             with console.status(name):
-                found = SUBJECTS[name]()
-            console.print(_table(name, found))
-            results += found
+                results_of_subject = SUBJECTS[name]()
+            console.print(_table(name, results_of_subject))
+            results += results_of_subject
     if arguments.out is not None:
         arguments.out.parent.mkdir(parents=True, exist_ok=True)
         rows = [result._asdict() for result in results]
@@ -60,7 +60,7 @@ def _circumstances() -> str:
 
 
 def _processor() -> str:
-    """The processor's name as Linux tells it, else what Python knows."""
+    """The processor's name as Linux reports it, else as Python does."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

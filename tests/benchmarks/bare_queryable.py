@@ -14,7 +14,7 @@ KEY = "bare/echo"
 
 
 def main() -> None:
-    """`python -m tests.benchmarks.bare_queryable ENDPOINT BYTES`: serve until told to stop."""
+    """`python -m tests.benchmarks.bare_queryable ENDPOINT BYTES`: serve until a signal ends it."""
     config = zenoh.Config()
     for path, value in session_config([sys.argv[1]], open_ms=10_000).items():
         config.insert_json5(path, json.dumps(value))

@@ -54,14 +54,14 @@ def run() -> list[Result]:
         _put(by_echo, "/session", answer)
         stack.enter_context(_bare_queryable(bus.endpoint, len(answer)))
         own = stack.enter_context(zenoh.open(_config(bus.endpoint)))
-        asked, payload = Keys().rpc("session.get"), json.dumps({"session": session.id})
-        for key in (KEY, asked):
+        method, payload = Keys().rpc("session.get"), json.dumps({"session": session.id})
+        for key in (KEY, method):
             wait_for(lambda key=key: list(own.get(key, payload=payload, timeout=_SECONDS)), f"{key} to be known")  # type: ignore[misc] # a default is bound now
-        require(len(_ask(own, KEY, payload)) == len(_ask(own, asked, payload)) == len(answer), "answers differ")
+        require(len(_reply(own, KEY, payload)) == len(_reply(own, method, payload)) == len(answer), "answers differ")
         taken = _in_turns(
             [
-                lambda: _ask(own, asked, payload),
-                lambda: _ask(own, KEY, payload),
+                lambda: _reply(own, method, payload),
+                lambda: _reply(own, KEY, payload),
                 lambda: _get(by_http, f"/v1/sessions/{session.id}"),
                 lambda: _get(by_echo, "/session"),
             ]
@@ -108,7 +108,7 @@ def _config(endpoint: str) -> zenoh.Config:
     return config
 
 
-def _ask(session: zenoh.Session, key: str, payload: str) -> bytes:
+def _reply(session: zenoh.Session, key: str, payload: str) -> bytes:
     replies = session.get(key, payload=payload, encoding=Encoding.APPLICATION_JSON, timeout=_SECONDS)
     (reply,) = replies
     require(reply.ok is not None, f"{key} was refused")

@@ -131,9 +131,9 @@ def _bare_postgres(url: str) -> Iterator[Prepare]:
         connection.execute("INSERT INTO session VALUES (1, 0, %s)", (belief,))
 
         def commit() -> None:
-            found = connection.execute("SELECT version, belief FROM session WHERE id = 1 FOR UPDATE").fetchone()
-            assert found is not None
-            version = found[0] + 1
+            row = connection.execute("SELECT version, belief FROM session WHERE id = 1 FOR UPDATE").fetchone()
+            assert row is not None
+            version = row[0] + 1
             connection.execute("UPDATE session SET version = %s, belief = %s WHERE id = 1", (version, belief))
             connection.execute("INSERT INTO history VALUES (%s, %s, %s, %s)", (version, request, _REPORT, belief))
             connection.commit()

@@ -10,7 +10,7 @@ from voa_msgs.sessions import ScanRequest, Session, UpdatedSession
 
 
 def create_app() -> FastAPI:
-    """What was sent is kept: a session to be read again, and the answer to every scan."""
+    """Build an application that returns its stored bodies: a session, and the answer to every scan."""
     app = FastAPI()
     kept: list[UpdatedSession] = []
 

@@ -9,7 +9,7 @@ Call = Callable[[], object]
 
 
 class Result(NamedTuple):
-    """One line of the table and of the JSON.
+    """Result of a benchmark: a line of the table, and an item of the JSON.
 
     Attributes:
         name: what was measured, on what, against whom; and what the ratio is where it is no quotient of times.

@@ -1,11 +1,11 @@
-"""Proves that cutting a mesh once and rasterising its contour beats casting rays at it, with the same answer.
+"""Proof that cutting a mesh once and rasterising its contour beats casting rays at it, with the same answer.
 
 3 200 scans (100 poses, 32 sensors, 360 beams) of a cup of about 1k, 10k and 100k faces; at poses that each have
 a tilt of their own ("general": every pose is cut), and at six tilts turned and moved ("planar": six cuts). Ours
 includes the cuts, and keeps of each scan the columns on which some pose returns. Trees and edge tables, made once
 per mesh, are taken out on both sides. Peers:
 
-* the embree kernel: `embreex` asked for distances alone, every ray given to it ready-made, in float32;
+* the embree kernel: `embreex` computing distances alone, every ray given to it ready-made, in float32;
 * the API: trimesh with embreex, from poses and sensors to float64 hit points, ray building included.
 
 In the same run every range is compared with the API's.
@@ -34,7 +34,7 @@ _SILHOUETTES = 1e-5  # share of beams that may pass an edge on the other side in
 
 
 def run() -> list[Result]:
-    """Three sizes, two kinds of pose sets, two peers."""
+    """Compare three sizes of meshes and two kinds of pose sets with two peers."""
     sensors = scene.sensors(_SENSORS)
     results = []
     for size in scene.SIZES:

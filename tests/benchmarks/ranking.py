@@ -34,11 +34,11 @@ _TOLERANCE: dict[type[np.floating], float] = {np.float64: 1e-12, np.float32: 1e-
 
 def run() -> list[Result]:
     """Two numbers of grasps, both precisions, three peers."""
-    rule, found = rule_of("exponential", scene.LIDAR), scene.predictions(_POSES, _SENSORS)
+    rule, predictions = rule_of("exponential", scene.LIDAR), scene.predictions(_POSES, _SENSORS)
     sensors = scene.sensors(_SENSORS)
     results = []
     for dtype in _TOLERANCE:
-        weighers = [Weigher.of(rule, prediction, dtype, keep=True) for prediction in found]
+        weighers = [Weigher.of(rule, prediction, dtype, keep=True) for prediction in predictions]
         for grasps in (20, 100):
             results += _ranking(dict(zip(sensors, weighers, strict=True)), grasps, dtype)
     return results

@@ -1,4 +1,4 @@
-"""What the benchmarks look at: a cup with a handle, poses on a table, an LDS-01 around it."""
+"""Scene of the benchmarks: a cup with a handle, poses on a table, an LDS-01 around it."""
 
 import numpy as np
 import trimesh

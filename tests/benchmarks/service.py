@@ -114,10 +114,10 @@ def scenario_of(http: httpx2.Client, place: Path, rule: str, poses: int, sensors
 
 def scan_of(http: httpx2.Client, scenario: str) -> dict[str, Any]:
     """The scan that the first pose gives at the first sensor configuration, with noise."""
-    told = http.get(f"/v1/scenarios/{scenario}").json()
-    sensor = told["sensors"][0]["name"]
+    stored = http.get(f"/v1/scenarios/{scenario}").json()
+    sensor = stored["sensors"][0]["name"]
     predicted = post(http, f"/v1/scenarios/{scenario}/predictions", {"sensors": [sensor]})
-    noise = np.random.default_rng(1).normal(0.0, 0.005, told["lidar"]["beams"])
+    noise = np.random.default_rng(1).normal(0.0, 0.005, stored["lidar"]["beams"])
     exact = predicted["ranges"][0][0]
     ranges = [None if r is None else r + float(off) for r, off in zip(exact, noise, strict=True)]
     return {"sensor": sensor, "scan": {"ranges": ranges, "no_return": [i for i, r in enumerate(exact) if r is None]}}
@@ -126,8 +126,8 @@ def scan_of(http: httpx2.Client, scenario: str) -> dict[str, Any]:
 def post(http: httpx2.Client, path: str, body: object) -> dict[str, Any]:
     answer = http.post(path, json=body)
     answer.raise_for_status()
-    told: dict[str, Any] = answer.json()
-    return told
+    content: dict[str, Any] = answer.json()
+    return content
 
 
 def _raw(http: httpx2.Client, path: str, body: str) -> None:

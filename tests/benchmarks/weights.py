@@ -32,45 +32,45 @@ _TOLERANCE: dict[type[np.floating], float] = {np.float64: 1e-12, np.float32: 1e-
 
 def run() -> list[Result]:
     """Two rules in both precisions."""
-    found = scene.predictions(_POSES, _SENSORS)
-    return [*_exponential(found), *_beam(found)]
+    predictions = scene.predictions(_POSES, _SENSORS)
+    return [*_exponential(predictions), *_beam(predictions)]
 
 
-def _exponential(found: list[Prediction]) -> list[Result]:
+def _exponential(predictions: list[Prediction]) -> list[Result]:
     rule = rule_of("exponential", scene.LIDAR)
-    whole = [np.minimum(prediction.dense(), scene.LIDAR.range_max) for prediction in found]
+    whole = [np.minimum(prediction.dense(), scene.LIDAR.range_max) for prediction in predictions]
     results = []
     for dtype, tolerance in _TOLERANCE.items():
-        weights = Weigher.of(rule, found[0], dtype, keep=True).matrix
+        weights = Weigher.of(rule, predictions[0], dtype, keep=True).matrix
         assert weights is not None
         require(np.abs(weights - _by_cdist(whole[0])).max() <= tolerance, "weights differ from cdist's")
         ours, peer = interleaved(
-            [partial(_ours, rule, found, dtype), lambda: [_by_cdist(ranges) for ranges in whole]], rounds=3
+            [partial(_ours, rule, predictions, dtype), lambda: [_by_cdist(ranges) for ranges in whole]], rounds=3
         )
         results.append(faster(f"weights, exponential, {dtype.__name__} / scipy cdist", ours, peer))
     return results
 
 
-def _beam(found: list[Prediction]) -> list[Result]:
+def _beam(predictions: list[Prediction]) -> list[Result]:
     rule = rule_of("beam", scene.LIDAR)
     assert isinstance(rule, Beam)
-    share = [prediction.ranges for prediction in found[:_SHARE_SENSORS]]
+    share = [prediction.ranges for prediction in predictions[:_SHARE_SENSORS]]
     scale = (_SENSORS / _SHARE_SENSORS) * (_POSES / _SHARE_ROWS)
     results = []
     for dtype, tolerance in _TOLERANCE.items():
-        weights = Weigher.of(rule, found[0], dtype, keep=True).matrix
+        weights = Weigher.of(rule, predictions[0], dtype, keep=True).matrix
         assert weights is not None
         off = np.abs(weights[:_SHARE_ROWS] - _by_numpy(rule, share[0])).max()
         require(off <= tolerance, f"beam weights differ from numpy's by {off}")
         ours, peer = interleaved(
-            [partial(_ours, rule, found, dtype), lambda: [_by_numpy(rule, ranges) for ranges in share]], rounds=3
+            [partial(_ours, rule, predictions, dtype), lambda: [_by_numpy(rule, ranges) for ranges in share]], rounds=3
         )
         results.append(faster(f"weights, beam, {dtype.__name__} / numpy (scaled)", ours, scale * peer))
     return results
 
 
-def _ours(rule: UpdateRule, found: list[Prediction], dtype: type[np.floating]) -> None:
-    for prediction in found:
+def _ours(rule: UpdateRule, predictions: list[Prediction], dtype: type[np.floating]) -> None:
+    for prediction in predictions:
         Weigher.of(rule, prediction, dtype, keep=True)
 
 

@@ -1,4 +1,4 @@
-"""One attack, and what came of it."""
+"""Attacks on the service, and their outcomes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Attack:
-    """One attack.
+    """Attack on the service.
 
     Attributes:
         name: of a few words ("300 000 wrong items in a body").

@@ -37,7 +37,7 @@ class Body:
 
 
 class Pulse:
-    """Asks for `/livez` all the time; remembers the longest wait."""
+    """Requests `/livez` all the time; remembers the longest wait."""
 
     def __init__(self, url: str) -> None:
         self._address = _address(url)
@@ -128,7 +128,7 @@ def over_zenoh(body: Body) -> Callable[[Path], Outcome]:
     def run(folder: Path) -> Outcome:
         with router() as bus, service(folder, "--zenoh", bus.endpoint) as there, client(bus.endpoint) as session:
             content = body.make()
-            return measured(there, len(content), lambda: ask(session, body.method, content), body.statuses)
+            return measured(there, len(content), lambda: status_of_call(session, body.method, content), body.statuses)
 
     return run
 
@@ -142,12 +142,12 @@ def client(endpoint: str) -> Iterator[zenoh.Session]:
     config.insert_json5("scouting/multicast/enabled", "false")
     with zenoh.open(config) as session:
         end = time.monotonic() + _ANSWER_SECONDS
-        while ask(session, "lidar.list", b"{}") != 200 and time.monotonic() < end:
+        while status_of_call(session, "lidar.list", b"{}") != 200 and time.monotonic() < end:
             pass
         yield session
 
 
-def ask(session: zenoh.Session, method: str, payload: bytes) -> int:
+def status_of_call(session: zenoh.Session, method: str, payload: bytes) -> int:
     """Call a method; give its status, 0 without an answer."""
     for reply in session.get(Keys().rpc(method), payload=payload, timeout=_ANSWER_SECONDS):
         if reply.ok is not None:

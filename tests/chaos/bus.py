@@ -32,7 +32,7 @@ _MOVES = 5
 _FLOOD_S = 5.0
 _FLOOD_MOVES = 10
 _CALLS_PER_S = 15.0
-"""Of each that follows: 10 for what is forged, and for the 2 versions that are real a state and a history each."""
+"""Calls of a follower per second: 10 for forged versions, and for each of 2 real versions a session and its history."""
 _UNSURE = BeliefRequest(belief=[0.4, 0.3, 0.3])
 _SURE = BeliefRequest(belief=[1.0, 0.0, 0.0])
 _NO_GRASP = 0.99
@@ -77,7 +77,7 @@ class _Scene:
 
     @property
     def key(self) -> str:
-        """Where the session's versions appear."""
+        """Key on which the session's versions are published."""
         return self.stranger.keys.belief(self.session.id)
 
     def put(self, payload: bytes, version: str) -> None:
@@ -89,7 +89,7 @@ class _Scene:
         return self.session.model_copy(update={"version": version}).model_dump_json().encode()
 
     def move(self, belief: BeliefRequest = _UNSURE) -> None:
-        """One more version, and when it was there."""
+        """Replace the belief, and note when the new version was stored."""
         version = self.client.put_belief(self.session.id, belief).version or 0
         self.moved[version] = time.monotonic()
 
@@ -170,12 +170,12 @@ def _becomes(condition: Callable[[], bool]) -> bool:
 
 
 def forged_version(folder: Path) -> Outcome:
-    """One put of a version that the session will never reach."""
+    """Put a version that the session will never reach."""
     return _attacked(folder, lambda scene: scene.put(scene.forged(10**12), str(10**12)))
 
 
 def forged_delete(folder: Path) -> Outcome:
-    """One delete of a session that goes on."""
+    """Put a deletion of a session that still exists."""
     return _attacked(folder, lambda scene: scene.stranger.session.delete(scene.key))
 
 
@@ -212,7 +212,7 @@ def flood(folder: Path) -> Outcome:
 
 
 def _gets(service: Replica) -> float:
-    """How often a session, or its history, was asked for over Zenoh."""
+    """Count the requests over Zenoh for a session or its history."""
     lines = httpx2.get(f"{service.url}/metrics", timeout=30.0).raise_for_status().text.splitlines()
     counted = [line for line in lines if line.startswith("voa_rpc_requests_total{")]
     wanted = ('method="session.get"', 'method="history.get"')

@@ -133,7 +133,7 @@ def pipelined_requests(folder: Path) -> Outcome:
 
 
 def answers_that_nobody_reads(folder: Path) -> Outcome:
-    """Ask for predictions of 12 MB on 24 connections and read nothing of them."""
+    """Request predictions of 12 MB on 24 connections and read nothing of them."""
     with server(folder) as service, httpx2.Client(base_url=service.url, timeout=60.0) as client:
         sensors = [{"name": str(i), "x": 0.0, "y": 0.0, "yaw_rad": 0.0} for i in range(150)]
         poses = [{"name": str(i)} for i in range(20)]
@@ -218,7 +218,7 @@ def stop_while_waiting(folder: Path) -> Outcome:
 
 
 def _begin_long_rankings(service: Server, client: httpx2.Client) -> None:
-    """Ask for rankings that take minutes on as many threads as the service has, and wait until they are under way."""
+    """Request rankings that take minutes on as many threads as the service has, and wait until they are under way."""
     object_id = client.post("/v1/objects", files={"file": ("box.obj", box_obj())}).raise_for_status().json()["id"]
     turns = [2.0 * math.pi * i / _LONG_POSES for i in range(_LONG_POSES)]
     made = mesh_scenario(

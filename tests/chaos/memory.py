@@ -108,7 +108,7 @@ def _everything_at_once(folder: Path) -> Outcome:
 def _attack(folder: Path, replica: Replica, limited_by: str) -> Outcome:
     peak, pid = _Peak(replica.pid), replica.pid
     with httpx2.Client(base_url=replica.url, timeout=_PATIENT) as http, ThreadPoolExecutor(24) as pool:
-        told = http.get("/readyz").json().get("memory", {})
+        budget = http.get("/readyz").json().get("memory", {})
         large = post(http, "/v1/scenarios", scenario_of(http, folder, "exponential", poses=2_500, sensors=12))["id"]
         small = post(http, "/v1/scenarios", data_scenario())["id"]
         session = post(http, "/v1/sessions", {"scenario": small})["id"]
@@ -135,7 +135,7 @@ def _attack(folder: Path, replica: Replica, limited_by: str) -> Outcome:
         afterwards = [upload(box_obj().encode()), scan(0)]
     alive = Path(f"/proc/{pid}/exe").exists()
     most = peak.end()
-    figure = f"{most / 2**20:.0f} MiB of 1024 (limited by {limited_by}; budgeted {told.get('sum_mebibytes')})"
+    figure = f"{most / 2**20:.0f} MiB of 1024 (limited by {limited_by}; budgeted {budget.get('sum_mebibytes')})"
     survived = (
         f"{'alive' if alive else 'killed'} after {seconds:.0f} s; rankings {_statuses(rankings)}; hungry meshes "
         f"{_statuses(meshes)}; scans {_statuses(scans)}; afterwards {_statuses(afterwards)}"

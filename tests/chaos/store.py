@@ -107,7 +107,7 @@ def disk_that_is_full(folder: Path) -> Outcome:
         _, most = resource.prlimit(replica.pid, resource.RLIMIT_FSIZE)
         resource.prlimit(replica.pid, resource.RLIMIT_FSIZE, (size, most))
         refused = _until_refused(http, session, done)
-        time.sleep(1.1)  # a probe that was well may be told for a second
+        time.sleep(1.1)  # a successful probe is reported for up to a second
         ready = http.get("/readyz").status_code
         read = http.get(f"/v1/sessions/{session}").status_code
         resource.prlimit(replica.pid, resource.RLIMIT_FSIZE, (most, most))

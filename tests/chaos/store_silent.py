@@ -1,4 +1,4 @@
-"""Attacks on the store over a network: a PostgreSQL that is silent, whatever it is asked."""
+"""Attacks on the store over a network: a PostgreSQL that does not answer any query."""
 
 import os
 import signal
@@ -96,7 +96,7 @@ def postgres_that_is_stopped(folder: Path) -> Outcome:
 
 
 def postgres_behind_a_frozen_network(folder: Path) -> Outcome:
-    """Let nothing through between the service and PostgreSQL, and tell neither."""
+    """Drop every packet between the service and PostgreSQL without closing the connection."""
     with server() as own:
         url = httpx2.URL(own.new_database())
         with wire(url.port or 0) as between, service(str(url.copy_with(port=between.port)), folder) as replica:

@@ -1,4 +1,4 @@
-"""What README.md and the documentation name exists: files, links, calls, commands, options, settings, problem kinds."""
+"""README.md and the documentation name only existing files, links, calls, commands, options, settings and problems."""
 
 import json
 import re

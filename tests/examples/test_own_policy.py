@@ -27,16 +27,16 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def found_by_python(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def on_the_path_of_python(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(installed))
 
 
-@pytest.mark.usefixtures("found_by_python")
+@pytest.mark.usefixtures("on_the_path_of_python")
 def test_an_installed_policy_has_its_description() -> None:
     assert description_of("opposite").startswith("The look farthest from the robot")
 
 
-@pytest.mark.usefixtures("found_by_python")
+@pytest.mark.usefixtures("on_the_path_of_python")
 def test_the_fleet_uses_it(process: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["fleet", "--url", process, "--policy", "opposite", "--looks", "2", "--json"]) == 0
     documents: list[dict[str, Any]] = json.loads(capfd.readouterr().out)
@@ -47,7 +47,7 @@ def test_the_fleet_uses_it(process: str, capfd: pytest.CaptureFixture[str]) -> N
     assert second == "".join(sides[letter] for letter in first)
 
 
-@pytest.mark.usefixtures("found_by_python")
+@pytest.mark.usefixtures("on_the_path_of_python")
 def test_the_evaluation_compares_voa_with_it(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--quick", "--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--url", process]
     arguments = ["voa", "block", *options, "--policy", "opposite", "--out", str(tmp_path), "--json"]

@@ -76,7 +76,7 @@ def _without_tail(content: bytes) -> bytes:
 
 
 def agree(ours: Floats, theirs: Polygons) -> bool:
-    """Whether triangles (f, 3, 3) are those polygons: the same corners, and cut so that no area is left out."""
+    """True if triangles (f, 3, 3) are the given polygons: equal corners, and no area left out."""
     if all(len(polygon) == 3 for polygon in theirs):
         return _close(ours, np.array(theirs, dtype=np.float64).reshape(-1, 3, 3))
     corners = np.concatenate([np.array(polygon) for polygon in theirs])
@@ -133,7 +133,7 @@ def _beside_trimesh(kind: str, content: bytes, ours: Floats, polygons: Polygons)
 
 
 def run(kind: str, count: int, seed: int) -> Counter[str]:
-    """How many damaged files of a type came to what.
+    """Read damaged files of a type, and count the results.
 
     Raises:
         AssertionError: a file was read as no other reader reads it, or ended in an error of another kind.

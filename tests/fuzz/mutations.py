@@ -42,10 +42,10 @@ def add_behind(content: bytes, rng: random.Random) -> bytes:
 
 
 def change_a_number(content: bytes, rng: random.Random) -> bytes:
-    found = list(_NUMBER.finditer(content))
-    if not found:
+    numbers = list(_NUMBER.finditer(content))
+    if not numbers:
         return change_a_byte(content, rng)
-    chosen = rng.choice(found)
+    chosen = rng.choice(numbers)
     return content[: chosen.start()] + rng.choice(_NUMBERS) + content[chosen.end() :]
 
 

@@ -1,6 +1,6 @@
 """Second readers, written value by value and without a thought to speed or to hostile files.
 
-They say nothing about files that are refused: they only tell what a file that was read says.
+They check only the content of files that were read, not whether a file should have been refused.
 """
 
 import re

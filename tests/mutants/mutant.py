@@ -14,7 +14,7 @@ _FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - (.*))?$", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change of the code that some test must notice.
+    """Change of the code that some test must detect.
 
     Attributes:
         name: what is wrong then.
@@ -53,15 +53,15 @@ def judge(mutant: Mutant, tree: Path) -> Verdict:
         path.write_text(before, encoding="utf-8")
     if not failed:
         return Verdict("survived")
-    found = _FAILED.search(output)
+    match = _FAILED.search(output)
     return (
-        Verdict("killed", *(part or "" for part in found.groups())) if found else Verdict("killed", how=output[-200:])
+        Verdict("killed", *(part or "" for part in match.groups())) if match else Verdict("killed", how=output[-200:])
     )
 
 
 def tests_fail(tests: str, tree: Path) -> tuple[bool, str]:
-    """Whether a test fails on the code in `tree`, and what pytest printed."""
-    # The kernels in Python: compiling them anew for each mutant would take longer than all tests of the mathematics.
+    """Run tests on the code in `tree`; returns True if one fails, and pytest's output."""
+    # The kernels in Python: compiling them again for each mutant would take longer than all tests of the mathematics.
     plain = {"NUMBA_DISABLE_JIT": "1"} if all(name.startswith("tests/voa_core") for name in tests.split()) else {}
     paths = os.pathsep.join(str(tree / package) for package in _PACKAGES)
     done = subprocess.run(

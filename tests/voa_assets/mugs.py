@@ -1,4 +1,4 @@
-"""What the tests of the assets share: a scenario's request body as the core's own objects."""
+"""Shared by the tests of the assets: a scenario's request body as objects of the core."""
 
 import json
 from pathlib import Path

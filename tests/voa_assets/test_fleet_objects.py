@@ -43,8 +43,8 @@ def ranking(scenario: Scenario, **believed: float) -> Ranking:
     )
 
 
-def voa_from(found: Ranking, sensor: str) -> float:
-    return next(look.net_value for look in found.looks if look.sensor.name == sensor)
+def voa_from(ranking: Ranking, sensor: str) -> float:
+    return next(look.net_value for look in ranking.looks if look.sensor.name == sensor)
 
 
 @pytest.mark.parametrize("name", NAMES)

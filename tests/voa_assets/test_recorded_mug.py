@@ -76,7 +76,7 @@ def test_the_core_agrees_with_expected_json(rule: str) -> None:
 
 def test_every_rule_and_sensor_is_expected() -> None:
     assert list(EXPECTED["rules"]) == list(maker.RULES)
-    assert all(list(found) == [sensor.name for sensor in SENSORS] for found in EXPECTED["rules"].values())
+    assert all(list(values) == [sensor.name for sensor in SENSORS] for values in EXPECTED["rules"].values())
 
 
 def test_the_predictions_are_those_of_the_mesh() -> None:

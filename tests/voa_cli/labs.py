@@ -13,7 +13,7 @@ from voa_client.local import running
 
 
 class Lab(NamedTuple):
-    """Where things are."""
+    """Addresses of a service: its URL, its router's endpoint, and its options for Zenoh."""
 
     url: str
     endpoint: str

@@ -26,29 +26,29 @@ from voa_ros.robots import load
 
 
 def reports(capfd: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads(capfd.readouterr().out)
-    return found
+    documents: list[dict[str, Any]] = json.loads(capfd.readouterr().out)
+    return documents
 
 
-def without_sessions(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [{name: value for name, value in each.items() if name != "session"} for each in found]
+def without_sessions(documents: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{name: value for name, value in each.items() if name != "session"} for each in documents]
 
 
 def test_pairs_play_at_once_each_in_its_session(process: str, capfd: pytest.CaptureFixture[str]) -> None:
     arguments = ["fleet", "--url", process, "--looks", "2", "--json"]
     assert main([*arguments, "--pairs", "3"]) == 0
-    found = reports(capfd)
-    assert [each["pair"] for each in found] == list(pair_names(3))
-    assert len({each["session"] for each in found}) == 3
-    assert len({each["truth"] for each in found}) > 1
-    assert all(len(each["looks"]) == 2 for each in found)
-    assert sum(each["success"] for each in found) >= 1
+    reported = reports(capfd)
+    assert [each["pair"] for each in reported] == list(pair_names(3))
+    assert len({each["session"] for each in reported}) == 3
+    assert len({each["truth"] for each in reported}) > 1
+    assert all(len(each["looks"]) == 2 for each in reported)
+    assert sum(each["success"] for each in reported) >= 1
     with Client(process) as client:
-        for each in found:
+        for each in reported:
             assert client.get_session(each["session"]).version in (2, 3)  # a failure that moved it is not reported
     # Alone, the first pair does what it did in company.
     assert main(arguments) == 0
-    assert without_sessions(reports(capfd)) == without_sessions(found[:1])
+    assert without_sessions(reports(capfd)) == without_sessions(reported[:1])
 
 
 def test_in_a_pipe_it_prints_a_line_for_each_event(process: str, capfd: pytest.CaptureFixture[str]) -> None:
@@ -133,14 +133,14 @@ def test_ros_2_pairs_work_with_the_mapping_that_it_prints(tmp_path: Path, capfd:
             with Client(service.url) as client:
                 wait_for(lambda: len(client.robots().items) == 2, "the mapping")
             assert main([*command, "--url", url, "--json"]) == 0
-            found = reports(capfd)
-            assert [len(each["looks"]) for each in found] == [1, 1]
+            reported = reports(capfd)
+            assert [len(each["looks"]) for each in reported] == [1, 1]
             with Client(service.url) as client:
-                for each in found:
+                for each in reported:
                     kinds = [entry.kind for entry in client.history(each["session"])]
                     assert kinds[:2] == ["prior", "scan"]
                 claimed = {robot.robot: robot.session for robot in client.robots().items}
-                assert claimed == {each["pair"]: each["session"] for each in found}
+                assert claimed == {each["pair"]: each["session"] for each in reported}
 
 
 def test_a_mapping_is_printed_while_there_is_no_router(capfd: pytest.CaptureFixture[str]) -> None:

@@ -99,11 +99,11 @@ def test_a_mesh_in_millimetres_is_read_by_its_scale_and_the_hint_says_where(
 
 
 class Uploads(Client):
-    """A client that notes what it is asked to upload."""
+    """A client that records its uploads."""
 
     def __init__(self) -> None:
         super().__init__("http://127.0.0.1:9")
-        self.told: list[tuple[str, float, str | None]] = []
+        self.uploads: list[tuple[str, float, str | None]] = []
         self.sent: list[ScenarioRequest] = []
 
     def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
@@ -112,7 +112,7 @@ class Uploads(Client):
     def create_object(
         self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
     ) -> Object:
-        self.told.append((mesh.name, scale, up))
+        self.uploads.append((mesh.name, scale, up))
         size, made = [0.04, 0.06, 0.05], datetime.now(UTC)
         return Object(id="f" * 64, name=mesh.stem, extents=size, faces=12, watertight=True, created_at=made)
 
@@ -138,5 +138,5 @@ def test_scale_and_up_are_the_mesh_s_and_not_sent_with_the_scenario(
     path = written(tmp_path / "scenario.json", plain | beside, box_obj())
     with Uploads() as client:
         load_scenario(client, path)
-        assert client.told == [("box.obj", *document)]
+        assert client.uploads == [("box.obj", *document)]
         assert client.sent == [ScenarioRequest.model_validate(plain | {"object": "f" * 64})]

@@ -244,5 +244,5 @@ def test_a_router_that_restarts_is_joined_again(tmp_path: Path) -> None:
                 client.apply_scan(session, SCAN)
                 return session in sessions_in(path)
 
-            wait_for(received, "the session is heard again")
+            wait_for(received, "a message of the session is received again")
             recorder.stop(signal.SIGINT)

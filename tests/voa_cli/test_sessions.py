@@ -114,7 +114,7 @@ def opened(process: str, count: int = 1) -> list[str]:
 
 
 def there(process: str, ids: list[str]) -> list[str]:
-    """Those of the sessions that the service still has."""
+    """Return the ids of those sessions that the service still has."""
     with Client(process) as client:
         return [session.id for session in client.list_sessions() if session.id in ids]
 

@@ -76,5 +76,5 @@ def role_of(client: object, kind: str, session: str) -> Any:
 
 
 def is_blocking(client: object) -> bool:
-    """Whether an asynchronous client is behind it."""
+    """True if the client wraps an asynchronous one."""
     return isinstance(client, Blocking)

@@ -20,7 +20,7 @@ from voa_service.rpc.entry import Rpc
 
 @dataclass(frozen=True)
 class Everywhere:
-    """One service at a URL and behind a router, and one in this process."""
+    """Two services: one at a URL and behind a router, and one in this process."""
 
     url: str
     router: Router
@@ -64,7 +64,7 @@ def client(everywhere: Everywhere, way: str) -> Iterator[Client]:
 
 @pytest.fixture(scope="module")
 def other(everywhere: Everywhere, way: str) -> Iterator[Client]:
-    """Another client of the same service."""
+    """A second client of the service that `client` calls."""
     with everywhere.client(f"{way.split(maxsplit=1)[0]} sync") as own:
         yield own
 

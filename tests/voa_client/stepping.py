@@ -25,7 +25,7 @@ def body(version: int, /, **changed: Any) -> bytes:
 
 
 def at(version: int) -> str:
-    """When a version was committed."""
+    """Time at which a version was committed."""
     return f"2026-01-01T00:{version // 60:02d}:{version % 60:02d}Z"
 
 
@@ -41,12 +41,12 @@ def news(*each: State | Deleted | Lost) -> Batch:
 
 @dataclass
 class Service:
-    """A service at some version, or gone, or one whose answers something spoils.
+    """A scripted service: its session has a version or is deleted, and a failure can replace every response.
 
     Attributes:
         version: of its only session; None: it was deleted.
-        spoilt: what comes back instead of every answer.
-        asked: the calls that were made.
+        spoilt: response that replaces every other; None: no replacement.
+        requested: the calls that were made.
         paused: every pause, seconds.
         waited: every wait, seconds.
     """

@@ -1,4 +1,4 @@
-"""When a call is tried again, and for how long: a scripted transport, a clock that only the client's sleep moves."""
+"""Repeated attempts of a call and their time limit: a scripted transport, and a clock that only sleeping moves."""
 
 import asyncio
 import json

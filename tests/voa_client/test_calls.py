@@ -1,4 +1,4 @@
-"""The same call for HTTP and by name."""
+"""Calls as HTTP requests and as remote calls by name: both carry equal requests."""
 
 import base64
 import inspect

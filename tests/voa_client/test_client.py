@@ -1,4 +1,4 @@
-"""The client against the real service, and against things that are none."""
+"""The client against the real service, and against servers that are no VOA service."""
 
 import json
 import threading

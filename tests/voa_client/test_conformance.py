@@ -1,4 +1,4 @@
-"""One suite for every transport, sync and async, against the real service."""
+"""Conformance suite for every transport, sync and async, against the real service."""
 
 import threading
 import time
@@ -305,7 +305,7 @@ def test_the_arm_learns_that_the_session_has_ended(client: Client, other: Client
     began = time.monotonic()
     ending.start()
     done = arm.wait_until(0.99, timeout_s=END_S)
-    assert time.monotonic() - began < 2.5, "it is told, not asked for after some silence"
+    assert time.monotonic() - began < 2.5, "the deletion is published, not polled for"
     ending.join()
     assert (done.reason, done.session.version) == ("deleted", 0)
     with pytest.raises(VoaClientError):

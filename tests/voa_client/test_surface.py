@@ -1,4 +1,4 @@
-"""What is sync is async too, by the same names and arguments; and nothing needs Zenoh before it is used."""
+"""Sync and async clients have equal names and arguments, and Zenoh is imported only when it is used."""
 
 import asyncio
 import inspect

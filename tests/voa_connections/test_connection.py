@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.voa_connections.wires import Host, settled, story
+from tests.voa_connections.wires import Host, run, settled
 from voa_connections.connection import Stage
 
 GET = b"GET /livez HTTP/1.1\r\nHost: here\r\n\r\n"
@@ -13,7 +13,7 @@ def post(length: int, path: str = "/v1/scenarios") -> bytes:
 
 
 def test_requests_of_one_connection_are_answered_one_after_the_other() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host().connect()
         for piece in (GET, post(3), b"ab", b"c", GET + post(0), GET[:20], GET[20:]):
             connection.data_received(piece)
@@ -22,7 +22,7 @@ def test_requests_of_one_connection_are_answered_one_after_the_other() -> None:
         assert connection.stage is Stage.SILENT
         assert not wire.ended
 
-    story(tell)
+    run(scenario)
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_requests_of_one_connection_are_answered_one_after_the_other() -> None:
     ],
 )
 def test_headers_that_are_too_large_are_431(lines: list[bytes]) -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(header_bytes=1_000, headers=10)
         connection, wire = host.connect()
         connection.data_received(b"GET /livez HTTP/1.1\r\n")
@@ -51,33 +51,33 @@ def test_headers_that_are_too_large_are_431(lines: list[bytes]) -> None:
         assert host.application.paths == []
         assert host.refused("headers-too-large") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_headers_of_the_largest_size_are_taken() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host(header_bytes=1_000, headers=10).connect()
         filler = b"x: " + b"a" * (1_000 - len(b"/livez") - len(b"x"))
         connection.data_received(b"GET /livez HTTP/1.1\r\n" + filler + b"\r\n\r\n")
         await settled()
         assert wire.statuses == [200]
 
-    story(tell)
+    run(scenario)
 
 
 def test_trailers_without_end_are_refused() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host(header_bytes=1_000).connect()
         connection.data_received(b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n1\r\na\r\n0\r\nx: ")
         for _ in range(4):
             connection.data_received(b"a" * 500)
         assert wire.statuses == [431]
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_body_in_the_smallest_chunks_is_taken() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host(header_bytes=200).connect()
         connection.data_received(b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n")
         for _ in range(300):
@@ -86,12 +86,12 @@ def test_a_body_in_the_smallest_chunks_is_taken() -> None:
         await settled()
         assert wire.statuses == [200]
 
-    story(tell)
+    run(scenario)
 
 
 @pytest.mark.parametrize("bytes_", [b"\x16\x03\x01\x02\x00\x01\x00", b"GET\r\n\r\n", b"GET / SMTP/1.1\r\n\r\n"])
 def test_what_is_no_request_is_400(bytes_: bytes) -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host()
         connection, wire = host.connect()
         connection.data_received(bytes_)
@@ -101,11 +101,11 @@ def test_what_is_no_request_is_400(bytes_: bytes) -> None:
         assert wire.problem["type"] == "urn:voa:problem:malformed-request"
         assert host.refused("malformed-request") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_request_for_another_protocol_is_answered_and_what_follows_is_not_read() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host()
         connection, wire = host.connect()
         connection.data_received(GET[:-2] + b"Connection: Upgrade\r\nUpgrade: websocket\r\n\r\n")
@@ -114,11 +114,11 @@ def test_a_request_for_another_protocol_is_answered_and_what_follows_is_not_read
         assert wire.statuses == [200]
         assert wire.ended
 
-    story(tell)
+    run(scenario)
 
 
 def test_many_requests_at_once_end_their_connection() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host()
         connection, wire = host.connect()
         connection.data_received(GET.replace(b"/livez", b"/held") + GET * 16)
@@ -127,11 +127,11 @@ def test_many_requests_at_once_end_their_connection() -> None:
         assert wire.aborted
         assert host.refused("pipelined") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_headers_that_do_not_end_in_time_are_408() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(header_seconds=10)
         connection, wire = host.connect()
         connection.data_received(GET[:10])
@@ -145,11 +145,11 @@ def test_headers_that_do_not_end_in_time_are_408() -> None:
         assert wire.problem["type"] == "urn:voa:problem:request-timeout"
         assert host.refused("header-timeout") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_body_must_come_on() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(progress_seconds=20, progress_bytes=100)
         connection, wire = host.connect()
         connection.data_received(post(1_000))
@@ -167,11 +167,11 @@ def test_a_body_must_come_on() -> None:
         await settled()
         assert host.application.ended == ["/v1/scenarios"]
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_body_that_the_application_does_not_read_is_not_late() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(progress_seconds=20)
         connection, wire = host.connect()
         connection.data_received(post(1_000_000, "/held") + b"a")
@@ -187,11 +187,11 @@ def test_a_body_that_the_application_does_not_read_is_not_late() -> None:
         assert connection.overdue(began + 60.3) is None  # it may have been resumed a moment ago
         assert connection.overdue(began + 80.4) is not None
 
-    story(tell)
+    run(scenario)
 
 
 def test_work_and_streams_may_last() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host().connect()
         connection.data_received(GET.replace(b"/livez", b"/held"))
         await settled()
@@ -199,11 +199,11 @@ def test_work_and_streams_may_last() -> None:
         assert connection.overdue(connection.since + 1e6) is None
         assert not wire.ended
 
-    story(tell)
+    run(scenario)
 
 
 def test_an_answer_must_be_read_on() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host(progress_seconds=20, progress_bytes=100).connect()
         connection.data_received(GET.replace(b"/livez", b"/held"))
         now = connection.since
@@ -220,11 +220,11 @@ def test_an_answer_must_be_read_on() -> None:
         connection.refuse(late)
         assert wire.aborted
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_refusal_is_read_by_a_peer_that_still_sends_and_then_the_connection_ends() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host(headers=1).connect()
         connection.data_received(b"GET / HTTP/1.1\r\n" + b"x:\r\n" * 5)
         connection.data_received(b"x:\r\n" * 5_000)
@@ -236,11 +236,11 @@ def test_a_refusal_is_read_by_a_peer_that_still_sends_and_then_the_connection_en
         assert wire.statuses == [431]
         assert wire.aborted
 
-    story(tell)
+    run(scenario)
 
 
 def test_nothing_is_written_into_an_answer_that_has_begun() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         connection, wire = Host().connect()
         connection.data_received(GET.replace(b"/livez", b"/held") + GET[:10])
         await settled()
@@ -250,4 +250,4 @@ def test_nothing_is_written_into_an_answer_that_has_begun() -> None:
         assert wire.written == b""
         assert wire.aborted
 
-    story(tell)
+    run(scenario)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.voa_connections.wires import Host, settled, story
+from tests.voa_connections.wires import Host, run, settled
 from voa_connections.in_flight import FREE_BYTES, ByteBudget
 
 MEBIBYTE = 2**20
@@ -24,7 +24,7 @@ def test_a_budget_gives_what_it_has() -> None:
 
 
 def test_a_body_without_room_is_503_and_gives_back_what_it_held() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(in_flight_mebibytes=1)
         first, one = host.connect()
         second, two = host.connect()
@@ -49,11 +49,11 @@ def test_a_body_without_room_is_503_and_gives_back_what_it_held() -> None:
         await settled()
         assert two.statuses == [503, 200]
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_small_body_needs_no_room() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(in_flight_mebibytes=1)
         assert host.supervisor.budget.take(MEBIBYTE)
         connection, wire = host.connect()
@@ -61,11 +61,11 @@ def test_a_small_body_needs_no_room() -> None:
         await settled()
         assert wire.statuses == [200]
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_caller_that_leaves_gives_back_what_it_held() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(in_flight_mebibytes=1)
         connection, _ = host.connect()
         connection.data_received(post(MEBIBYTE))
@@ -76,7 +76,7 @@ def test_a_caller_that_leaves_gives_back_what_it_held() -> None:
         await settled()
         assert host.supervisor.budget.held == 0
 
-    story(tell)
+    run(scenario)
 
 
 @pytest.mark.parametrize("count", [1, 2**30])

@@ -3,7 +3,7 @@
 import pytest
 from structlog.testing import capture_logs
 
-from tests.voa_connections.wires import Host, settled, story
+from tests.voa_connections.wires import Host, run, settled
 from voa_connections.settings import ConnectionSettings
 from voa_connections.supervisor import SPARE, most_connections
 
@@ -17,7 +17,7 @@ def test_the_most_connections_follow_from_the_files(files: int, most: int) -> No
 
 
 def test_the_connection_idle_the_longest_makes_place() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(most=3)
         (first, one), (_, two), (_, three) = (host.connect() for _ in range(3))
         first.data_received(GET)
@@ -27,11 +27,11 @@ def test_the_connection_idle_the_longest_makes_place() -> None:
         assert [wire.ended for wire in (one, two, three, four)] == [False, True, False, False]
         assert host.refused("idle-closed") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_request_under_way_makes_no_place_but_probes_are_answered() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(most=2)
         held = [host.connect() for _ in range(2)]
         for connection, _ in held:
@@ -51,11 +51,11 @@ def test_a_request_under_way_makes_no_place_but_probes_are_answered() -> None:
         await settled()
         assert [wire.statuses for _, wire in held] == [[200], [200]]
 
-    story(tell)
+    run(scenario)
 
 
 def test_connections_above_the_most_are_bounded_too() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(most=1)
         connection, _ = host.connect()
         connection.data_received(HELD)
@@ -63,11 +63,11 @@ def test_connections_above_the_most_are_bounded_too() -> None:
         assert sum(not wire.ended for wire in wires) == SPARE
         assert all(wire.ended for wire in wires[:5])
 
-    story(tell)
+    run(scenario)
 
 
 def test_a_connection_that_is_gone_makes_place() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(most=1)
         first, _ = host.connect()
         first.data_received(HELD)
@@ -77,11 +77,11 @@ def test_a_connection_that_is_gone_makes_place() -> None:
         await settled()
         assert wire.statuses == [200]
 
-    story(tell)
+    run(scenario)
 
 
 def test_of_too_many_answers_that_are_not_read_the_oldest_ends() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(in_flight_mebibytes=1)
         opened = [host.connect() for _ in range(3)]
         for connection, wire in opened:
@@ -93,11 +93,11 @@ def test_of_too_many_answers_that_are_not_read_the_oldest_ends() -> None:
         assert [wire.aborted for _, wire in opened] == [True, False, False]
         assert host.refused("answers-unread") == 1
 
-    story(tell)
+    run(scenario)
 
 
 def test_what_begins_is_logged_once() -> None:
-    async def tell() -> None:
+    async def scenario() -> None:
         host = Host(headers=1)
         for _ in range(5):
             connection, _ = host.connect()
@@ -105,12 +105,12 @@ def test_what_begins_is_logged_once() -> None:
         assert host.refused("headers-too-large") == 5
 
     with capture_logs() as lines:
-        story(tell)
+        run(scenario)
     assert [(line["log_level"], line["reason"]) for line in lines] == [("warning", "headers-too-large")]
 
 
-def test_whoever_waits_when_the_service_stops_is_told() -> None:
-    async def tell() -> None:
+def test_waiting_connections_are_answered_when_the_service_stops() -> None:
+    async def scenario() -> None:
         host = Host()
         (working, one), (_, idle), (unfinished, three) = (host.connect() for _ in range(3))
         working.data_received(HELD)
@@ -122,4 +122,4 @@ def test_whoever_waits_when_the_service_stops_is_told() -> None:
         assert (idle.written, idle.ended) == (b"", True)
         assert three.statuses == [503]
 
-    story(tell)
+    run(scenario)

@@ -54,12 +54,12 @@ class Wire(asyncio.Transport):
         self.ended = self.aborted = True
 
     def is_read(self) -> bool:
-        """Whether what the peer sends is read."""
+        """True if bytes from the peer are read."""
         return not self.paused
 
     @property
     def statuses(self) -> list[int]:
-        """Of all answers."""
+        """Status codes of all responses."""
         return [int(each.split(b" ", 1)[0]) for each in self.written.split(b"HTTP/1.1 ")[1:]]
 
     @property
@@ -131,10 +131,10 @@ async def settled() -> None:
         await asyncio.sleep(0)
 
 
-def story(tell: Callable[[], Awaitable[None]]) -> None:
+def run(scenario: Callable[[], Awaitable[None]]) -> None:
     """Run a test that needs an event loop."""
 
     async def run() -> None:
-        await tell()
+        await scenario()
 
     asyncio.run(run())

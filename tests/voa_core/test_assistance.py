@@ -35,7 +35,7 @@ def worth(weigher: Weigher, belief: list[float], policy: UpdatePolicy | None = N
     return value_of_assistance(weigher, Belief.of(belief), table, policy or UpdatePolicy(), **settings)
 
 
-def test_a_look_that_tells_all_poses_apart_by_hand() -> None:
+def test_a_look_that_distinguishes_all_poses_by_hand() -> None:
     look = worth(weigher_of(APART), [0.5, 0.25, 0.25])
     # Before: left 0.55, right 0.35. After: 0.9, 0.8, 0.4.
     assert look.expected_score_after == pytest.approx(0.75)
@@ -94,7 +94,7 @@ def test_a_scan_that_the_gripper_agent_holds_impossible_is_believed_under_neares
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("keep", [True, False])
-def test_weights_that_underflow_still_tell_poses_apart(dtype: type[np.floating], keep: bool) -> None:
+def test_weights_that_underflow_still_distinguish_poses(dtype: type[np.floating], keep: bool) -> None:
     # Seen from P2, the possible poses are 100 and 50 standard deviations off: e^-5000 and e^-1250.
     weigher = weigher_of(APART, "gaussian", sigma_m=0.01, dtype=dtype, keep=keep)
     look = worth(weigher, [0.5, 0.5, 0.0], sensor_belief=Belief.of([0.0, 0.0, 1.0]))
@@ -113,7 +113,7 @@ def test_a_score_that_underflows_is_still_a_reason_to_grasp_when_executed(dtype:
     assert look.expected_score_after == pytest.approx(0.7)
 
 
-def test_float32_does_not_decide_between_grasps_that_it_cannot_tell_apart_when_executed() -> None:
+def test_float32_does_not_decide_between_grasps_that_it_cannot_distinguish_when_executed() -> None:
     # At P0 the second grasp is better by 1e-8: less than a float32 sees, and worth 0.6 at the pose itself.
     table = GraspTable.of_probabilities(["first", "second"], [[0.5, 0.5, 0.2], [0.5 + 1e-8, 0.4, 0.8]], 3)
     weigher = weigher_of([0.5, 1.0, 0.5], dtype=np.float32)
@@ -146,7 +146,7 @@ def test_float32_does_not_decide_by_its_own_rounding_when_executed() -> None:
     ("dtype", "worse_by", "chosen"),
     [(np.float64, 5e-13, 0), (np.float64, 2e-12, 1), (np.float32, 5e-7, 0), (np.float32, 2e-6, 1)],
 )
-def test_the_first_grasp_is_chosen_if_it_is_as_good_as_the_precision_can_tell(
+def test_the_first_grasp_is_chosen_if_it_is_as_good_within_the_precision(
     dtype: type[np.floating], worse_by: float, chosen: int
 ) -> None:
     table = GraspTable.of_probabilities(["first", "second"], [[0.5 - worse_by] * 3, [0.5] * 3], 3)
@@ -193,12 +193,12 @@ def test_neither_the_share_of_possible_poses_nor_blocks_matter(
     logs = [[twin.log_weight(rule, parameters, [seen], [expected]) for expected in ranges] for seen in ranges]
     distances = [[twin.distance([seen], [expected], 2.0) for expected in ranges] for seen in ranges]
     for definition in ("posterior", "executed"):
-        found = worth(weigher, list(belief), table=table, definition=definition)
+        value = worth(weigher, list(belief), table=table, definition=definition)
         expected = twin.value_of_assistance(
             as_lists(table.scores), list(belief), logs, distances, definition=definition
         )
-        assert found.voa == pytest.approx(expected, abs=1e-12)
-        assert found.outcomes.tolist() == np.flatnonzero(belief).tolist()
+        assert value.voa == pytest.approx(expected, abs=1e-12)
+        assert value.outcomes.tolist() == np.flatnonzero(belief).tolist()
 
 
 def test_other_definitions_are_refused() -> None:

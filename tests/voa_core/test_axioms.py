@@ -211,7 +211,7 @@ def test_a_pose_whose_probability_underflows_comes_back() -> None:
 
 @few
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 7), m=st.integers(1, 4))
-def test_a_look_that_tells_all_poses_apart_is_worth_the_best_grasp_of_each(seed: int, n: int, m: int) -> None:
+def test_a_look_that_distinguishes_all_poses_is_worth_the_best_grasp_of_each(seed: int, n: int, m: int) -> None:
     rng = np.random.default_rng(seed)
     world = world_of(rng, "margin", diagonal(rng, n), rng.uniform(size=(m, n)))
     before = max(twin.expected_score(row, list(world.belief)) for row in as_lists(world.scores))
@@ -223,7 +223,7 @@ def test_a_look_that_tells_all_poses_apart_is_worth_the_best_grasp_of_each(seed:
 @every_rule
 @few
 @given(data=st.data())
-def test_a_look_that_tells_no_poses_apart_is_worth_nothing(rule_name: str, data: Any) -> None:
+def test_a_look_that_distinguishes_no_poses_is_worth_nothing(rule_name: str, data: Any) -> None:
     world = data.draw(worlds(rule_name))
     world = replaced(world, np.repeat(world.ranges[:1], len(world.ranges), axis=0))
     assert voa_of(world, "posterior") == pytest.approx(0.0, abs=1e-12)
@@ -281,10 +281,10 @@ def test_permuting_the_sensors_permutes_the_looks(rule_name: str, data: Any) -> 
     sensors = [SensorConfiguration(name, 0.0, 0.0, 0.0, cost=0.01 * a) for a, name in enumerate(weighers)]
 
     def worth(listed: list[SensorConfiguration]) -> dict[str, float]:
-        found = rank(listed, lambda s: weighers[s.name], Belief.of(base.belief), base.table, base.policy)
-        values = [look.net_value for look in found.looks]
+        ranking = rank(listed, lambda s: weighers[s.name], Belief.of(base.belief), base.table, base.policy)
+        values = [look.net_value for look in ranking.looks]
         assert values == sorted(values, reverse=True)
-        return {look.sensor.name: look.net_value for look in found.looks}
+        return {look.sensor.name: look.net_value for look in ranking.looks}
 
     shuffled = worth(data.draw(st.permutations(sensors)))
     assert shuffled == worth(sensors)
@@ -404,7 +404,7 @@ def test_rankings_with_costs_agree_with_the_twin(rule_name: str, data: Any) -> N
     each = [replaced(base, ranges[a // 2]) for a in range(6)]
     costs = [float(cost) for cost in rng.integers(0, 2, 3) / 64.0 for _ in range(2)]
     sensors = [SensorConfiguration(str(a), 0.0, 0.0, 0.0, cost=cost) for a, cost in enumerate(costs)]
-    found = rank(
+    ranking = rank(
         sensors,
         lambda sensor: each[int(sensor.name)].weigher(),
         Belief.of(base.belief),
@@ -413,10 +413,10 @@ def test_rankings_with_costs_agree_with_the_twin(rule_name: str, data: Any) -> N
         sensor_belief=base.sensor,
     )
     values = [twin_voa(world, "posterior") for world in each]
-    assert [int(look.sensor.name) for look in found.looks] == twin.ranking(values, costs)
+    assert [int(look.sensor.name) for look in ranking.looks] == twin.ranking(values, costs)
     index, score = twin.best_grasp(as_lists(base.scores), list(base.belief))
-    assert found.before.index == index
-    assert found.before.expected_score == pytest.approx(score, abs=1e-12)
+    assert ranking.before.index == index
+    assert ranking.before.expected_score == pytest.approx(score, abs=1e-12)
 
 
 @st.composite

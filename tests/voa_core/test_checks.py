@@ -75,7 +75,7 @@ def test_names_are_there_and_differ(names: list[str], message: str) -> None:
     assert str(caught.value) == message
 
 
-def test_indices_follow_the_order_of_the_names_asked_for() -> None:
+def test_indices_follow_the_order_of_the_requested_names() -> None:
     assert indices("pose", ["C", "A"], ["A", "B", "C"]).tolist() == [2, 0]
 
 
@@ -84,7 +84,7 @@ def test_indices_list_what_exists_when_a_name_does_not() -> None:
         indices("pose", ["A", "D"], ["A", "B"])
 
 
-def test_indices_refuse_a_name_asked_for_twice() -> None:
+def test_indices_refuse_a_name_requested_twice() -> None:
     with pytest.raises(InvalidInput, match="'A' twice"):
         indices("pose", ["A", "A"], ["A", "B"])
 

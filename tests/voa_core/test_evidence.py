@@ -31,7 +31,7 @@ EXPONENTIAL = rule_of("exponential", LIDAR, no_return_m=1.0)
 
 CUBE = box(0.2, 0.2, 0.2)
 AT = SensorConfiguration("a", -0.3, 0.08, 0.03)
-"""In front of the cube, off its middle and askew, so that no beam grazes."""
+"""A sensor in front of the cube, off its middle and askew, so that no beam grazes."""
 
 
 def evidence_of(ranges: list[float]) -> Evidence:

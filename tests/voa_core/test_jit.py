@@ -11,10 +11,10 @@ UNCOMPILED = os.environ.get("NUMBA_DISABLE_JIT", "0") != "0"
 
 
 def total(values: Any) -> float:
-    found = 0.0
+    total = 0.0
     for value in values:
-        found += value
-    return found
+        total += value
+    return total
 
 
 @pytest.mark.parametrize("decorate", [kernel, sum_kernel])

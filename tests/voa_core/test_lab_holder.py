@@ -68,7 +68,7 @@ class Lab:
         return ranges
 
     def ranges(self, name: str, sensor: str) -> Floats:
-        """One column of the scans from a sensor, (poses, beams)."""
+        """Return a column of the scans from a sensor, (poses, beams)."""
         return np.array([self.column(name, sensor, pose) for pose in self.poses.names])
 
     def scenario(self, rule: str) -> Scenario:

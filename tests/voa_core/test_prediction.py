@@ -115,10 +115,10 @@ def test_what_is_remembered_is_not_taken_for_another_prediction(
     keeping = replace(forgetful, remember=remember)
     first = keeping.predict(AT)
     assert keeping.predict(replace(AT, name="another", cost=0.5)) is first
-    found = keeping.predict(sensor, grid, listed=listed)
-    assert keeping.predict(sensor, grid, listed=listed) is found
-    np.testing.assert_array_equal(found.dense(), forgetful.predict(sensor, grid, listed=listed).dense())
-    assert found.dense().tolist() != first.dense().tolist()
+    prediction = keeping.predict(sensor, grid, listed=listed)
+    assert keeping.predict(sensor, grid, listed=listed) is prediction
+    np.testing.assert_array_equal(prediction.dense(), forgetful.predict(sensor, grid, listed=listed).dense())
+    assert prediction.dense().tolist() != first.dense().tolist()
 
 
 def test_someone_must_say_where_to_cut() -> None:

@@ -17,11 +17,11 @@ from voa_core.weights import Weigher
 LIDAR = lidar_of(1, range_max=2.0)
 TABLE = GraspTable.of_probabilities(["left", "right"], [[1.0, 0.0], [0.0, 1.0]], 2)
 BELIEF = Belief.of([0.75, 0.25])
-"""Grasping at once succeeds with 0.75; a look that tells the poses apart is worth 0.25."""
+"""Grasping at once succeeds with 0.75; a look that distinguishes the poses is worth 0.25."""
 
 
 def weigher_of(sensor: SensorConfiguration) -> Weigher:
-    """A sensor at x > 0 tells the poses apart, others do not."""
+    """A sensor at x > 0 distinguishes the poses, others do not."""
     ranges = np.array([[0.5], [1.0 if sensor.x > 0.0 else 0.5]])
     return Weigher.of(rule_of("margin", LIDAR), Prediction.of_dense(LIDAR.grid, ranges), np.float64, keep=True)
 

@@ -32,8 +32,8 @@ def one_segment(near: tuple[float, float], far: tuple[float, float]) -> Contours
 def test_the_arc_tangent_is_the_chebyshev_interpolant_that_it_says() -> None:
     def ratio(u: Floats) -> Floats:
         root = np.sqrt(u)
-        found: Floats = np.arctan(root) / root
-        return found
+        values: Floats = np.arctan(root) / root
+        return values
 
     wide = math.tan(math.pi / 8.0) ** 2
     derived = np.polynomial.Chebyshev.interpolate(ratio, 8, domain=[0.0, wide])

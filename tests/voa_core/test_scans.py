@@ -62,11 +62,11 @@ def test_a_zero_stays_a_zero_though_range_min_is_zero() -> None:
     np.testing.assert_equal(classified([0.0], range_min=0.0), [NAN])
 
 
-def test_below_range_min_is_asked_before_above_range_max() -> None:
+def test_below_range_min_is_checked_before_above_range_max() -> None:
     np.testing.assert_equal(classified([0.07, 0.15], range_max=0.05), [NAN, INF])
 
 
-def test_the_workspace_is_asked_last_and_only_of_returns() -> None:
+def test_the_workspace_is_checked_last_and_only_for_returns() -> None:
     crossing = Workspace((-0.2, -0.2), (0.2, 0.2)).crossing(
         SensorConfiguration("a", -1.0, 0.0, 0.0), np.array([0.0] * 7 + [math.pi])
     )

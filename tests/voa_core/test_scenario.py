@@ -46,7 +46,7 @@ def scenario_of(predictor: ObservationPredictor, workspace: Workspace | None = N
     )
 
 
-def test_sensors_are_found_by_name() -> None:
+def test_sensors_are_looked_up_by_name() -> None:
     scenario = scenario_of(MESH)
     assert scenario.sensor("Q2") is Q2
     assert scenario.lidar is LIDAR
@@ -147,7 +147,7 @@ def test_what_is_compared_in_a_ranking_lies_in_the_workspace() -> None:
     )
 
 
-def test_weighers_are_as_asked_for() -> None:
+def test_weighers_have_the_requested_precision() -> None:
     kept = scenario_of(MESH).weigher(Q1, np.float32, keep=True)
     assert kept.matrix is not None
     assert kept.dtype == np.float32

@@ -126,9 +126,9 @@ def test_a_sheet_of_next_to_no_thickness_has_no_way_to_rest(thickness: float) ->
         propose_stable_poses(box(0.1, 0.2, thickness))
 
 
-def same(found: list[StablePose], expected: list[StablePose]) -> None:
+def same(actual: list[StablePose], expected: list[StablePose]) -> None:
     """Both lie in the same ways, and as often."""
-    by_direction = [sorted(poses, key=lambda pose: up_of(pose).round(6).tolist()) for poses in (found, expected)]
+    by_direction = [sorted(poses, key=lambda pose: up_of(pose).round(6).tolist()) for poses in (actual, expected)]
     for pose, other in zip(*by_direction, strict=True):
         np.testing.assert_allclose(up_of(pose), up_of(other), atol=1e-9)
         assert pose.position == pytest.approx(other.position, abs=1e-9)
@@ -170,9 +170,9 @@ def test_a_square_rod_rests_on_its_four_sides(width: float) -> None:
 def test_an_object_far_from_its_origin_rests_as_near_it(far: list[float]) -> None:
     near, moved = mug(), mug()
     moved.apply_translation(far)
-    expected, found = propose_stable_poses(object_of(near)), propose_stable_poses(object_of(moved))
-    assert len(found) == len(expected)
-    for pose, other in zip(found, expected, strict=True):
+    expected, proposed = propose_stable_poses(object_of(near)), propose_stable_poses(object_of(moved))
+    assert len(proposed) == len(expected)
+    for pose, other in zip(proposed, expected, strict=True):
         assert pose.probability == pytest.approx(other.probability, abs=1e-6)
         placed = moved.vertices @ rotation_of(pose.quaternion_wxyz).T + pose.position
         assert placed[:, 2].min() == pytest.approx(0.0, abs=1e-7)

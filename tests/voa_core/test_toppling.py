@@ -32,22 +32,22 @@ def test_every_rest_and_its_probability_is_trimesh_s(seed: int, count: int) -> N
     hull = trimesh.convex.convex_hull(rng.normal(size=(count, 3)))
     centre = rng.dirichlet(np.full(len(hull.vertices), 5.0)) @ hull.vertices
     transforms, probabilities = trimesh.poses.compute_stable_poses(hull, center_mass=centre)
-    found = rests(body_of(np.array(hull.vertices), centre), holds_rad=0.0)
-    downs = np.array([rest.down for rest in found])
-    np.testing.assert_allclose(np.sum([rest.probability for rest in found]), 1.0, atol=1e-12)
+    resting = rests(body_of(np.array(hull.vertices), centre), holds_rad=0.0)
+    downs = np.array([rest.down for rest in resting])
+    np.testing.assert_allclose(np.sum([rest.probability for rest in resting]), 1.0, atol=1e-12)
     apart = np.linalg.norm(downs[:, None] + transforms[None, :, 2, :3], axis=2)
-    assert len(found) >= len(transforms)  # trimesh takes normals together that agree to three digits
+    assert len(resting) >= len(transforms)  # trimesh takes normals together that agree to three digits
     for down, probability in zip(apart.T, probabilities, strict=True):
         near = down < 2e-3
-        assert sum(rest.probability for rest, its in zip(found, near, strict=True) if its) == pytest.approx(
+        assert sum(rest.probability for rest, its in zip(resting, near, strict=True) if its) == pytest.approx(
             probability, abs=1e-9
         )
 
 
 @pytest.mark.parametrize("sides", range(3, 21))
 def test_a_prism_of_up_to_20_sides_rests_on_each_of_them(sides: int) -> None:
-    found = rests(body_of(prism(sides, height=4.0), np.zeros(3)))
-    lying = [rest for rest in found if abs(rest.down[2]) < 0.5]
+    resting = rests(body_of(prism(sides, height=4.0), np.zeros(3)))
+    lying = [rest for rest in resting if abs(rest.down[2]) < 0.5]
     assert len(lying) == sides
     assert [rest.height for rest in lying] == pytest.approx([math.cos(math.pi / sides)] * sides)
 
@@ -66,15 +66,15 @@ def test_a_tall_box_stands_if_it_withstands_nine_degrees(tilt_deg: float, listed
 
 
 def test_a_wall_that_rolls_to_its_heavy_side_rests_there_and_nowhere_else() -> None:
-    found = rests(body_of(prism(64, height=8.0), np.array([0.1, 0.0, 0.0])))
-    (lying,) = [rest for rest in found if abs(rest.down[2]) < 0.5]
+    resting = rests(body_of(prism(64, height=8.0), np.array([0.1, 0.0, 0.0])))
+    (lying,) = [rest for rest in resting if abs(rest.down[2]) < 0.5]
     assert math.degrees(math.acos(lying.down[0])) < 3.0
     assert lying.height == pytest.approx(0.9, abs=2e-3)
 
 
 def test_an_oval_wall_rests_on_either_flat_side() -> None:
-    found = rests(body_of(prism(64, height=8.0) * [1.0, 1.1, 1.0], np.zeros(3)))
-    lying = [rest for rest in found if abs(rest.down[2]) < 0.5]
+    resting = rests(body_of(prism(64, height=8.0) * [1.0, 1.1, 1.0], np.zeros(3)))
+    lying = [rest for rest in resting if abs(rest.down[2]) < 0.5]
     assert sorted(round(float(rest.down[0])) for rest in lying) == [-1, 1]
 
 
@@ -83,8 +83,8 @@ def test_two_rests_with_a_shallow_one_between_them_stay_two() -> None:
     ridge, slope = 0.05, 1.0
     profile = [[-ridge, -0.5], [ridge, -0.5], [slope, 0.0], [-slope, 0.0]]
     points = np.array([[x, y, z] for x, z in profile for y in (-3.0, 3.0)])
-    found = rests(body_of(points, np.array([0.0, 0.0, -0.1])))
-    downs = sorted(round(math.degrees(math.atan2(rest.down[0], -rest.down[2]))) for rest in found)
+    resting = rests(body_of(points, np.array([0.0, 0.0, -0.1])))
+    downs = sorted(round(math.degrees(math.atan2(rest.down[0], -rest.down[2]))) for rest in resting)
     assert math.atan(ridge / 0.4) < HOLDS_RAD
     slopes = round(math.degrees(math.atan(0.5 / (slope - ridge))))
     assert downs == [-slopes, slopes, 180]
@@ -95,6 +95,6 @@ def test_a_face_cut_into_needles_is_one_face() -> None:
     rim = np.linspace(-1.0, 1.0, 200)[:, None] * [1.0, 0.0, 0.0]
     on_faces = np.concatenate([rim + np.array([0.0, y, z]) for y in (-1.0, 1.0) for z in (-0.5, 0.5)])
     inside = rng.uniform(-1.0, 1.0, (300, 3)) * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.5]
-    found = rests(body_of(np.concatenate([on_faces, inside]), np.zeros(3)))
-    assert len(found) == 6
-    assert sorted(round(rest.height, 9) for rest in found) == [0.5, 0.5, 1.0, 1.0, 1.0, 1.0]
+    resting = rests(body_of(np.concatenate([on_faces, inside]), np.zeros(3)))
+    assert len(resting) == 6
+    assert sorted(round(rest.height, 9) for rest in resting) == [0.5, 0.5, 1.0, 1.0, 1.0, 1.0]

@@ -53,9 +53,9 @@ def test_weights_are_the_rules_up_to_a_factor_per_row(
 @pytest.mark.parametrize("keep", [True, False])
 @pytest.mark.parametrize(("rows", "columns"), [([2, 0], [0, 1, 2]), ([1], [1, 2]), ([0, 1, 2], [1]), ([0, 1], [2, 0])])
 def test_parts_of_the_matrix_are_those_parts(name: str, keep: bool, rows: list[int], columns: list[int]) -> None:
-    found = weigher(name, keep=keep).weights(np.array(rows), np.array(columns))
+    weights = weigher(name, keep=keep).weights(np.array(rows), np.array(columns))
     whole = np.array(expected(name))[np.ix_(rows, columns)]
-    np.testing.assert_allclose(normalised(found), normalised(whole), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(normalised(weights), normalised(whole), rtol=0, atol=1e-12)
 
 
 def test_a_kept_matrix_is_not_computed_again() -> None:
@@ -96,7 +96,7 @@ def test_memory_is_counted() -> None:
 
 @pytest.mark.parametrize("name", RULE_NAMES)
 @pytest.mark.parametrize("keep", [True, False])
-def test_a_place_from_which_nothing_is_ever_seen_tells_no_poses_apart(name: str, keep: bool) -> None:
+def test_a_place_from_which_nothing_is_ever_seen_distinguishes_no_poses(name: str, keep: bool) -> None:
     nothing = Prediction.of_dense(LIDAR.grid, np.full((3, 6), INF))
     weights = Weigher.of(rule_of(name, LIDAR), nothing, np.float64, keep=keep).weights(ALL, ALL)
     assert weights.tolist() == [[1.0] * 3] * 3

@@ -55,15 +55,15 @@ def test_another_seed_gives_other_noise(mug: FleetObject) -> None:
 
 def test_every_attempt_is_counted_and_progress_reported(mug: FleetObject) -> None:
     counts: list[int] = []
-    found = score_grasps(mug, 2, NOISE, 0, poses=POSES, grasps=["TDH0"], progress=counts.append)
+    scores = score_grasps(mug, 2, NOISE, 0, poses=POSES, grasps=["TDH0"], progress=counts.append)
     assert counts == [2, 2]
-    assert [cell.attempts for row in found.cells for cell in row] == [2, 2]
-    assert found.successes == [[0, 0]]
+    assert [cell.attempts for row in scores.cells for cell in row] == [2, 2]
+    assert scores.successes == [[0, 0]]
 
 
 def test_the_scenario_gets_the_measured_scores(mug: FleetObject) -> None:
-    found = score_grasps(mug, 1, Imperfections(), 0)
-    request = found.scenario(mug.scenario)
+    scores = score_grasps(mug, 1, Imperfections(), 0)
+    request = scores.scenario(mug.scenario)
     assert isinstance(request.scores, MeasuredScores)
     assert request.scores.attempts == 1
     assert request.scores.successes == [
@@ -73,7 +73,7 @@ def test_the_scenario_gets_the_measured_scores(mug: FleetObject) -> None:
         [1, 0, 0, 0, 0, 0],
     ]
     assert request.model_dump(exclude={"scores"}) == mug.scenario.model_dump(exclude={"scores"})
-    assert grasp_score_document(found)["successes"] == request.scores.successes
+    assert grasp_score_document(scores)["successes"] == request.scores.successes
 
 
 def test_scores_of_a_part_are_no_scenario(mug: FleetObject, scores: GraspScores) -> None:

@@ -18,9 +18,9 @@ from voa_recordings.experiment import read_experiment
 
 
 def test_without_imperfections_prediction_is_exact(mug: FleetObject) -> None:
-    found = simulated_errors(mug, 1, Imperfections(clutter=room(2.0)), 0)
-    overall = found.overall
-    assert found.scans == 48
+    errors = simulated_errors(mug, 1, Imperfections(clutter=room(2.0)), 0)
+    overall = errors.overall
+    assert errors.scans == 48
     assert overall.beams > 400
     assert overall.median_abs is not None
     assert overall.median_abs < 1e-3
@@ -32,18 +32,18 @@ def test_without_imperfections_prediction_is_exact(mug: FleetObject) -> None:
 def test_noise_comes_back_as_spread(mug: FleetObject) -> None:
     counts: list[int] = []
     imperfections = Imperfections(range_noise_m=0.003, clutter=room(2.0))
-    found = simulated_errors(mug, 4, imperfections, 0, counts.append)
-    assert sum(counts) == found.scans == 192
-    assert found.overall.std == pytest.approx(3.0, rel=0.1)
-    assert abs(found.overall.mean or 0.0) < 0.3
+    errors = simulated_errors(mug, 4, imperfections, 0, counts.append)
+    assert sum(counts) == errors.scans == 192
+    assert errors.overall.std == pytest.approx(3.0, rel=0.1)
+    assert abs(errors.overall.mean or 0.0) < 0.3
 
 
 def test_a_robot_in_the_wrong_place_errs_by_as_much(mug: FleetObject) -> None:
-    found = simulated_errors(mug, 2, Imperfections(robot_xy_m=0.02, clutter=room(2.0)), 0)
-    assert found.overall.std is not None
-    assert found.overall.std > 10.0
-    assert found.overall.only_measured > 0
-    assert found.overall.only_predicted > 0
+    errors = simulated_errors(mug, 2, Imperfections(robot_xy_m=0.02, clutter=room(2.0)), 0)
+    assert errors.overall.std is not None
+    assert errors.overall.std > 10.0
+    assert errors.overall.only_measured > 0
+    assert errors.overall.only_predicted > 0
 
 
 def test_the_seed_decides(mug: FleetObject) -> None:
@@ -72,12 +72,12 @@ def test_errors_are_measured_minus_predicted() -> None:
 
 
 def test_a_recorded_experiment_is_compared_row_by_row(tmp_path: Path) -> None:
-    found = recorded_errors(read_experiment(recorded.write(tmp_path)), "recorded")
-    assert found.scans == 4
-    assert {sensor: errors.beams for sensor, errors in found.by_sensor().items()} == {"Q1": 3, "Q2": 1}
-    assert found.by_sensor()["Q2"].only_measured == 1
-    assert found.by_beam()["Q1", 0.0].beams == 2
-    assert list(found.by_beam()) == [("Q1", 0.0), ("Q1", 1.0), ("Q1", 359.0), ("Q2", 0.0)]
+    errors = recorded_errors(read_experiment(recorded.write(tmp_path)), "recorded")
+    assert errors.scans == 4
+    assert {sensor: errors.beams for sensor, errors in errors.by_sensor().items()} == {"Q1": 3, "Q2": 1}
+    assert errors.by_sensor()["Q2"].only_measured == 1
+    assert errors.by_beam()["Q1", 0.0].beams == 2
+    assert list(errors.by_beam()) == [("Q1", 0.0), ("Q1", 1.0), ("Q1", 359.0), ("Q2", 0.0)]
 
 
 def test_the_mesh_predicts_what_was_recorded_as_predicted() -> None:

@@ -29,7 +29,7 @@ def test_every_pose_of_every_scenario_is_stable(targets: dict[str, FleetObject],
     assert max(tilt_when_let_go(target, pose) for pose in target.poses) < STABLE_RAD / 10.0
 
 
-def test_a_pose_that_is_not_stable_is_found_out(mug: FleetObject) -> None:
+def test_a_pose_that_is_not_stable_is_detected(mug: FleetObject) -> None:
     tilted = mug.pose("U_0").model_copy(update={"quaternion_wxyz": [0.9, 0.436, 0.0, 0.0], "position": [0, 0, 0.05]})
     scenario = mug.scenario.model_copy(update={"poses": [tilted]})
     target = FleetObject(mug.name, mug.folder, scenario, mug.physics, mug.mesh)
@@ -68,7 +68,9 @@ def test_without_a_drop_into_a_pose_there_is_no_prior(mug: FleetObject) -> None:
     ("up", "name"),
     [((0.0, 0.0, 1.0), "upright"), ((0.05, 0.0, -1.0), "upside down"), ((1.0, 0.0, 0.0), OTHER)],
 )
-def test_a_way_to_rest_is_told_by_what_points_up(mug: FleetObject, up: tuple[float, ...], name: str) -> None:
+def test_a_way_to_rest_is_identified_by_the_axis_that_points_up(
+    mug: FleetObject, up: tuple[float, ...], name: str
+) -> None:
     direction = np.array(up)
     assert rest_of(mug, direction / np.linalg.norm(direction)) == name
 

@@ -13,10 +13,10 @@ from voa_evaluation.statistics import (
 
 
 def test_the_interval_of_a_share_is_the_binomials() -> None:
-    found = bootstrap_mean([np.array([1.0] * 40 + [0.0] * 60)], 0)
-    assert (found.value, found.count) == (0.4, 100)
-    assert (found.low, found.high) == pytest.approx((0.4 - 1.96 * 0.049, 0.4 + 1.96 * 0.049), abs=0.012)
-    assert found.excludes_zero
+    interval = bootstrap_mean([np.array([1.0] * 40 + [0.0] * 60)], 0)
+    assert (interval.value, interval.count) == (0.4, 100)
+    assert (interval.low, interval.high) == pytest.approx((0.4 - 1.96 * 0.049, 0.4 + 1.96 * 0.049), abs=0.012)
+    assert interval.excludes_zero
 
 
 def test_pairing_removes_what_both_share() -> None:
@@ -31,8 +31,8 @@ def test_pairing_removes_what_both_share() -> None:
 
 
 def test_strata_are_resampled_within_themselves() -> None:
-    found = bootstrap_mean([np.ones(30), np.zeros(70)], 0)
-    assert (found.low, found.value, found.high) == pytest.approx((0.3, 0.3, 0.3))
+    interval = bootstrap_mean([np.ones(30), np.zeros(70)], 0)
+    assert (interval.low, interval.value, interval.high) == pytest.approx((0.3, 0.3, 0.3))
     assert not bootstrap_mean([np.array([1.0, -1.0] * 20)], 0).excludes_zero
 
 
@@ -50,8 +50,8 @@ def test_nothing_has_no_mean() -> None:
 
 
 def test_a_ratio_is_sum_over_sum() -> None:
-    found = bootstrap_ratio(np.array([2.0, 0.0, 1.0]), np.array([4.0, 0.0, 2.0]), 0)
-    assert (found.value, found.low, found.high, found.count) == pytest.approx((0.5, 0.5, 0.5, 6))
+    interval = bootstrap_ratio(np.array([2.0, 0.0, 1.0]), np.array([4.0, 0.0, 2.0]), 0)
+    assert (interval.value, interval.low, interval.high, interval.count) == pytest.approx((0.5, 0.5, 0.5, 6))
 
 
 def test_tau_of_known_orders() -> None:
@@ -67,10 +67,10 @@ def test_resampled_taus_are_scipys() -> None:
     rng = np.random.default_rng(0)
     beforehand = np.array([0.1, 0.1, 0.3, 0.4, 0.2])
     achieved = rng.integers(-1, 2, (40, 5)).astype(float)
-    found = bootstrap_rank_correlation(beforehand, achieved, 5, resamples=200)
+    interval = bootstrap_rank_correlation(beforehand, achieved, 5, resamples=200)
     chosen = np.random.default_rng(5).integers(0, 40, (200, 40))
     taus = [kendalltau(beforehand, np.round(achieved[rows].mean(axis=0), 12)).statistic for rows in chosen]
-    assert found is not None
-    assert found.value == pytest.approx(kendalltau(beforehand, np.round(achieved.mean(axis=0), 12)).statistic)
-    assert (found.low, found.high) == pytest.approx(tuple(np.percentile(taus, [2.5, 97.5])))
+    assert interval is not None
+    assert interval.value == pytest.approx(kendalltau(beforehand, np.round(achieved.mean(axis=0), 12)).statistic)
+    assert (interval.low, interval.high) == pytest.approx(tuple(np.percentile(taus, [2.5, 97.5])))
     assert bootstrap_rank_correlation(np.ones(5), achieved, 0) is None

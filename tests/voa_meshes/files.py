@@ -39,7 +39,7 @@ SOLID = measures(Triangles(POINTS, np.array(TRIANGLES)))
 
 
 def assert_solid(mesh: Triangles, times: int = 1, within: float = 1e-9) -> None:
-    """Whether it is the solid, in its place."""
+    """Assert that a mesh is the solid, in its place."""
     np.testing.assert_allclose(measures(mesh), times * SOLID, rtol=0.0, atol=within)
 
 

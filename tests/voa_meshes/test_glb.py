@@ -218,9 +218,9 @@ def test_every_way_to_write_it_is_the_same_solid(made: Made) -> None:
 )
 def test_whole_numbers_are_brought_to_their_size(dtype: str, component: int, normalized: bool) -> None:
     step_size = 0.08 / np.iinfo(np.dtype(dtype)).max
-    found = read_glb(of_integers(dtype, component, normalized))
-    np.testing.assert_allclose(found.vertices, POINTS, rtol=0.0, atol=step_size)
-    assert_solid(found, within=0.2 * step_size + FLOAT32)
+    mesh = read_glb(of_integers(dtype, component, normalized))
+    np.testing.assert_allclose(mesh.vertices, POINTS, rtol=0.0, atol=step_size)
+    assert_solid(mesh, within=0.2 * step_size + FLOAT32)
 
 
 def test_the_least_normalised_integer_is_minus_one() -> None:
@@ -235,6 +235,6 @@ def test_instances_are_copies() -> None:
     made = step()
     translations = made.positions([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])
     said = {"attributes": {"TRANSLATION": translations, "_ID": 0}}
-    found = read_glb(made.file(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": said}}]))
-    assert len(found.faces) == 60
-    assert measures(found)[0] == pytest.approx(3.0 * SOLID[0], rel=1e-5)
+    mesh = read_glb(made.file(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": said}}]))
+    assert len(mesh.faces) == 60
+    assert measures(mesh)[0] == pytest.approx(3.0 * SOLID[0], rel=1e-5)

@@ -83,9 +83,9 @@ def test_two_solids_with_relative_indices_are_two() -> None:
     upper = POINTS + np.array([0.0, 0.0, 0.1])
     moved = iter(f"v {x!r} {y!r} {z!r}" for x, y, z in upper.tolist())
     text = relative() + "\n".join(next(moved) if line.startswith("v") else line for line in relative().splitlines())
-    found = measures(read_obj(text.encode()))
-    assert found[0] == pytest.approx(2.0 * SOLID[0])
-    assert found[3] == pytest.approx(2.0 * SOLID[3] + 0.1 * SOLID[0])
+    measured = measures(read_obj(text.encode()))
+    assert measured[0] == pytest.approx(2.0 * SOLID[0])
+    assert measured[3] == pytest.approx(2.0 * SOLID[3] + 0.1 * SOLID[0])
 
 
 REFUSED = {

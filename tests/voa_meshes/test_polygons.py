@@ -12,7 +12,7 @@ from voa_meshes.triangles import Triangles, UnreadableMesh
 
 
 def cut(points: ArrayLike) -> NDArray[np.int64]:
-    """One polygon, cut."""
+    """Cut a polygon into triangles."""
     vertices = np.array(points, dtype=np.float64)
     size = np.array([len(vertices)])
     return triangulated(vertices, np.arange(len(vertices)), size, lambda index: f"face {index + 1}")

@@ -66,7 +66,7 @@ def between(one: Motion, other: Motion, share: float) -> Motion:
 
 @dataclass
 class ParkingRobot:
-    """Where the robot is, and what it sends.
+    """A simulated robot: its position, and the messages that it sends.
 
     Attributes:
         hz: revolutions per second.

@@ -21,7 +21,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
         ("VOA_XYZZY", None),
     ],
 )
-def test_a_slip_is_found_with_the_closest_name(name: str, closest: str | None) -> None:
+def test_a_misspelt_variable_is_reported_with_the_closest_name(name: str, closest: str | None) -> None:
     assert unknown_variables([name, "PATH", "HOME"]) == {name: closest}
 
 

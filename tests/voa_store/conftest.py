@@ -11,7 +11,7 @@ from voa_store.sql import SqlStore
 
 @pytest.fixture
 def opened(database_url: str) -> Iterator[Open]:
-    """Opens the store on the test's database, as often as asked."""
+    """A function that opens another store on the test's database."""
     stores: list[Store] = []
 
     def once_more() -> Store:

@@ -43,5 +43,5 @@ def test_a_killed_service_has_kept_every_answered_write(tmp_path: Path) -> None:
         # And the history replays to the same belief, bit for bit.
         replayed = service.open(scenario["id"])
         for body in bodies:
-            found = service.post(f"/v1/sessions/{replayed}/scans", body)
-        assert found["belief"] == last["belief"]
+            session = service.post(f"/v1/sessions/{replayed}/scans", body)
+        assert session["belief"] == last["belief"]

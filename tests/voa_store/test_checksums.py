@@ -155,9 +155,9 @@ def test_verify_counts_what_is_right_and_prints_json(
     long: Store, database_url: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([database_url]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert (found["sessions"], found["versions"], found["damaged"]) == (2, 2 * (VERSIONS + 1), [])
-    assert found["database"] == long.software
+    report = json.loads(capsys.readouterr().out)
+    assert (report["sessions"], report["versions"], report["damaged"]) == (2, 2 * (VERSIONS + 1), [])
+    assert report["database"] == long.software
     spoil(database_url, "UPDATE history SET request = '' WHERE session = 'T' AND version = 2")
     assert main([database_url]) == 1
     (damage,) = json.loads(capsys.readouterr().out)["damaged"]

@@ -33,8 +33,8 @@ def pair(opened: Open, store: Store) -> tuple[Store, Store]:
 
 def peeks(stores: Sequence[Store], robot: str = ROBOT, of: str = "A") -> str | None:
     """The session that every store finds, which must be the same."""
-    (found,) = {store.robot_session(robot, of) for store in stores}
-    return found
+    (session,) = {store.robot_session(robot, of) for store in stores}
+    return session
 
 
 def test_without_a_claim_a_robot_is_for_the_newest_session_on_its_scenario(pair: tuple[Store, Store]) -> None:
@@ -144,7 +144,7 @@ def test_a_session_that_is_opened_when_all_are_deleted_counts_as_opened_after_th
     assert peeks(pair) == "newer"
 
 
-def test_a_robot_that_is_mapped_to_another_scenario_begins_anew_there(pair: tuple[Store, Store]) -> None:
+def test_a_robot_that_is_mapped_to_another_scenario_gets_a_session_of_that_scenario(pair: tuple[Store, Store]) -> None:
     one, _ = pair
     create(one, "there", of="B")
     create(one, "first")
@@ -223,10 +223,10 @@ def test_who_settles_waits_for_who_does_so_already_and_finds_the_same(postgres: 
     with ThreadPoolExecutor(1) as pool, engine.connect() as other:
         settled = "UPDATE claims SET session = 'first', after = (SELECT seq FROM sessions WHERE id = 'first')"
         other.execute(text(settled))
-        found = pool.submit(store.settle_robot, ROBOT, "A")
+        future = pool.submit(store.settle_robot, ROBOT, "A")
         wait_for(one_waits, "the other one to wait")
         other.commit()
-        assert found.result() == "first"
+        assert future.result() == "first"
     assert store.robot_session(ROBOT, "A") == "first"
     engine.dispose()
     store.close()

@@ -77,9 +77,9 @@ def test_a_mesh_put_again_is_the_one_that_is_there(store: Store) -> None:
 
 def test_a_mesh_comes_back_bit_for_bit(store: Store) -> None:
     stored, _ = store.put_object(stored_mesh())
-    found = store.get_object(mesh().digest)
-    assert found is not None
-    for got in (stored, found):
+    stored_object = store.get_object(mesh().digest)
+    assert stored_object is not None
+    for got in (stored, stored_object):
         assert got.object.digest == mesh().digest
         assert got.object.vertices.tobytes() == mesh().vertices.tobytes()
         assert got.object.faces.tobytes() == mesh().faces.tobytes()
@@ -90,7 +90,7 @@ def upload(**changes: Any) -> Upload:
     return replace(Upload("0" * 64, "obj", 0.1 + 0.2, "+Z"), **changes)
 
 
-def test_a_file_that_was_uploaded_is_found_again_as_it_was_read(pair: tuple[Store, Store]) -> None:
+def test_an_uploaded_file_is_identified_by_how_it_was_read(pair: tuple[Store, Store]) -> None:
     one, other = pair
     stored, _ = one.put_object(stored_mesh())
     another, _ = one.put_object(stored_mesh(0.06))
@@ -99,9 +99,9 @@ def test_a_file_that_was_uploaded_is_found_again_as_it_was_read(pair: tuple[Stor
         one.put_upload(upload(), stored.object.digest)
     one.put_upload(upload(up="+Y"), another.object.digest)
     for wanted, digest in ((upload(), stored.object.digest), (upload(up="+Y"), another.object.digest)):
-        found = other.find_upload(wanted)
-        assert found is not None
-        assert found.object.digest == digest
+        stored_object = other.find_upload(wanted)
+        assert stored_object is not None
+        assert stored_object.object.digest == digest
     for other_file in ({"sha256": "1" * 64}, {"type": "stl"}, {"scale": 0.3}):
         assert other.find_upload(upload(**other_file)) is None
 
@@ -186,7 +186,7 @@ def test_the_mark_of_a_session_changes_with_it(pair: tuple[Store, Store]) -> Non
     assert other.session_mark("S") is None
 
 
-def test_an_answer_is_found_by_its_key_whoever_gave_it(pair: tuple[Store, Store]) -> None:
+def test_a_stored_response_is_read_by_its_key_from_either_store(pair: tuple[Store, Store]) -> None:
     one, other = pair
     assert one.get_response(key()) is None
     create(one)
@@ -203,9 +203,9 @@ def test_a_new_session_has_its_prior_as_history(store: Store) -> None:
     assert answer == StoredResponse("body", 0)
     (entry,) = store.history("S", -1, 10)
     assert (entry.state.version, entry.kind, entry.request, entry.report) == (0, "prior", '{"scenario": "A"}', None)
-    found = store.get_session("S")
-    assert found is not None
-    for state in (entry.state, found):
+    newest = store.get_session("S")
+    assert newest is not None
+    for state in (entry.state, newest):
         assert (state.id, state.scenario, state.created_at, state.updated_at) == ("S", "A", NOON, NOON)
         assert bits(state) == bits(session())
 
@@ -223,9 +223,9 @@ def test_floats_come_back_bit_for_bit(opened: Open, store: Store) -> None:
         expected.append(after)
         change(store, "S", write(), lambda _, after=after: Result(StoredResponse("", after.version), after))  # type: ignore[misc]
     for reader in (store, opened()):
-        found = reader.get_session("S")
-        assert found is not None
-        assert bits(found) == bits(expected[-1])
+        newest = reader.get_session("S")
+        assert newest is not None
+        assert bits(newest) == bits(expected[-1])
         assert [bits(entry.state) for entry in reader.history("S", -1, 100)] == [bits(state) for state in expected]
 
 
@@ -242,9 +242,9 @@ def test_history_ascends_and_keeps_what_was_received(store: Store) -> None:
     assert [entry.report for entry in entries] == [None, '"report 1"', '"report 2"', '"report 3"']
     assert [entry.state.updated_at for entry in entries] == [NOON + timedelta(seconds=n) for n in range(4)]
     assert {entry.state.created_at for entry in entries} == {NOON}
-    found = store.get_session("S")
-    assert found is not None
-    assert (found.created_at, found.updated_at) == (NOON, NOON + timedelta(seconds=3))
+    newest = store.get_session("S")
+    assert newest is not None
+    assert (newest.created_at, newest.updated_at) == (NOON, NOON + timedelta(seconds=3))
     assert [entry.state.version for entry in store.history("S", 0, 2)] == [1, 2]
     assert [entry.state.version for entry in store.history("S", 2, 2)] == [3]
     assert store.history("S", 3, 2) == []
@@ -443,9 +443,9 @@ def test_what_one_store_answered_the_other_reads(pair: tuple[Store, Store]) -> N
     for version in range(1, 9):
         writer, reader = (one, other) if version % 2 else (other, one)
         change(writer, "S", write(), next_version)
-        found = reader.get_session("S")
-        assert found is not None
-        assert found.version == version
+        newest = reader.get_session("S")
+        assert newest is not None
+        assert newest.version == version
         assert len(reader.history("S", -1, 99)) == version + 1
 
 
@@ -474,9 +474,9 @@ def test_writers_of_two_stores_lose_no_update_and_never_retry(pair: tuple[Store,
     assert sorted(version for versions in answered for version in versions) == list(range(1, count + 1))
     assert all(a < b for versions in answered for a, b in pairwise(versions))
     assert steps == count, "a step ran again: a retry"
-    found = pair[1].get_session("S")
-    assert found is not None
-    assert (found.version, found.belief.p.tolist()) == (count, [0.25 + count, 0.75 + count])
+    newest = pair[1].get_session("S")
+    assert newest is not None
+    assert (newest.version, newest.belief.p.tolist()) == (count, [0.25 + count, 0.75 + count])
     entries = pair[0].history("S", -1, count + 1)
     assert [entry.state.belief.p[0] for entry in entries] == [0.25 + n for n in range(count + 1)]
 
@@ -635,12 +635,12 @@ def test_a_full_database_file_is_a_failure_and_room_again_is_enough(tmp_path: Pa
 
     with pytest.raises(Unavailable):
         fill()
-    found = store.get_session("S")
-    assert found is not None
-    assert len(store.history("S", -1, 9999)) == found.version + 1
+    newest = store.get_session("S")
+    assert newest is not None
+    assert len(store.history("S", -1, 9999)) == newest.version + 1
     with engine.connect() as connection:
         connection.exec_driver_sql("PRAGMA max_page_count = 1000000")
-    assert change(store, "S", write(), next_version) == StoredResponse(f"v{found.version + 1}", found.version + 1)
+    assert change(store, "S", write(), next_version) == StoredResponse(f"v{newest.version + 1}", newest.version + 1)
     store.close()
 
 

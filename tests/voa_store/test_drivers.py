@@ -1,4 +1,4 @@
-"""Which SQLite is taken, and what is refused on one that can lose commits."""
+"""The choice of an SQLite library, and the refusal of one that can lose commits."""
 
 import sqlite3
 import subprocess

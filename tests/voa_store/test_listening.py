@@ -1,4 +1,4 @@
-"""What a process hears of sessions that another one moves: on PostgreSQL at once, by LISTEN."""
+"""On PostgreSQL a process is notified at once, by LISTEN, of sessions that another process changes."""
 
 from collections.abc import Iterator
 from queue import Queue
@@ -27,52 +27,54 @@ def writer(url: str) -> Iterator[SqlStore]:
 
 
 @pytest.fixture
-def heard(url: str, writer: SqlStore) -> Iterator["Queue[str]"]:
-    """The sessions that another process's store hears of; it listens when this is given."""
-    told: Queue[str] = Queue()
+def changed_sessions(url: str, writer: SqlStore) -> Iterator["Queue[str]"]:
+    """Ids of the sessions of which another process's store is notified; it listens already."""
+    changed: Queue[str] = Queue()
     store = SqlStore(url)
-    store.listen(told.put)
+    store.listen(changed.put)
     create(writer, "first")
-    while told.empty():  # until it listens: what was said before that is not heard
+    while changed.empty():  # until it listens: earlier notifications are lost
         change(writer, "first", write(), next_version)
-        if not told.empty() or _wait(told):
+        if not changed.empty() or _wait(changed):
             break
-    yield told
+    yield changed
     store.close()
 
 
-def _wait(told: "Queue[str]") -> bool:
-    with told.not_empty:
-        return told.not_empty.wait(0.2)
+def _wait(changed: "Queue[str]") -> bool:
+    with changed.not_empty:
+        return changed.not_empty.wait(0.2)
 
 
-def _next(told: "Queue[str]", besides: str = "first") -> str:
-    while (session := told.get(timeout=SECONDS)) == besides:
+def _next(changed: "Queue[str]", besides: str = "first") -> str:
+    while (session := changed.get(timeout=SECONDS)) == besides:
         pass
     return session
 
 
-def test_a_new_version_is_heard_by_the_other_process(writer: SqlStore, heard: "Queue[str]") -> None:
+def test_a_new_version_notifies_the_other_process(writer: SqlStore, changed_sessions: "Queue[str]") -> None:
     create(writer)
     change(writer, "S", write(), next_version)
-    assert _next(heard) == "S"
+    assert _next(changed_sessions) == "S"
 
 
-def test_a_deleted_session_is_heard_of(writer: SqlStore, heard: "Queue[str]") -> None:
+def test_a_deleted_session_notifies_the_other_process(writer: SqlStore, changed_sessions: "Queue[str]") -> None:
     create(writer)
     assert writer.delete_session("S", None, None)
-    assert _next(heard) == "S"
+    assert _next(changed_sessions) == "S"
 
 
-def test_what_changes_nothing_is_not_said(writer: SqlStore, heard: "Queue[str]") -> None:
+def test_what_changes_nothing_is_not_said(writer: SqlStore, changed_sessions: "Queue[str]") -> None:
     create(writer, "S")
     create(writer, "T")
     change(writer, "S", write(), refuse)
     change(writer, "T", write(), next_version)
-    assert _next(heard) == "T"
+    assert _next(changed_sessions) == "T"
 
 
-def test_it_listens_again_after_its_connection_was_cut(url: str, writer: SqlStore, heard: "Queue[str]") -> None:
+def test_it_listens_again_after_its_connection_was_cut(
+    url: str, writer: SqlStore, changed_sessions: "Queue[str]"
+) -> None:
     create(writer)
     engine = create_engine(url)
     with engine.begin() as connection:
@@ -81,17 +83,17 @@ def test_it_listens_again_after_its_connection_was_cut(url: str, writer: SqlStor
         )
         assert connection.execute(cut, {"db": engine.url.database}).all() == [(True,)]
     engine.dispose()
-    while not _wait(heard):
+    while not _wait(changed_sessions):
         change(writer, "S", write(), next_version)
-    assert _next(heard) == "S"
+    assert _next(changed_sessions) == "S"
 
 
 def test_sqlite_says_nothing_and_is_looked_at(tmp_path: object) -> None:
     store = SqlStore(f"sqlite:///{tmp_path}/voa.db")
-    told: list[str] = []
-    store.listen(told.append)
+    changed: list[str] = []
+    store.listen(changed.append)
     store.put_scenario(scenario("A"))
     create(store)
     change(store, "S", write(), next_version)
     store.close()
-    assert told == []
+    assert changed == []

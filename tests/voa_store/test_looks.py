@@ -34,7 +34,7 @@ def version(store: Store, id_: str = "S") -> int:
     return state.version
 
 
-def test_looks_are_found_by_both_stores_the_newest_first(pair: tuple[Store, Store]) -> None:
+def test_looks_are_read_by_both_stores_the_newest_first(pair: tuple[Store, Store]) -> None:
     one, other = pair
     create(one)
     for number in (1, 2, 3):

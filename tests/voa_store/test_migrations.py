@@ -45,9 +45,9 @@ def test_objects_from_before_up_was_kept_were_read_with_z_up(tmp_path: Path) -> 
         connection.execute(INSERT_OBJECT, row_of(mesh))
     engine.dispose()
     store = SqlStore(url)
-    found = store.get_object(mesh.digest)
-    assert found is not None
-    assert (found.up, found.object.digest) == ("+Z", mesh.digest)
+    stored = store.get_object(mesh.digest)
+    assert stored is not None
+    assert (stored.up, stored.object.digest) == ("+Z", mesh.digest)
     store.close()
 
 
@@ -65,7 +65,7 @@ def insert_session(engine: Engine, *ids: str) -> None:
             connection.execute(session, {"id": id_, "blob": blob, "at": AT})
 
 
-def test_sessions_from_before_robots_kept_one_are_found_and_claimed(database_url: str) -> None:
+def test_sessions_from_before_robots_kept_one_are_listed_and_claimed(database_url: str) -> None:
     engine = at_revision(database_url, "0002")
     insert_session(engine, "older", "newest")
     engine.dispose()
@@ -85,9 +85,9 @@ def test_a_mesh_from_before_uploads_were_kept_is_uploaded_once_more(tmp_path: Pa
     store, upload = SqlStore(url), Upload("0" * 64, "obj", 1.0, "+Z")
     assert store.find_upload(upload) is None
     store.put_upload(upload, mesh.digest)
-    found = store.find_upload(upload)
-    assert found is not None
-    assert found.object.digest == mesh.digest
+    stored = store.find_upload(upload)
+    assert stored is not None
+    assert stored.object.digest == mesh.digest
     store.close()
 
 

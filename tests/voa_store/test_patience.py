@@ -1,4 +1,4 @@
-"""A PostgreSQL that is silent is a failure within seconds; it is asked again by nobody but one thread."""
+"""A PostgreSQL that does not answer is a failure within seconds; only one thread tries it again."""
 
 import time
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ def store(postgres: Server, between: Wire) -> Iterator[SqlStore]:
 
 
 def refused(store: SqlStore) -> float:
-    """How long a write takes to be refused."""
+    """Return the seconds after which a write is refused."""
     began = time.monotonic()
     with pytest.raises(Unavailable):
         change(store, "S", write(), next_version)

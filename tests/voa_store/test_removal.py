@@ -71,7 +71,7 @@ def test_what_a_kill_left_is_removed_at_the_next_start(left: str, opened: Open) 
     assert store.get_session("T") is not None
 
 
-def test_each_transaction_removes_no_more_than_it_was_told(left: str) -> None:
+def test_each_transaction_removes_no_more_rows_than_its_limit(left: str) -> None:
     engines = connect(left)
     seen = [rows(left)]
     removed = True

@@ -111,7 +111,7 @@ class Time:
         self.pauses += 1
 
 
-def test_a_database_that_comes_later_is_waited_for(postgres: Server) -> None:
+def test_a_database_that_starts_after_the_service_is_awaited(postgres: Server) -> None:
     url, time = postgres.new_database(), Time()
     postgres.stop()
 

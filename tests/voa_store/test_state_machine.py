@@ -54,7 +54,7 @@ FITS = st.none() | st.floats(allow_nan=False, allow_infinity=False)
 
 @dataclass
 class Entry:
-    """One version, as bytes."""
+    """A version of a session, as bytes."""
 
     version: int
     belief: bytes
@@ -65,22 +65,22 @@ class Entry:
 
 @dataclass
 class Model:
-    """What the store must hold."""
+    """Model of the store: the content that it must hold."""
 
     sessions: dict[str, list[Entry]] = field(default_factory=dict)
     keys: dict[tuple[str, str], tuple[str, StoredResponse]] = field(default_factory=dict)
     order: list[str] = field(default_factory=list)
     opened: dict[str, int] = field(default_factory=dict)
-    """When each session was opened that there is now."""
+    """Order of opening of each existing session."""
     count: int = 0
     """Sessions opened so far."""
     claims: dict[str, tuple[str | None, int]] = field(default_factory=dict)
-    """By robot: its session, and when that was opened."""
+    """Session of each robot, and the order of its opening."""
     looks: dict[str, list[RobotLook]] = field(default_factory=dict)
-    """By session: the looks that it has accepted."""
+    """Accepted looks of each session."""
 
     def has(self, session: str, look: RobotLook | None) -> bool:
-        """Whether a session has a look of the same robot with the same number."""
+        """True if a session has a look of the same robot with the same number."""
         named = [(each.robot, each.number) for each in self.looks.get(session, [])]
         return look is not None and (look.robot, look.number) in named
 
@@ -94,8 +94,8 @@ class Model:
         claimed, after = self.claims.get(robot, ("never claimed", -1))
         if claimed is None or claimed in self.opened:
             return claimed
-        later = [id_ for id_ in self.order if self.opened[id_] > after]
-        return later[-1] if later else None
+        opened_after = [id_ for id_ in self.order if self.opened[id_] > after]
+        return opened_after[-1] if opened_after else None
 
     def claim(self, robot: str, session: str | None) -> None:
         """Make a session, or none, the robot's own."""
@@ -289,15 +289,15 @@ class Histories(RuleBasedStateMachine):
 
     @rule(store=st.integers(0, 1), limit=st.integers(1, 4))
     def list_in_pages(self, store: int, limit: int) -> None:
-        found: list[str] = []
+        listed: list[str] = []
         after = None
         while True:
             page = self.stores[store].list_sessions(limit, after)
-            found += [state.id for state in page.items]
+            listed += [state.id for state in page.items]
             after = page.next
             if after is None:
                 break
-        assert found == self.model.order
+        assert listed == self.model.order
 
     @invariant()
     def every_robot_s_session_is_as_the_model_says(self) -> None:
@@ -372,6 +372,6 @@ def test_the_store_behaves_like_a_dictionary(machine: type[Histories]) -> None:
 
 
 def test_infinities_are_compared_too() -> None:
-    """The comparison itself: bytes tell 0.0 from -0.0 and see every bit."""
+    """The comparison by bytes distinguishes 0.0 from -0.0, and every bit."""
     assert bits(of([(0.0, -math.inf)])) != bits(of([(-0.0, -math.inf)]))
     assert exactly(0.1 + 0.2) != exactly(0.3)

@@ -50,5 +50,5 @@ def scan(step: int, *, frame_id: str = "base_scan", at: Stamp | None = None, **c
 
 
 def sent(key: str, make: Callable[[int], LaserScan]) -> Messages:
-    """One scan per step, on one key."""
+    """Make messages of one scan per step, on one key."""
     return lambda step: [(key, encode_laser_scan(make(step)))]

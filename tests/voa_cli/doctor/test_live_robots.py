@@ -1,4 +1,4 @@
-"""A robot of a real service, from one thing that is wrong to the next: `voa doctor` says each while it is wrong."""
+"""A robot of a real service with one mistake after the other: `voa doctor` reports each while it is there."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence

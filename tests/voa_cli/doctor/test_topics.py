@@ -1,4 +1,4 @@
-"""Mapped topics on a real router: each thing that keeps scans from counting has its words while it is wrong."""
+"""Mapped topics on a real router: `voa doctor` reports each reason for which scans are not used."""
 
 import math
 import time

@@ -66,7 +66,7 @@ def scenario_of(
     )
 
 
-def found(
+def mistakes_of_table(
     effort: Effort = THOROUGH, object_: Object | None = None, up: Up = "+Z", **changed: Any
 ) -> dict[str, Mistake]:
     """Find the mistakes of the good scenario with some parts replaced, by kind."""

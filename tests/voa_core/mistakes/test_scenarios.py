@@ -13,7 +13,7 @@ from tests.voa_core.mistakes.table import (
     POSES,
     SOUTH,
     WEST,
-    found,
+    mistakes_of_table,
     moved,
     poses_at,
     scenario_of,
@@ -36,7 +36,7 @@ def lidar_with(**changed: Any) -> LidarModel:
 
 @pytest.mark.parametrize("effort", [THOROUGH, QUICK], ids=["thorough", "quick"])
 def test_where_all_is_well_nothing_is_said(effort: Effort) -> None:
-    assert found(effort) == {}
+    assert mistakes_of_table(effort) == {}
 
 
 FLOATING = poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0021, 90.0), (0.05, 0.0, -0.0019, 200.0))
@@ -148,28 +148,28 @@ def test_a_slip_gives_its_warning(
     sensors: tuple[str, ...],
     effort: Effort,
 ) -> None:
-    mistake = found(effort, **slip)[kind]
+    mistake = mistakes_of_table(effort, **slip)[kind]
     assert (mistake.poses, mistake.sensors) == (poses, sensors)
     assert re.search(says, mistake.detail), mistake.detail
 
 
 def test_a_file_whose_y_axis_is_up_is_distinguished_from_one_that_was_turned_by_mistake() -> None:
     lying = with_y_up(wedge())
-    assert "up=+Y" in found(object_=lying)["up-axis"].detail
+    assert "up=+Y" in mistakes_of_table(object_=lying)["up-axis"].detail
     turned = with_y_up(with_y_up(with_y_up(wedge())))
-    assert "up=+Z" in found(object_=turned, up="+Y")["up-axis"].detail
+    assert "up=+Z" in mistakes_of_table(object_=turned, up="+Y")["up-axis"].detail
     # No warning proposes the axis that was stated.
-    assert "up-axis" not in found(object_=turned)
-    assert "up-axis" not in found(object_=lying, up="+Y")
-    assert "up-axis" not in found(poses=FLOATING)
+    assert "up-axis" not in mistakes_of_table(object_=turned)
+    assert "up-axis" not in mistakes_of_table(object_=lying, up="+Y")
+    assert "up-axis" not in mistakes_of_table(poses=FLOATING)
 
 
 def test_twins_have_equal_scores() -> None:
     twins = poses_at((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 360.0))
-    assert found(poses=twins)["twin-poses"].poses == ("P0", "P1")
-    assert "twin-poses" not in found(poses=twins, scores=[[0.5, 0.4], [0.25, 0.25]])
+    assert mistakes_of_table(poses=twins)["twin-poses"].poses == ("P0", "P1")
+    assert "twin-poses" not in mistakes_of_table(poses=twins, scores=[[0.5, 0.4], [0.25, 0.25]])
     apart = poses_at((0.0, 0.0, 0.0, 0.0), (0.0002, 0.0, 0.0, 0.0))
-    assert "twin-poses" not in found(poses=apart)
+    assert "twin-poses" not in mistakes_of_table(poses=apart)
 
 
 def of_data(ranges: Any) -> Any:
@@ -219,8 +219,8 @@ def test_a_selection_stands_for_all_and_says_nothing_that_it_does_not_show() -> 
     places = around(12)
     # Every other place looks away: the few places of a selection may be just those.
     askew = tuple(moved(place, yaw_rad=place.yaw_rad + math.pi * (a % 2 == 0)) for a, place in enumerate(places))
-    selected = found(replace(QUICK, pairs=40), poses=many(100), sensors=askew, lidar=narrow)
-    whole = found(poses=many(100), sensors=askew, lidar=narrow)
+    selected = mistakes_of_table(replace(QUICK, pairs=40), poses=many(100), sensors=askew, lidar=narrow)
+    whole = mistakes_of_table(poses=many(100), sensors=askew, lidar=narrow)
     assert "pose-never-seen" not in selected
     assert whole["place-sees-nothing"].sensors == tuple(place.name for place in askew[::2])
     if "place-sees-nothing" in selected:
@@ -231,11 +231,11 @@ def test_what_a_selection_leaves_open_is_looked_at_while_pairs_are_left() -> Non
     poses, places = many(30), around(6)
     away = moved(places[0], yaw_rad=places[0].yaw_rad + math.pi)
     narrow = lidar_with(grid=BeamGrid(21, math.radians(-10.0), math.radians(1.0)))
-    few = found(replace(QUICK, pairs=150), poses=poses, sensors=(away, *places[1:]), lidar=narrow)
+    few = mistakes_of_table(replace(QUICK, pairs=150), poses=poses, sensors=(away, *places[1:]), lidar=narrow)
     assert few["place-sees-nothing"].sensors == ("A0",)
     sunk = poses_at((0.0, 0.0, -0.05, 0.0), *((0.01 * i, 0.0, 0.0, 7.0 * i) for i in range(1, 10)))
-    assert found(replace(QUICK, pairs=50), poses=sunk, sensors=places)["pose-never-seen"].poses == ("P0",)
-    assert "pose-never-seen" not in found(replace(QUICK, pairs=6), poses=sunk, sensors=places)
+    assert mistakes_of_table(replace(QUICK, pairs=50), poses=sunk, sensors=places)["pose-never-seen"].poses == ("P0",)
+    assert "pose-never-seen" not in mistakes_of_table(replace(QUICK, pairs=6), poses=sunk, sensors=places)
 
 
 def test_each_scan_plane_has_a_mistake_of_its_own() -> None:
@@ -257,12 +257,17 @@ def test_a_mesh_of_many_faces_at_many_tilts_is_cut_only_so_often() -> None:
         [[math.cos(0.03 * i), math.sin(0.03 * i), 0.0, 0.0] for i in range(40)],
     )
     over = moved(WEST, name="over", height_m=0.5)
-    assert len(found(poses=rolled, sensors=(over,))["plane-misses-object"].poses) == 40
-    once = found(replace(QUICK, cut_faces=7000), poses=rolled, sensors=(over,))["plane-misses-object"]
+    assert len(mistakes_of_table(poses=rolled, sensors=(over,))["plane-misses-object"].poses) == 40
+    once = mistakes_of_table(replace(QUICK, cut_faces=7000), poses=rolled, sensors=(over,))["plane-misses-object"]
     assert len(once.poses) == 1
     flat = many(40)
-    assert len(found(replace(QUICK, cut_faces=7000), poses=flat, sensors=(over,))["plane-misses-object"].poses) == 40
-    dense = found(replace(QUICK, contour_points=500 * 10), poses=flat, sensors=(over,))["plane-misses-object"]
+    assert (
+        len(mistakes_of_table(replace(QUICK, cut_faces=7000), poses=flat, sensors=(over,))["plane-misses-object"].poses)
+        == 40
+    )
+    dense = mistakes_of_table(replace(QUICK, contour_points=500 * 10), poses=flat, sensors=(over,))[
+        "plane-misses-object"
+    ]
     assert 1 < len(dense.poses) <= 10
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.voa_core.mistakes.table import found, poses_at, wedge
+from tests.voa_core.mistakes.table import mistakes_of_table, poses_at, wedge
 from tests.voa_core.worlds import box
 from voa_core.grasps import GraspTable
 from voa_core.mistakes.effort import QUICK, THOROUGH, Effort
@@ -54,7 +54,7 @@ def test_poses_without_geometry_have_no_twins() -> None:
 
 
 def test_a_mirror_image_has_the_same_moments_and_is_no_twin() -> None:
-    """Two prongs of equal moments, one bent left, one right: only the surface tells them apart."""
+    """Two prongs of equal moments, one bent left, one right: only the surface distinguishes them."""
     flat = Object.from_arrays(
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [0.2, 0.1, 0.5], [0.2, -0.1, -0.5]],
         [[0, 2, 4], [1, 2, 4], [0, 3, 5], [1, 3, 5], [0, 2, 5], [1, 3, 4]],
@@ -84,7 +84,7 @@ def test_only_the_first_groups_are_listed() -> None:
 
 
 def test_the_warning_names_the_poses() -> None:
-    assert "poses 'P0', 'P1'" in found(poses=poses_at((0, 0, 0, 0), (0, 0, 0, 0)))["twin-poses"].detail
+    assert "poses 'P0', 'P1'" in mistakes_of_table(poses=poses_at((0, 0, 0, 0), (0, 0, 0, 0)))["twin-poses"].detail
 
 
 @pytest.mark.parametrize("seed", range(5))

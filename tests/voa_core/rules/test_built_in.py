@@ -47,7 +47,7 @@ def test_distances_are_between_coded_ranges() -> None:
 @pytest.mark.parametrize(
     ("off", "agrees"), [(0.0, True), (0.008, True), (0.008 + 5e-10, True), (0.008 + 2e-9, False), (-0.0081, False)]
 )
-def test_margin_asks_every_beam_to_agree_within_it(off: float, agrees: bool) -> None:
+def test_margin_requires_every_beam_to_agree_within_it(off: float, agrees: bool) -> None:
     assert log_weight("margin", [0.5 + off, 0.4, INF], [0.5, 0.4, INF]) == (0.0 if agrees else -INF)
 
 
@@ -190,11 +190,11 @@ def test_defaults_are_those_of_the_design() -> None:
 
 
 def test_defaults_of_beam_come_from_the_lidar() -> None:
-    found = defaults("beam", lidar_of(360, increment=math.radians(-1.0)))
-    assert found["sigma_hit_m"] == 0.01
-    assert found["z_no_return"] == pytest.approx(0.1)
-    assert sum(found[share] for share in ("z_hit", "z_short", "z_no_return", "z_random")) == pytest.approx(1.0)
-    assert found["temper"] == pytest.approx(0.25)
+    parameters = defaults("beam", lidar_of(360, increment=math.radians(-1.0)))
+    assert parameters["sigma_hit_m"] == 0.01
+    assert parameters["z_no_return"] == pytest.approx(0.1)
+    assert sum(parameters[share] for share in ("z_hit", "z_short", "z_no_return", "z_random")) == pytest.approx(1.0)
+    assert parameters["temper"] == pytest.approx(0.25)
     assert defaults("beam", lidar_of(4))["temper"] == 1.0
     fine = lidar_of(8, increment=math.radians(-0.25))
     assert defaults("beam", fine)["temper"] == pytest.approx(0.0625)

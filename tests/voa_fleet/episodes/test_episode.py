@@ -46,7 +46,7 @@ ROBOT = "robot_1"
 
 @dataclass(frozen=True)
 class Lab:
-    """One service by both ways, and its mapping."""
+    """A service that is reached by HTTP and by Zenoh, and its mapping."""
 
     http: str
     zenoh: str
@@ -277,7 +277,7 @@ def test_a_robot_that_is_mapped_to_another_scenario_is_refused(lab: Lab, mallet:
 
 
 def refusal(channel: Ros2Channel, scenario: Scenario) -> str:
-    """Why no session is opened; "" where one is."""
+    """Return the reason why no session is opened; "" where one is."""
     try:
         channel.open(scenario)
     except DeviceError as error:

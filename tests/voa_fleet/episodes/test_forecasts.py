@@ -10,8 +10,8 @@ from voa_fleet.episodes.forecasts import Forecast
 
 def test_expected_entropy() -> None:
     clear, silent = np.eye(2), np.full((2, 2), 0.5)
-    found = Forecast(np.zeros((2, 2)), np.array([clear, silent])).expected_entropies([0.5, 0.5])
-    assert found == pytest.approx([0.0, math.log(2.0)])
+    entropies = Forecast(np.zeros((2, 2)), np.array([clear, silent])).expected_entropies([0.5, 0.5])
+    assert entropies == pytest.approx([0.0, math.log(2.0)])
     assert Forecast(np.zeros((1, 2)), np.array([silent])).expected_entropies([1.0, 0.0]) == pytest.approx([0.0])
 
 

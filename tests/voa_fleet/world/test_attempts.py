@@ -56,11 +56,11 @@ def test_without_noise_grasps_succeed_and_fail_as_they_should(targets: dict[str,
     target = targets[name]
     world = build_world(target)
     plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in target.grasps}
-    found = {
+    results = {
         pose: [attempt_grasp(world, plans[grasp], scenario_pose(target, pose)).result for grasp in target.grasps]
         for pose in target.poses
     }
-    assert found == {pose: [LETTERS[letter] for letter in row.split()] for pose, row in TABLES[name].items()}
+    assert results == {pose: [LETTERS[letter] for letter in row.split()] for pose, row in TABLES[name].items()}
 
 
 def test_an_attempt_is_measured(mug: FleetObject, mug_world: World, mug_plans: dict[str, GraspPlan]) -> None:
@@ -109,9 +109,9 @@ def test_fingers_that_close_on_top_of_a_handle_do_not_hold_it(targets: dict[str,
     mallet = targets["mallet"]
     world = build_world(mallet)
     high = GraspGeometry(tip=(0.08, 0.0, 0.026), approach=(0.0, 0.0, -1.0), closing=(0.0, 1.0, 0.0))
-    found = attempt_grasp(world, plan_grasp(world, high), scenario_pose(mallet, "F_0"))
-    assert found.result == "not held"
-    assert found.rise_m < 0.01
+    attempt = attempt_grasp(world, plan_grasp(world, high), scenario_pose(mallet, "F_0"))
+    assert attempt.result == "not held"
+    assert attempt.rise_m < 0.01
 
 
 def test_noise_moves_the_object_in_the_plane_and_turns_it_about_the_vertical(mug: FleetObject) -> None:

@@ -30,13 +30,13 @@ UR5E = [
 
 def flange_by_hand(joints: Floats) -> Floats:
     """The product of the six Denavit-Hartenberg matrices, (4, 4)."""
-    found = np.eye(4)
+    frame = np.eye(4)
     for angle, (a, d, alpha) in zip(joints, UR5E, strict=True):
         c, s, ca, sa = math.cos(angle), math.sin(angle), math.cos(alpha), math.sin(alpha)
-        found = found @ np.array(
+        frame = frame @ np.array(
             [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0.0, sa, ca, d], [0.0, 0.0, 0.0, 1.0]]
         )
-    return found
+    return frame
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -64,11 +64,11 @@ def rays_against(world: World, group: int, places: Floats, directions: Floats) -
     mujoco.mj_kinematics(world.model, data)
     only = np.array([index == group for index in range(6)], dtype=np.uint8)
     hit = np.zeros(1, dtype=np.int32)
-    found = [
+    ranges = [
         mujoco.mj_ray(world.model, data, place, way, only, 1, -1, hit, None)
         for place, way in zip(places, directions, strict=True)
     ]
-    return np.array(found)
+    return np.array(ranges)
 
 
 @pytest.mark.parametrize("name", OBJECTS)

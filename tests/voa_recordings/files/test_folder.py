@@ -1,4 +1,4 @@
-"""Folders whose files were renamed or lost, or whose metadata.yaml is no use: read as far as possible, and told."""
+"""Folders with renamed or lost files, or a useless metadata.yaml: read as far as possible, and reported."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Which of two copies of a sample counts, in whatever order they come."""
+"""The recorder keeps the expected one of two copies of a sample, in either order of arrival."""
 
 import pytest
 

@@ -18,7 +18,7 @@ from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import Odometry, Pose, PoseWithCovariance, Stamp
 
 SEEN = [0.5, 0.5, math.inf, 1.0]
-"""What the data scenario predicts from Q1 at P1."""
+"""Prediction of the data scenario from Q1 at P1."""
 GRID = {"angle_increment": 0.1, "range_min": 0.1, "range_max": 2.0}
 
 

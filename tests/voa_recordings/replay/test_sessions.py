@@ -29,7 +29,7 @@ SessionMessage = tuple[str, str, BaseModel | bytes]
 
 @pytest.fixture(scope="module")
 def content(process: str) -> list[SessionMessage]:
-    """Everything about a session with three versions, in the order of a recording."""
+    """Messages of a session with three versions, in the order of a recording."""
     with Client(process) as client:
         scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
         begun = client.create_session(SessionRequest(scenario=scenario.id))

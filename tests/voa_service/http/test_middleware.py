@@ -1,4 +1,4 @@
-"""What stands around the application: ids, limits on bodies, and the answer to a defect of our own."""
+"""Middleware around the application: request ids, limits on bodies, and the response to a defect of the service."""
 
 from collections.abc import Iterator
 
@@ -34,7 +34,7 @@ def test_a_body_is_limited_to_the_value(small: Service, values: int, status: int
     assert small.http.post("/v1/scenarios", content=body, headers=JSON).status_code == status
 
 
-def test_a_length_that_is_a_lie_is_found_out(small: Service) -> None:
+def test_a_false_content_length_is_detected(small: Service) -> None:
     chunks = iter([b'"' + b"a" * 10_001 + b'"'])
     answer = small.http.post("/v1/scenarios", content=chunks, headers=JSON | {"content-length": "5"})
     assert answer.status_code == 413

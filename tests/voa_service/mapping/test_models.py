@@ -1,4 +1,4 @@
-"""In which precision rankings are computed, and that it hardly matters; what is kept of a scenario."""
+"""Models of scenarios: the precision of rankings, and the parts of a scenario that are cached."""
 
 import math
 from pathlib import Path
@@ -57,15 +57,15 @@ def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Pa
         sensor = model.scenario.sensors[0]
         scenario = model.scenario
         kinds: list[tuple[Precision, bool]] = [(p, keep) for p in ("float64", "float32") for keep in (True, False)]
-        found = [
+        values = [
             value_of_assistance(
                 model.weigher(sensor, precision, keep, wanted), scenario.prior, scenario.table, scenario.policy
             )
             for precision, keep in kinds
         ]
-    assert found[0].voa == pytest.approx(found[1].voa, abs=1e-12)
-    for other in found[2:]:
-        assert other.voa == pytest.approx(found[0].voa, abs=1e-5)
+    assert values[0].voa == pytest.approx(values[1].voa, abs=1e-12)
+    for other in values[2:]:
+        assert other.voa == pytest.approx(values[0].voa, abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -116,8 +116,8 @@ def test_nothing_that_is_kept_of_one_scenario_height_or_precision_serves_another
                 assert fresh is not None
                 for sensor in [*model.scenario.sensors, *([above] if body["name"] == "mesh" else [])]:
                     for precision in get_args(Precision):
-                        kept, anew = (each.weigher(sensor, precision, True, wanted) for each in (model, fresh))
+                        kept, rebuilt = (each.weigher(sensor, precision, True, wanted) for each in (model, fresh))
                         assert kept.matrix is not None
                         assert kept.dtype == precision
-                        np.testing.assert_array_equal(kept.matrix, anew.matrix)
-                        np.testing.assert_array_equal(kept.ranges, anew.ranges)
+                        np.testing.assert_array_equal(kept.matrix, rebuilt.matrix)
+                        np.testing.assert_array_equal(kept.ranges, rebuilt.ranges)

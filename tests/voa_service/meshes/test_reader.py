@@ -25,10 +25,10 @@ def reader(seconds: int = 30, mebibytes: int = 1024, faces: int = 1000) -> Subpr
 
 
 def test_a_mesh_is_read_and_scaled() -> None:
-    found = reader()(BOX, "obj", 2.0, "+Z")
-    assert len(found.faces) == 12
-    assert found.extents == pytest.approx([0.08, 0.12, 0.10])
-    assert found.watertight
+    mesh = reader()(BOX, "obj", 2.0, "+Z")
+    assert len(mesh.faces) == 12
+    assert mesh.extents == pytest.approx([0.08, 0.12, 0.10])
+    assert mesh.watertight
 
 
 def test_faces_are_limited() -> None:
@@ -137,10 +137,10 @@ def test_the_process_can_write_no_file(tmp_path: Path) -> None:
 def test_the_process_that_reads_knows_no_secret(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VOA_DATABASE_URL", "postgresql://user:secret@host/voa")
     monkeypatch.setenv("PYTHONPATH", "somewhere")
-    told = environment()
-    assert "secret" not in "".join(told.values())
-    assert told["PYTHONPATH"] == "somewhere"
-    assert "PATH" in told
+    variables = environment()
+    assert "secret" not in "".join(variables.values())
+    assert variables["PYTHONPATH"] == "somewhere"
+    assert "PATH" in variables
 
 
 def test_a_file_that_says_much_in_few_bytes_costs_its_reader_alone() -> None:

@@ -98,9 +98,9 @@ def test_far_too_many_fields_are_named_by_the_first() -> None:
 def test_whole_numbers_are_read_as_the_numbers_they_are() -> None:
     scores = [[0, 1] * 1_000, [0.5, 1] * 1_000]
     body = json_of(data_scenario(scores={"probabilities": scores}))
-    found = read(ScenarioRequest, body, Limits()).scores.model_dump()["probabilities"]
-    assert found == scores
-    assert {type(score) for row in found for score in row} == {float}
+    rows = read(ScenarioRequest, body, Limits()).scores.model_dump()["probabilities"]
+    assert rows == scores
+    assert {type(score) for row in rows for score in row} == {float}
 
 
 def test_large_bodies_are_read_in_their_own_queue_and_one_too_many_is_refused() -> None:

@@ -1,4 +1,4 @@
-"""What can be computed again is computed once, and goes when there is no room."""
+"""The cache computes each value once, and drops values when there is no room."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -54,7 +54,7 @@ def test_a_value_that_alone_exceeds_the_budget_is_handed_out_and_not_kept() -> N
     assert (large.made, small.made) == (2, 1)
 
 
-def test_threads_that_ask_at_the_same_time_share_one_computation() -> None:
+def test_threads_that_request_at_the_same_time_share_one_computation() -> None:
     cache, release, begun = Cache(100), threading.Event(), threading.Event()
     calls = []
 
@@ -69,8 +69,8 @@ def test_threads_that_ask_at_the_same_time_share_one_computation() -> None:
         assert begun.wait(30)
         others = [pool.submit(cache.get, "a", make) for _ in range(3)]
         release.set()
-        found = {id(future.result(30)) for future in [first, *others]}
-    assert len(found) == 1
+        values = {id(future.result(30)) for future in [first, *others]}
+    assert len(values) == 1
     assert len(calls) == 1
 
 

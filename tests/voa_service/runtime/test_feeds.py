@@ -52,8 +52,8 @@ class World:
         async def following() -> str:
             async with asyncio.timeout(30):
                 lines = (await anext(events)).decode().splitlines()
-            found = {line.partition(": ")[0]: line.partition(": ")[2] for line in lines}
-            return found.get("id", found["event"])
+            fields = {line.partition(": ")[0]: line.partition(": ")[2] for line in lines}
+            return fields.get("id", fields["event"])
 
         try:
             yield following

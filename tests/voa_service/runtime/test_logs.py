@@ -1,4 +1,4 @@
-"""One JSON object a line, whoever logs."""
+"""Logs are one JSON object a line, whichever library logs."""
 
 import io
 import json

@@ -44,7 +44,7 @@ UNLIMITED = "9223372036854771712\n"
         (V1, {"memory/elsewhere/memory.limit_in_bytes": f"{2**20}\n"}, (8192, "machine")),
     ],
 )
-def test_the_least_limit_is_found(
+def test_the_smallest_memory_limit_applies(
     tmp_path: Path, cgroup: str | None, limits: dict[str, str], expected: tuple[int, str]
 ) -> None:
     assert available_memory(Settings(), machine(tmp_path, cgroup, **limits)) == AvailableMemory(*expected)  # type: ignore[arg-type]
@@ -66,28 +66,28 @@ def divided(mebibytes: int, processors: int = 8, **settings: Any) -> MemoryBudge
 @pytest.mark.parametrize("mebibytes", [1024, 1500, 2048, 3000, 4096, 8192, 24_000, 500_000])
 @pytest.mark.parametrize("processors", [1, 2, 16, 256])
 def test_the_defaults_fit(mebibytes: int, processors: int) -> None:
-    found = divided(mebibytes, processors)
-    assert found.sum_mebibytes <= mebibytes
-    assert 1 <= found.workers <= processors
-    assert found.mesh >= MESH_NEEDS_MEBIBYTES
-    assert found.cache >= 32
+    budget = divided(mebibytes, processors)
+    assert budget.sum_mebibytes <= mebibytes
+    assert 1 <= budget.workers <= processors
+    assert budget.mesh >= MESH_NEEDS_MEBIBYTES
+    assert budget.cache >= 32
 
 
 def test_a_large_machine_has_the_usual_sizes() -> None:
-    found = divided(64_000, 16)
-    assert (found.cache, found.workers, found.mesh, found.meshes) == (2_048, 16, 2_048, 2)
+    budget = divided(64_000, 16)
+    assert (budget.cache, budget.workers, budget.mesh, budget.meshes) == (2_048, 16, 2_048, 2)
 
 
 def test_what_is_said_explicitly_holds_even_if_the_sum_does_not_fit() -> None:
-    found = divided(1024, cache_mebibytes=2_000, workers=7, mesh_mebibytes=900)
-    assert (found.cache, found.workers, found.mesh) == (2_000, 7, 900)
-    assert found.sum_mebibytes > 1024
+    budget = divided(1024, cache_mebibytes=2_000, workers=7, mesh_mebibytes=900)
+    assert (budget.cache, budget.workers, budget.mesh) == (2_000, 7, 900)
+    assert budget.sum_mebibytes > 1024
 
 
 def test_the_service_is_built_so_and_says_so(tmp_path: Path) -> None:
     with serving(tmp_path, memory_mebibytes=1024, workers=1, cache_mebibytes=77) as service:
-        told = service.get("/readyz")["memory"]
+        memory = service.get("/readyz")["memory"]
         assert service.inside.objects.cache.budget == 77 * MEBIBYTE
-    assert (told["total_mebibytes"], told["source"], told["cache_mebibytes"]) == (1024, "setting", 77)
+    assert (memory["total_mebibytes"], memory["source"], memory["cache_mebibytes"]) == (1024, "setting", 77)
     parts = ("process", "cache", "workers", "meshes", "bodies")
-    assert told["sum_mebibytes"] == sum(told[f"{part}_mebibytes"] for part in parts)
+    assert memory["sum_mebibytes"] == sum(memory[f"{part}_mebibytes"] for part in parts)

@@ -1,4 +1,4 @@
-"""The process ends some seconds after it was told to, whatever hangs."""
+"""The process ends some seconds after the signal to stop, whatever hangs."""
 
 import os
 import signal

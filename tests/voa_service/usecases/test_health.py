@@ -13,7 +13,7 @@ from voa_store.errors import Unavailable
 
 
 class Scripted:
-    """A store whose `ping` does what it is told, and a clock."""
+    """A store whose `ping` is scripted, and a clock."""
 
     def __init__(self) -> None:
         self.pings = 0

@@ -51,14 +51,14 @@ def test_equal_rankings_take_one_place_and_have_one_answer(service: Service, sce
         calls += [pool.submit(service.http.get, paths[0])]  # the same in other words
         wait_for(lambda: service.inside.heavy.inside == 2, "the ranking to be in line")
         busy.open.set()
-        told = [call.result(30) for call in calls]
-    assert {answer.status_code for answer in told} == {200}  # one more place than one would have been refused
-    bodies = [answer.json() for answer in told]
+        answers = [call.result(30) for call in calls]
+    assert {answer.status_code for answer in answers} == {200}  # one more place than one would have been refused
+    bodies = [answer.json() for answer in answers]
     assert [body.pop("version") for body in bodies] == [2, 1, 2, 1, 2, 1, 2]
     assert all(body == bodies[0] for body in bodies)
 
 
-def test_an_answer_is_kept_for_whoever_asks_the_same_again(service: Service, scenario: str) -> None:
+def test_an_answer_is_kept_for_equal_requests(service: Service, scenario: str) -> None:
     body = {"scenario": scenario, "belief": BELIEF, "outcomes": True}
     first = service.post("/v1/rankings", body)
     held = service.inside.rankings.kept.held

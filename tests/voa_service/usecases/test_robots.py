@@ -1,4 +1,4 @@
-"""Reports of robots stay bounded, and show the session of each at the moment when they are asked for."""
+"""Reports of robots stay bounded, and show the session of each robot at the time of the request."""
 
 from datetime import UTC, datetime, timedelta
 from itertools import count
@@ -15,7 +15,7 @@ from voa_service.usecases.robots import LookOutcome, MappedTo, Robots
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 
 
-def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_robot_received_longest_ago_is_forgotten_but_none_that_is_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_MOST", 4)
     seconds = count()
     robots = Robots(lambda: NOON + timedelta(seconds=next(seconds)), lambda robot, scenario: None)
@@ -25,7 +25,7 @@ def test_the_robot_heard_longest_ago_is_forgotten_but_none_that_is_mapped(monkey
     assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
 
 
-def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_before() -> None:
+def test_a_mapped_robot_s_session_is_the_current_one_whatever_was_received_before() -> None:
     sessions = {("r", "A"): "first"}
     robots = Robots(lambda: NOON, lambda robot, scenario: sessions.get((robot, scenario)))
     robots.mapped("r", "scan", QuietRobot(), scenario="A")
@@ -39,7 +39,7 @@ def test_a_mapped_robot_s_session_is_that_of_the_moment_whatever_was_heard_befor
     assert robots.report("r").waiting_for == "a scan"
 
 
-def test_the_mapping_tells_whose_a_robot_s_scans_are() -> None:
+def test_the_mapping_states_the_scenario_and_session_of_a_robot() -> None:
     robots = Robots(lambda: NOON, lambda robot, scenario: None)
     robots.mapped("r", "scan", QuietRobot(), scenario="A")
     assert (robots.mapped_to("r"), robots.names()) == (MappedTo("A", None), ["r"])

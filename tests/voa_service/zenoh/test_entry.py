@@ -50,8 +50,8 @@ def version(service: Service, session: str) -> int:
 
 
 def report(service: Service, robot: str) -> Json:
-    found = [each for each in service.get("/v1/robots")["items"] if each["robot"] == robot]
-    return dict(found[0]) if found else {"refused": 0, "session": None}
+    reports = [each for each in service.get("/v1/robots")["items"] if each["robot"] == robot]
+    return dict(reports[0]) if reports else {"refused": 0, "session": None}
 
 
 def test_a_session_from_beginning_to_end(bus: Stranger, service: Service) -> None:
@@ -96,30 +96,30 @@ def test_the_service_says_that_it_is_connected(bus: Stranger, service: Service) 
 
 
 def test_every_commit_is_published_whoever_made_it(bus: Stranger, service: Service, data_id: str) -> None:
-    heard = bus.subscribe(bus.keys.belief("*"))
+    received = bus.subscribe(bus.keys.belief("*"))
     session = service.open(data_id)
     service.post(f"/v1/sessions/{session}/scans", GOOD)  # over HTTP
     bus.call("scan.apply", {"session": session} | GOOD)
     bus.put_scan(session, GOOD)
-    wait_for(lambda: len(heard) == 4, "four versions")
+    wait_for(lambda: len(received) == 4, "four versions")
     bus.call("session.delete", {"session": session})
-    wait_for(lambda: len(heard) == 5, "the end")
-    assert {sample.key for sample in heard} == {bus.keys.belief(session)}
-    assert [sample.attachment for sample in heard[:4]] == [b"0", b"1", b"2", b"3"]
-    assert [sample.json["version"] for sample in heard[:4]] == [0, 1, 2, 3]
-    assert set(heard[1].json) == set(service.get(f"/v1/sessions/{service.open(data_id)}"))
-    assert heard[4].deleted
+    wait_for(lambda: len(received) == 5, "the end")
+    assert {sample.key for sample in received} == {bus.keys.belief(session)}
+    assert [sample.attachment for sample in received[:4]] == [b"0", b"1", b"2", b"3"]
+    assert [sample.json["version"] for sample in received[:4]] == [0, 1, 2, 3]
+    assert set(received[1].json) == set(service.get(f"/v1/sessions/{service.open(data_id)}"))
+    assert received[4].deleted
 
 
 def test_what_changes_nothing_is_not_published(bus: Stranger, service: Service, session: str) -> None:
-    heard = bus.subscribe(bus.keys.belief(session))
+    received = bus.subscribe(bus.keys.belief(session))
     nothing = bus.call("scan.apply", {"session": session} | scan_of([None] * 4))
     assert nothing["update"]["reason"] == "no_beams"
     first = bus.call("scan.apply", {"session": session} | GOOD, id="k")
     assert bus.call("scan.apply", {"session": session} | GOOD, id="k") == first
     bus.call("belief.put", {"session": session, "belief": None})
-    wait_for(lambda: [sample.attachment for sample in heard][-1:] == [b"2"], "the second commit")
-    assert [sample.attachment for sample in heard if sample.attachment != b"0"] == [b"1", b"2"]  # 0 may come late
+    wait_for(lambda: [sample.attachment for sample in received][-1:] == [b"2"], "the second commit")
+    assert [sample.attachment for sample in received if sample.attachment != b"0"] == [b"1", b"2"]  # 0 may come late
 
 
 def test_scans_that_are_put_are_applied_in_order_each_once(bus: Stranger, service: Service, session: str) -> None:
@@ -160,13 +160,15 @@ def test_the_place_of_a_scan_may_stand_beside_it(bus: Stranger, service: Service
 def test_a_scan_that_cannot_be_used_is_seen(
     bus: Stranger, service: Service, session: str, name: str, payload: bytes, kind: str
 ) -> None:
-    heard = bus.subscribe(bus.keys.refused("*", "*"))
-    wait_for(lambda: _can_hear(bus, heard), "the subscription")
+    received = bus.subscribe(bus.keys.refused("*", "*"))
+    wait_for(lambda: _is_subscribed(bus, received), "the subscription")
     bus.session.put(bus.keys.scan(session, name), payload, encoding="application/json")
     wait_for(lambda: report(service, name)["refused"] == 1, "the refusal")
     assert report(service, name)["last_refusal"].startswith(f"{kind}: ")
-    told = wait_for(lambda: [each for each in heard if each.key == bus.keys.refused(session, name)], "the problem")
-    assert told[0].json["type"] == f"urn:voa:problem:{kind}"
+    problems = wait_for(
+        lambda: [each for each in received if each.key == bus.keys.refused(session, name)], "the problem"
+    )
+    assert problems[0].json["type"] == f"urn:voa:problem:{kind}"
     assert f'event="scan refused: {kind}"' in service.http.get("/metrics").text
     assert version(service, session) == 0
 
@@ -175,11 +177,13 @@ def test_a_scan_that_cannot_be_used_is_seen(
 def test_cdr_of_another_type_is_refused_with_both_types(
     bus: Stranger, service: Service, session: str, encoding: str
 ) -> None:
-    heard = bus.subscribe(bus.keys.refused("*", "*"))
-    wait_for(lambda: _can_hear(bus, heard), "the subscription")
+    received = bus.subscribe(bus.keys.refused("*", "*"))
+    wait_for(lambda: _is_subscribed(bus, received), "the subscription")
     bus.session.put(bus.keys.scan(session, "foreign"), encode_odometry(odometry(0.0, 0.0, 0.0)), encoding=encoding)
-    told = wait_for(lambda: [each for each in heard if each.key == bus.keys.refused(session, "foreign")], "the problem")
-    assert "expected a sensor_msgs/msg/LaserScan, found a nav_msgs/msg/Odometry" in told[0].json["detail"]
+    problems = wait_for(
+        lambda: [each for each in received if each.key == bus.keys.refused(session, "foreign")], "the problem"
+    )
+    assert "expected a sensor_msgs/msg/LaserScan, found a nav_msgs/msg/Odometry" in problems[0].json["detail"]
     assert version(service, session) == 0
 
 
@@ -217,8 +221,8 @@ def test_a_payload_that_is_too_large_is_not_even_read(service: Service, bus: Str
 
 def test_a_scan_for_nobody_in_particular_is_counted(service: Service, bus: Stranger) -> None:
     bus.session.put("**", json.dumps(GOOD))
-    told = 'event="scan refused: no single session and robot"'
-    wait_for(lambda: told in service.http.get("/metrics").text, "the count")
+    line = 'event="scan refused: no single session and robot"'
+    wait_for(lambda: line in service.http.get("/metrics").text, "the count")
 
 
 def test_another_root_is_another_lab(own_router: Router, service: Service) -> None:
@@ -226,7 +230,7 @@ def test_another_root_is_another_lab(own_router: Router, service: Service) -> No
         other.call("service.health")
 
 
-def _can_hear(bus: Stranger, heard: list[Sample]) -> bool:
+def _is_subscribed(bus: Stranger, received: list[Sample]) -> bool:
     """Whether what the service puts reaches us: shown by a scan that is refused."""
     bus.put_scan("nowhere", GOOD, robot="probe")
-    return bool(heard)
+    return bool(received)

@@ -21,13 +21,13 @@ from voa_store.errors import Unavailable
 
 GOOD = (0.5, 0.5, math.inf, 1.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)
-"""Of a lidar that spins up: no look of it is accepted."""
+"""Ranges of a lidar that spins up: no look of them is accepted."""
 SCANS = 3
 NAME = "tb3_1"
 
 
 class Process:
-    """One process: a service, and the robot as it is mapped there."""
+    """A process: a service, and the robot as it is mapped there."""
 
     def __init__(self, service: Service, mapping: RobotMapping) -> None:
         self.service = service
@@ -40,9 +40,9 @@ class Process:
 
     def receive(self, payload: bytes, sensor: str) -> None:
         attachment = f'{{"sensor": "{sensor}"}}'.encode()
-        found = self.robot.receive(Sample(LASER_SCAN, f"{NAME}/scan", payload, attachment, 0.0))
-        if found is not None:
-            self.due.append(found)
+        look = self.robot.receive(Sample(LASER_SCAN, f"{NAME}/scan", payload, attachment, 0.0))
+        if look is not None:
+            self.due.append(look)
 
     def apply(self, most: int = 1_000) -> None:
         """Apply the looks that are due, at most so many, in order."""
@@ -228,7 +228,7 @@ def test_a_look_is_searched_among_those_since_its_stop_began(pair: Pair) -> None
     assert pair.looks() == ["Q2", "Q1", "Q2", "Q1"]
 
 
-def test_a_look_of_this_stop_is_found_although_an_own_one_was_counted_after_it(pair: Pair) -> None:
+def test_a_look_of_this_stop_is_detected_although_an_own_one_was_counted_after_it(pair: Pair) -> None:
     one, other = pair.processes()
     pair.stop("Q1", [other])  # the one misses it
     pair.stop("Q2", [one])
@@ -290,11 +290,11 @@ def test_a_process_reads_no_more_than_it_must_where_every_scan_counts(
     pair: Pair, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (one,) = pair.processes('{ mode = "every" }', count=1)
-    store, asked = pair.services[0].inside.sessions.store, []
+    store, reads = pair.services[0].inside.sessions.store, []
     read = store.robot_looks
 
     def counted(id_: str, robot: str, limit: int) -> Any:
-        asked.append(limit)
+        reads.append(limit)
         return read(id_, robot, limit)
 
     monkeypatch.setattr(store, "robot_looks", counted)
@@ -302,7 +302,7 @@ def test_a_process_reads_no_more_than_it_must_where_every_scan_counts(
         pair.revolution("Q1", [one])
         one.apply()
     assert len(pair.looks()) == 50
-    assert set(asked) == {1}
+    assert set(reads) == {1}
 
 
 @pytest.mark.parametrize("scans", [2, 3])
@@ -406,13 +406,13 @@ def test_a_call_of_the_database_that_fails_loses_no_look_and_doubles_none(
     assert refused <= 1
 
 
-def test_a_mapping_of_what_is_not_there_asks_once_in_a_while(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mapping_to_a_missing_session_reads_the_store_seldom(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
     (one,) = pair.processes(to='session = "nothing"', count=1)
-    store, asked = pair.services[0].inside.sessions.store, []
+    store, reads = pair.services[0].inside.sessions.store, []
     read = store.get_session
 
     def counted(id_: str) -> Any:
-        asked.append(id_)
+        reads.append(id_)
         return read(id_)
 
     monkeypatch.setattr(store, "get_session", counted)
@@ -420,4 +420,4 @@ def test_a_mapping_of_what_is_not_there_asks_once_in_a_while(pair: Pair, monkeyp
         with pytest.raises(Failure, match="there is no session 'nothing'"):
             pair.revolution("Q1", [one])
     assert one.robot.waiting_for == "the mapping's scenario or session: there is no session 'nothing'"
-    assert len(asked) <= 1 + int(10 / FOLLOW_SECONDS)
+    assert len(reads) <= 1 + int(10 / FOLLOW_SECONDS)

@@ -1,4 +1,4 @@
-"""What the service publishes: in the order of versions, each once, and whatever went wrong before."""
+"""The service publishes versions in order, each once, also after failures."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -82,15 +82,15 @@ class Lab:
             yield
 
     def put(self, most: int, wire: Wire | None = None) -> list[tuple[str, bytes | None]]:
-        """What is put of all that waits, when that much is."""
+        """Publish until `most` messages were put; returns the key and attachment of each."""
         wire = wire or Wire()
         with self.on(wire):
             wait_for(lambda: len(wire.put_so_far) >= most, "what was waiting")
         return wire.put_so_far
 
     def count(self, event: str) -> int:
-        found = [line for line in self.metrics.text().decode().splitlines() if f'event="{event}"' in line]
-        return sum(int(float(line.split()[-1])) for line in found if line.startswith("voa_zenoh_samples_total"))
+        counters = [line for line in self.metrics.text().decode().splitlines() if f'event="{event}"' in line]
+        return sum(int(float(line.split()[-1])) for line in counters if line.startswith("voa_zenoh_samples_total"))
 
 
 @pytest.fixture
@@ -102,11 +102,11 @@ def belief_of(session: str) -> str:
     return KEYS.belief(session)
 
 
-@pytest.mark.parametrize("told", [(0, 1, 2), (2, 1, 0), (1, 11, 2, 10, 9)])
-def test_commits_that_are_told_in_another_order_are_put_by_version(lab: Lab, told: tuple[int, ...]) -> None:
-    lab.committed(*told)
-    assert lab.put(len(told)) == [(belief_of("S"), str(version).encode()) for version in sorted(told)]
-    assert lab.count("belief published") == len(told)
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 11, 2, 10, 9)])
+def test_commits_that_arrive_in_another_order_are_put_by_version(lab: Lab, order: tuple[int, ...]) -> None:
+    lab.committed(*order)
+    assert lab.put(len(order)) == [(belief_of("S"), str(version).encode()) for version in sorted(order)]
+    assert lab.count("belief published") == len(order)
 
 
 def test_the_end_of_a_session_is_put_after_its_versions_and_nothing_after_it(lab: Lab) -> None:
@@ -146,7 +146,7 @@ def cut(lab: Lab) -> None:
 @pytest.mark.parametrize(
     ("before", "most", "counted"), [(fill, 3, "belief dropped"), (cut, 100, "belief dropped without a router")]
 )
-def test_what_does_not_fit_or_nobody_can_hear_is_counted_and_not_kept(
+def test_what_does_not_fit_or_cannot_be_put_is_counted_and_not_kept(
     lab: Lab, before: Callable[[Lab], None], most: int, counted: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_MOST_WAITING", most)

@@ -1,4 +1,4 @@
-"""Two replicas hear every sample: each counts once, and a robot is told once what could not be used."""
+"""Two replicas receive every sample: each counts once, and each refusal is published once."""
 
 import json
 import math
@@ -43,7 +43,7 @@ class Pair:
         self.scenario = services[0].create(data_scenario())
         self._mapping = mapping
         self._beliefs = bus.subscribe(bus.keys.belief("*"))
-        wait_for(self._both_are_heard, "the subscription")
+        wait_for(self._both_are_received, "the subscription")
 
     def open(self) -> str:
         return self.services[0].open(self.scenario)
@@ -70,29 +70,29 @@ class Pair:
         wait_for(all_do, "both services to say so of each robot")
 
     def stamps(self, session: str) -> list[Any]:
-        """Of the scans in the history of a session."""
+        """Stamps of the scans in the history of a session."""
         items = self.services[0].get(f"/v1/sessions/{session}/history?limit=1000")["items"]
         return [entry["request"]["scan"].get("stamp") for entry in items if entry["kind"] == "scan"]
 
     def applied(self, session: str, robot: str = ROBOTS[0]) -> list[Any]:
-        """The same when whatever the robot put before was worked on: its scans are taken in order."""
+        """Stamps of the applied scans, after all scans of the robot were handled: they are taken in order."""
         put(self, session, robot, stamped("last"))
         wait_for(lambda: "last" in self.stamps(session), "the last scan")
         return self.stamps(session)[:-1]
 
     def count(self, event: str) -> list[int]:
-        """How often each service counted what happened on Zenoh."""
+        """Count of an event on Zenoh, for each service."""
         lines = [service.http.get("/metrics").text.splitlines() for service in self.services]
-        found = [[line for line in each if f'event="{event}"' in line and "_total" in line] for each in lines]
-        return [int(float(each[0].split()[-1])) if each else 0 for each in found]
+        counters = [[line for line in each if f'event="{event}"' in line and "_total" in line] for each in lines]
+        return [int(float(each[0].split()[-1])) if each else 0 for each in counters]
 
     def flush(self) -> None:
-        """Returns when whatever either service has put so far was heard: what it put later was heard too."""
+        """Return when all that the services have put so far was received: a message put after it has arrived."""
         wait_for(lambda: not any(service.inside.health.link.state != "connected" for service in self.services), "both")
         opened = {service.open(self.scenario) for service in self.services}
         wait_for(lambda: opened <= {sample.key.rpartition("/")[2] for sample in self._beliefs}, "both")
 
-    def _both_are_heard(self) -> bool:
+    def _both_are_received(self) -> bool:
         for service in self.services:
             service.open(self.scenario)
         return len(self._beliefs) >= 2
@@ -118,8 +118,8 @@ def paired(
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
-    with router() as own, paired(tmp_path_factory.mktemp("pair"), own) as found:
-        yield found
+    with router() as own, paired(tmp_path_factory.mktemp("pair"), own) as pair:
+        yield pair
 
 
 def put(pair: Pair, session: str, robot: str, body: Any, **how: Any) -> None:
@@ -209,33 +209,31 @@ def test_scans_without_a_name_count_once(tmp_path: Path) -> None:
         (b'{"sensor": "' + b"a" * MOST_BYTES, "too-large"),
     ],
 )
-def test_a_robot_is_told_once_that_its_scan_was_refused_and_both_replicas_know(
-    pair: Pair, payload: bytes, kind: str
-) -> None:
+def test_a_refused_scan_is_published_once_and_both_replicas_know(pair: Pair, payload: bytes, kind: str) -> None:
     session = pair.open()
-    heard = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
+    received = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
     for robot in ROBOTS:
         put(pair, session, robot, payload)
 
     pair.wait_until_each_robot(lambda report: str(report["last_refusal"]).startswith(f"{kind}: "), "scan")
-    wait_for(lambda: {sample.key.rpartition("/")[2] for sample in heard} == set(ROBOTS), "every robot's problem")
+    wait_for(lambda: {sample.key.rpartition("/")[2] for sample in received} == set(ROBOTS), "every robot's problem")
     pair.flush()
-    assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS)
-    assert {sample.json["type"] for sample in heard} == {f"urn:voa:problem:{kind}"}
+    assert Counter(sample.key.rpartition("/")[2] for sample in received) == Counter(ROBOTS)
+    assert {sample.json["type"] for sample in received} == {f"urn:voa:problem:{kind}"}
 
 
-def test_a_mapped_robot_is_told_once_of_each_refusal_and_both_replicas_know(pair: Pair) -> None:
+def test_each_refusal_of_a_mapped_robot_is_published_once_and_both_replicas_know(pair: Pair) -> None:
     session = pair.open()
-    heard = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
+    received = pair.bus.subscribe(pair.bus.keys.refused(session, "*"))
     pair.map(session, "Q9")
     unreadable, of_an_unknown_place = b"\0\1\0\0 no scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0)
     for number, payload in enumerate((unreadable, of_an_unknown_place), start=1):
         for robot in ROBOTS:
             pair.bus.session.put(f"{robot}/scan", payload)
         pair.wait_until_each_robot(lambda report, number=number: report["refused"] == number, "ros2")  # type: ignore[misc]
-        wait_for(lambda number=number: len(heard) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc]
+        wait_for(lambda number=number: len(received) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc]
         pair.flush()
-        assert Counter(sample.key.rpartition("/")[2] for sample in heard) == Counter(ROBOTS * number)
+        assert Counter(sample.key.rpartition("/")[2] for sample in received) == Counter(ROBOTS * number)
 
 
 def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:

@@ -93,8 +93,8 @@ class Lab:
         return list(self.service.get("/v1/robots")["items"])
 
     def report(self, robot: str = "tb3_1") -> Json:
-        (found,) = [each for each in self.reports() if (each["robot"], each["source"]) == (robot, "ros2")]
-        return dict(found)
+        (report,) = [each for each in self.reports() if (each["robot"], each["source"]) == (robot, "ros2")]
+        return dict(report)
 
     def version(self, session: str) -> int:
         return int(self.service.get(f"/v1/sessions/{session}")["version"])
@@ -107,7 +107,7 @@ class Lab:
         self.bus.session.put(key, payload, attachment=attachment)
 
     def revolutions(self, count: int, first: int = 0, ranges: Sequence[float] = GOOD, robot: str = "tb3_1") -> None:
-        """So many scans at 5 Hz by the robot's clock; returns when all were heard."""
+        """Publish `count` scans at 5 Hz by the robot's clock; returns when all were received."""
         before = self.report(robot)["scans"]
         for turn in range(first, first + count):
             self.put(f"{robot}/scan", laser_scan(ranges, 100.0 + 0.2 * turn))
@@ -130,8 +130,8 @@ def lab(folder: Path, own_router: Router, **settings: Any) -> Iterator[Lab]:
 
 @pytest.fixture
 def own(tmp_path: Path, own_router: Router) -> Iterator[Lab]:
-    with lab(tmp_path, own_router) as found:
-        yield found
+    with lab(tmp_path, own_router) as own:
+        yield own
 
 
 @pytest.fixture
@@ -158,8 +158,8 @@ def test_a_scan_in_each_form_updates_the_mapped_session(own: Lab, session: str, 
     # What a robot puts in JSON, over HTTP, has the same effect.
     twin = own.service.open(own.service.get(f"/v1/sessions/{session}")["scenario"])
     scan = {key: value for key, value in request["scan"].items() if key != "stamp"}
-    told = own.service.post(f"/v1/sessions/{twin}/scans", {"sensor": "Q1", "scan": scan})
-    assert told["belief"] == own.service.get(f"/v1/sessions/{session}")["belief"]
+    update = own.service.post(f"/v1/sessions/{twin}/scans", {"sensor": "Q1", "scan": scan})
+    assert update["belief"] == own.service.get(f"/v1/sessions/{session}")["belief"]
 
 
 @pytest.mark.parametrize(
@@ -178,20 +178,20 @@ def test_a_payload_that_is_no_scan_is_refused_and_seen(
     own: Lab, session: str, what: str, payload: bytes, kind: str, says: str
 ) -> None:
     own.map(robot(session))
-    told = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
+    problems = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     own.put("tb3_1/scan", payload)
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
     assert own.report()["last_refusal"].startswith(f"{kind}: ")
     assert says in own.report()["last_refusal"]
-    wait_for(lambda: told, "the problem")
-    assert told[0].json["type"] == f"urn:voa:problem:{kind}"
+    wait_for(lambda: problems, "the problem")
+    assert problems[0].json["type"] == f"urn:voa:problem:{kind}"
     assert own.version(session) == 0
     own.put("tb3_1/scan", laser_scan(GOOD, 101.0))  # and it goes on
     wait_for(lambda: own.version(session) == 1, "the next scan")
 
 
 @pytest.mark.parametrize(
-    ("key", "payload", "found"),
+    ("key", "payload", "type_name"),
     [
         ("0/tb3_1/scan/sensor_msgs::msg::dds_::PointCloud2_/RIHS01_ab", b"\0\1\0\0", "sensor_msgs/msg/PointCloud2"),
         (rmw_key("tb3_1/scan", ODOMETRY), odometry(0.0, 0.0, 0.0, 100.0), ODOMETRY.name),
@@ -199,13 +199,15 @@ def test_a_payload_that_is_no_scan_is_refused_and_seen(
     ],
 )
 def test_a_message_of_another_type_is_refused_with_both_types(
-    own: Lab, session: str, key: str, payload: bytes, found: str
+    own: Lab, session: str, key: str, payload: bytes, type_name: str
 ) -> None:
     own.map(robot(session))
     own.put("0/tb3_1/scan/other_topic/below", b"")
     own.put(key, payload)
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
-    assert own.report()["last_refusal"].startswith(f"invalid-request: expected a {LASER_SCAN.name}, found a {found}")
+    assert own.report()["last_refusal"].startswith(
+        f"invalid-request: expected a {LASER_SCAN.name}, found a {type_name}"
+    )
 
 
 def test_a_parked_robot_is_one_look_and_stays_one_over_a_restart(tmp_path: Path, own_router: Router) -> None:
@@ -224,7 +226,7 @@ def test_a_parked_robot_is_one_look_and_stays_one_over_a_restart(tmp_path: Path,
         assert second.version(session) == 2
 
 
-def test_a_look_on_request_is_taken_when_it_is_asked_for(own: Lab, session: str) -> None:
+def test_a_look_on_request_is_taken_when_it_is_requested(own: Lab, session: str) -> None:
     own.map(robot(session, look='{ mode = "on_request", scans = 3 }'))
     own.revolutions(10)
     assert (own.version(session), own.report()["waiting_for"]) == (0, "a request")
@@ -236,14 +238,14 @@ def test_a_look_on_request_is_taken_when_it_is_asked_for(own: Lab, session: str)
     assert own.version(session) == 2
 
 
-def test_a_look_that_was_asked_for_is_not_forgotten(own: Lab) -> None:
+def test_a_look_that_was_requested_is_not_forgotten(own: Lab) -> None:
     scenario = own.service.create(data_scenario())
     own.map(
         f'name = "tb3_1"\nscenario = "{scenario}"\nlook = {{ mode = "on_request", scans = 3 }}\n'
         'place = { from = "sensor", sensor = "Q1" }\n'
     )
     first = own.service.open(scenario)
-    own.bus.call("robot.look", {"robot": "tb3_1"})  # before it was ever heard
+    own.bus.call("robot.look", {"robot": "tb3_1"})  # before its first scan
     own.revolutions(3)
     wait_for(lambda: own.version(first) == 1, "the look")
 
@@ -356,7 +358,7 @@ def test_robots_have_their_namespaces_and_sessions(own: Lab) -> None:
     wait_for(lambda: [own.version(session) for session in sessions] == [3, 2], "the looks of both")
 
 
-def test_a_mapping_with_a_mistake_is_told_and_the_old_one_holds(own: Lab, session: str) -> None:
+def test_a_mapping_with_a_mistake_is_reported_and_the_old_one_stays_in_use(own: Lab, session: str) -> None:
     own.map(robot(session))
     own.mapping.write_text('[[robot]]\nname = "tb3_1"\ncolour = "red"\n')
     wrong = wait_for(lambda: own.service.get("/v1/robots")["mapping_error"], "the mistake")

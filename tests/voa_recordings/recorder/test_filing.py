@@ -1,4 +1,4 @@
-"""Parts of `voa record`, without a network."""
+"""Filing of samples into a recording: topics, types, times, and counts of what others cannot read."""
 
 import json
 from collections import Counter
@@ -8,17 +8,13 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 
-from tests.support.waiting import wait_for
 from tests.voa_recordings.files.bags import START_NS, laser_scan
-from voa_cli import recording_status as status
-from voa_client import Client
+from tests.voa_recordings.recorder.samples import NEXT, RMW, received
 from voa_msgs.keys import Keys
 from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_recordings.files.writer import RecordingWriter
 from voa_recordings.recorder.filing import Filing
-from voa_recordings.recorder.histories import Histories
-from voa_recordings.recorder.inbox import FetchedDocument, Inbox, ReceivedSample
-from voa_recordings.recorder.listening import is_of_rmw
+from voa_recordings.recorder.inbox import FetchedDocument, ReceivedSample
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import RmwAttachment
@@ -30,15 +26,6 @@ POSE = Pose.planar(1.0, 2.0, 0.5)
 SCAN = encode_laser_scan(laser_scan([0.5] * 4, START_NS))
 ODOM = encode_odometry(Odometry(STAMP, "odom", "base", POSE))
 AMCL = encode_pose(PoseWithCovariance(STAMP, "map", POSE))
-RMW = "0/tb3_1/scan/sensor_msgs::msg::dds_::LaserScan_/RIHS01_x"
-NEXT = START_NS + 1_000_000_000
-
-
-def received(key: str, payload: bytes = b"", **changes: Any) -> ReceivedSample:
-    content: dict[str, Any] = {
-        "attachment": b"", "encoding": "zenoh/bytes", "deleted": False, "log_ns": NEXT, "sent_ns": None,
-    }  # fmt: skip
-    return ReceivedSample(key, payload, **(content | changes))
 
 
 def filed(
@@ -112,25 +99,6 @@ def test_a_definition_with_another_hash_is_not_passed_off_as_the_sender_s() -> N
         assert (TYPES.definition(type_name, content) is not None) == is_defined
 
 
-def test_what_others_cannot_read_is_said() -> None:
-    unknown = Counter({"/rb/own": 2, "/rb/else": 1})
-    said = status.shortcomings(unknown, {"/scan": 5_521, "/small": 360}, 4_096)
-    assert said[0].startswith("3 messages have no type, since")
-    assert said[0].endswith("/rb/else (1), /rb/own (2)")
-    assert said[1].startswith("/scan has scans of 5521 beams: `voa serve` and `voa replay` read at most 4096, unless ")
-    assert "VOA_LIMITS__BEAMS=5521" in said[1]
-    assert len(said) == 2
-    assert status.shortcomings(Counter(), {"/scan": 5_521}, 30_000) == []
-
-
-@pytest.mark.parametrize(
-    ("key", "of_rmw"),
-    [(RMW, True), ("a/rb/b/c", False), ("x/rb/scan/sensor_msgs::msg::dds_::LaserScan_/h", False), ("rb/scan", False)],
-)
-def test_keys_of_rmw_zenoh_are_recognised_by_domain_and_type(key: str, of_rmw: bool) -> None:
-    assert is_of_rmw(key) == of_rmw
-
-
 def test_when_it_was_sent_says_who_knows_best() -> None:
     attachment = RmwAttachment(2**32 + 3, START_NS + 7, bytes(16)).encode()
     result, _, _ = filed(
@@ -176,33 +144,3 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
 def test_an_attachment_that_is_none_of_the_service_s_ends_no_recording(attachment: bytes) -> None:
     kept, _, _ = filed(received(KEYS.scan("s", "r"), b"{}", attachment=attachment))
     assert len(kept) == 1
-
-
-def test_an_inbox_that_is_full_drops_and_counts() -> None:
-    inbox = Inbox(2)
-    items = [received("a"), received("b"), received("c")]
-    for item in items:
-        inbox.put(item)
-    assert (inbox.get(0.0), inbox.get(0.0), inbox.get(0.0), inbox.get(0.01)) == (*items[:2], None, None)
-    assert inbox.dropped == 1
-
-
-def test_a_history_that_cannot_be_fetched_is_reported() -> None:
-    inbox = Inbox()
-    with Client("http://127.0.0.1:1", timeout_s=0.1) as client:
-        histories = Histories(client, inbox, lambda: NEXT)
-        histories.start()
-        histories.want("s1")
-        wait_for(lambda: histories.failed, "the attempt fails")
-        histories.end()
-    assert list(histories.failed) == ["s1"]
-    assert inbox.get(0.0) is None
-
-
-def test_the_line_says_how_it_stands() -> None:
-    counts = Counter({"/scan": 12, "/odom": 3})
-    line = status.line(counts, 1_234_567, 2.0, 0, linked=True)
-    assert line == "recording 15 messages, 1.2 MB, last 2 s ago  /scan 12  /odom 3"
-    assert "no router  4 dropped" in status.line(counts, 0, None, 4, linked=False)
-    assert "nothing received yet" in status.line(Counter(), 0, None, 0, linked=True)
-    assert [status.size(count) for count in (999, 1000, 2_500_000_000_000)] == ["999 B", "1.0 kB", "2500.0 GB"]

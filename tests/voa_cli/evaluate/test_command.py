@@ -23,7 +23,7 @@ from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
 
 TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--quick", "--seed", "5")
-LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))
+LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[4] / "shared" / "lab-holder"))
 needs_lab = pytest.mark.skipif(
     not LAB.is_dir(), reason=f"the lab's data are not at {LAB}; VOA_LAB_HOLDER names another place"
 )
@@ -163,10 +163,10 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     assert evaluate.main(["all", "--recorded", str(folder), "--url", process, "--out", str(out)]) == 0
     assert "report.html" in capsys.readouterr().out
     assert 'class="notice"' not in (out / "report.html").read_text(encoding="utf-8")
-    found = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
-    assert {rule for rule, _ in found} == set(EVALUATED_RULES)
-    assert found["exponential", "Q2"]["aecd"] == ""
-    assert found["exponential", "Q2"]["poses_measured"] == "1"
+    rows = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
+    assert {rule for rule, _ in rows} == set(EVALUATED_RULES)
+    assert rows["exponential", "Q2"]["aecd"] == ""
+    assert rows["exponential", "Q2"]["poses_measured"] == "1"
     page = (out / "report.html").read_text(encoding="utf-8")
     assert '<td class="number">1/2</td>' in page
     assert (out / "observation-lab-3-4-tiny-sensors.csv").is_file()

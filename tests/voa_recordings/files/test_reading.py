@@ -39,7 +39,7 @@ def test_a_recording_is_what_was_given_and_others_read_it(tmp_path: Path) -> Non
     recording, result = read(path)
     assert result == [(topic, type_name, at + 7, payload) for topic, type_name, at, payload in given]
     assert (recording.damage, recording.recovered, recording.topics) == (None, 12, {"/scan": LASER_SCAN})
-    assert {message.key for message in recording.messages()} == {"scan"}, "the domain can be told from it"
+    assert {message.key for message in recording.messages()} == {"scan"}, "its domain is that of the recorded keys"
     with AnyReader([path]) as theirs:
         assert [bytes(payload) for _, _, payload in theirs.messages()] == [payload for *_, payload in given]
         assert "ranges" in vars(theirs.deserialize(next(theirs.messages())[2], LASER_SCAN))

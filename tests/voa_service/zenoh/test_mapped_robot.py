@@ -38,8 +38,8 @@ def own_router() -> Iterator[Router]:
 
 @pytest.fixture
 def own(tmp_path: Path, own_router: Router) -> Iterator[Lab]:
-    with lab(tmp_path, own_router) as found:
-        yield found
+    with lab(tmp_path, own_router) as own:
+        yield own
 
 
 @pytest.fixture
@@ -52,22 +52,22 @@ def on(scenario: str, look: str = "{ scans = 3 }") -> str:
     return robot("", look=look).replace('session = ""', f'scenario = "{scenario}"')
 
 
-def problems(heard: list[Sample], type_: str = REFUSED) -> list[Json]:
-    return [sample.json for sample in heard if sample.json["type"] == type_]
+def problems(received: list[Sample], type_: str = REFUSED) -> list[Json]:
+    return [sample.json for sample in received if sample.json["type"] == type_]
 
 
 def events(own: Lab, event: str) -> int:
-    """How often something on Zenoh was counted."""
+    """Count of an event on Zenoh, from the service's metrics."""
     lines = own.service.http.get("/metrics").text.splitlines()
-    found = [line for line in lines if "_total" in line and f'event="{event}"' in line]
-    return sum(int(float(line.split()[-1])) for line in found)
+    counters = [line for line in lines if "_total" in line and f'event="{event}"' in line]
+    return sum(int(float(line.split()[-1])) for line in counters)
 
 
 def test_a_look_that_is_not_accepted_is_published_counted_and_shown_and_the_next_scans_make_another(
     own: Lab, session: str
 ) -> None:
     own.map(robot(session, look="{ scans = 3 }"))
-    heard = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
+    received = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     own.revolutions(4, ranges=NOTHING)
     wait_for(lambda: own.report()["refused"] == 1, "the refusal")
     shown = own.report()
@@ -84,7 +84,7 @@ def test_a_look_that_is_not_accepted_is_published_counted_and_shown_and_the_next
     assert shown["waiting_for"] == "the robot to move on: this stop's look is taken"
     own.revolutions(6, first=20)
     assert own.version(session) == 1
-    (problem,) = problems(heard)
+    (problem,) = problems(received)
     assert (problem["reason"], problem["status"]) == ("no_beams", 422)
 
 
@@ -101,18 +101,18 @@ def test_a_requested_look_that_is_not_accepted_stays_requested(own: Lab, session
 
 @pytest.mark.parametrize("body", [scan_of([None] * 4), laser_scan(NOTHING, 100.0)])
 def test_a_raw_scan_that_is_not_accepted_is_published_too(own: Lab, session: str, body: bytes | Json) -> None:
-    heard = own.bus.subscribe(own.bus.keys.refused(session, "r1"))
+    received = own.bus.subscribe(own.bus.keys.refused(session, "r1"))
     beside: Json = {"sensor": "Q1"} if isinstance(body, bytes) else {}
     own.bus.put_scan(session, body, **beside)
-    wait_for(lambda: heard, "the refusal")
-    (problem,) = problems(heard)
+    wait_for(lambda: received, "the refusal")
+    (problem,) = problems(received)
     assert problem["reason"] == "no_beams"
     (report,) = own.reports()
     assert (report["looks"], report["refused"], report["last_look"]["accepted"]) == (1, 1, False)
     assert report["last_refusal"].startswith("not-accepted: ")
     own.bus.put_scan(session, scan_of([0.5, 0.5, None, 1.0]))
     wait_for(lambda: own.version(session) == 1, "the next scan")
-    assert (len(heard), own.reports()[0]["refused"]) == (1, 1)
+    assert (len(received), own.reports()[0]["refused"]) == (1, 1)
 
 
 def contradicting() -> bytes:
@@ -122,13 +122,13 @@ def contradicting() -> bytes:
 
 
 def test_a_header_that_contradicts_itself_is_refused_with_both_numbers(own: Lab, session: str) -> None:
-    heard = own.bus.subscribe(own.bus.keys.refused(session, "*"))
+    received = own.bus.subscribe(own.bus.keys.refused(session, "*"))
     own.map(robot(session))
     own.bus.put_scan(session, contradicting(), sensor="Q1")
     own.put("tb3_1/scan", contradicting())
-    wait_for(lambda: len(heard) == 2, "both refusals")
-    assert {sample.json["type"] for sample in heard} == {"urn:voa:problem:beam-grid-mismatch"}
-    assert all("-0.1" in sample.json["detail"] and "0.3" in sample.json["detail"] for sample in heard)
+    wait_for(lambda: len(received) == 2, "both refusals")
+    assert {sample.json["type"] for sample in received} == {"urn:voa:problem:beam-grid-mismatch"}
+    assert all("-0.1" in sample.json["detail"] and "0.3" in sample.json["detail"] for sample in received)
     assert own.version(session) == 0
 
 
@@ -268,11 +268,11 @@ def test_a_look_that_the_database_did_not_take_is_taken_again(
     own: Lab, session: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own.map(robot(session, look="{ scans = 3 }"))
-    heard = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
+    received = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     store = own.service.inside.sessions.store
     monkeypatch.setattr(store, "change", failing_once(store.change))
     own.revolutions(3)
-    wait_for(lambda: problems(heard, "urn:voa:problem:overloaded"), "the refusal")
+    wait_for(lambda: problems(received, "urn:voa:problem:overloaded"), "the refusal")
     assert "not accepted (overloaded)" in own.report()["waiting_for"]
     own.revolutions(3, first=10)
     wait_for(lambda: own.version(session) == 1, "the look")

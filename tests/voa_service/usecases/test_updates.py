@@ -1,0 +1,132 @@
+"""Updates of a belief: what each writes, publishes and counts, and what leaves the session as it was."""
+
+import json
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from tests.support.serving import PREDICTIONS, Service, as_scan
+from voa_core.errors import InvalidInput, UnknownName
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
+from voa_service.failures import NotFound, UnknownReference
+from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
+from voa_service.usecases.updates import Updates
+from voa_store.records import SessionState, Write
+
+GOOD = ScanRequest.model_validate({"sensor": "Q1", "scan": as_scan(PREDICTIONS["Q1"]["P2"])})
+EMPTY = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [None] * 4}})
+
+
+def write(kind: Any = "scan", key: str | None = None, session: str = "") -> Write:
+    return write_of(kind, b"{}", idempotency_key(key, scope_of(session), kind, None))
+
+
+@pytest.fixture
+def updates(service: Service) -> Updates:
+    return service.inside.updates
+
+
+@pytest.fixture
+def session(service: Service, data_id: str) -> str:
+    return service.open(data_id)
+
+
+def test_an_accepted_scan_makes_a_version_and_is_published(updates: Updates, service: Service, session: str) -> None:
+    published: list[tuple[str, int | None]] = []
+
+    def note(id_: str, state: SessionState | None) -> None:
+        published.append((id_, None if state is None else state.version))
+
+    with service.inside.changes.listening(note):
+        response = updates.apply_scan(session, GOOD, write())
+    body = json.loads(response.body)
+    assert (response.version, body["version"], body["update"]["accepted"]) == (1, 1, True)
+    assert body["last_fit_rmsd_mm"] == body["update"]["fit_rmsd_mm"] == 0.0
+    assert published == [(session, 1)]
+
+
+def test_a_scan_that_is_not_accepted_changes_and_publishes_nothing(
+    updates: Updates, service: Service, session: str
+) -> None:
+    published: list[str] = []
+    with service.inside.changes.listening(lambda id_, state: published.append(id_)):
+        response = updates.apply_scan(session, EMPTY, write())
+    assert (response.version, json.loads(response.body)["update"]["reason"]) == (0, "no_beams")
+    assert published == []
+    assert service.get(f"/v1/sessions/{session}")["version"] == 0
+
+
+def test_every_observation_is_counted_by_kind_and_result(service: Service, session: str) -> None:
+    counted: list[tuple[str, str]] = []
+    updates = Updates(service.inside.sessions, lambda kind, result: counted.append((kind, result)))
+    updates.apply_scan(session, GOOD, write())
+    updates.apply_scan(session, EMPTY, write())
+    updates.report_outcome(session, OutcomeRequest(grasp="G1", success=True), write("outcome"))
+    updates.put_belief(session, BeliefRequest(belief=None), write("belief"))
+    assert counted == [("scan", "accepted"), ("scan", "no_beams"), ("outcome", "accepted")]
+
+
+def test_an_outcome_keeps_the_fit_of_the_last_scan(updates: Updates, session: str) -> None:
+    updates.apply_scan(session, GOOD, write())
+    outcome = updates.report_outcome(session, OutcomeRequest(grasp="G2", success=False), write("outcome"))
+    assert (outcome.version, json.loads(outcome.body)["last_fit_rmsd_mm"]) == (2, 0.0)
+
+
+def test_a_belief_is_replaced_by_the_stated_one_or_by_the_prior(
+    updates: Updates, service: Service, data_id: str
+) -> None:
+    session = service.open(data_id, prior=[0.5, 0.25, 0.25])
+    stated = updates.put_belief(session, BeliefRequest(belief=[0.0, 0.0, 1.0]), write("belief"))
+    assert json.loads(stated.body)["belief"] == [0.0, 0.0, 1.0]
+    reset = updates.put_belief(session, BeliefRequest(belief=None), write("belief"))
+    assert (reset.version, json.loads(reset.body)["belief"]) == (2, [0.5, 0.25, 0.25])
+
+
+def test_a_repeated_write_is_answered_as_before_even_after_its_session_was_deleted(
+    updates: Updates, service: Service, session: str
+) -> None:
+    own = write(key="k", session=session)
+    first = updates.apply_scan(session, GOOD, own)
+    assert updates.apply_scan(session, GOOD, own) == first
+    assert service.get(f"/v1/sessions/{session}")["version"] == 1
+    service.inside.sessions.delete(session, None, None)
+    assert updates.apply_scan(session, GOOD, own) == first
+
+
+@contextmanager
+def not_found() -> Any:
+    with pytest.raises(NotFound, match="there is no session 'nothing'"):
+        yield
+
+
+def test_updates_of_a_session_that_does_not_exist_are_refused(updates: Updates) -> None:
+    with not_found():
+        updates.apply_scan("nothing", GOOD, write())
+    with not_found():
+        updates.report_outcome("nothing", OutcomeRequest(grasp="G1", success=True), write("outcome", key="k"))
+    with not_found():
+        updates.put_belief("nothing", BeliefRequest(belief=None), write("belief"))
+
+
+def test_requests_that_do_not_fit_the_scenario_are_refused_and_change_nothing(
+    updates: Updates, service: Service, session: str
+) -> None:
+    with pytest.raises(UnknownName):
+        updates.report_outcome(session, OutcomeRequest(grasp="G9", success=True), write("outcome"))
+    with pytest.raises(InvalidInput):
+        updates.put_belief(session, BeliefRequest(belief=[1.0]), write("belief"))
+    assert service.get(f"/v1/sessions/{session}")["version"] == 0
+
+
+def test_an_update_of_a_stated_belief_stores_nothing(updates: Updates, service: Service, data_id: str) -> None:
+    before = service.stored()
+    request = GOOD.model_dump() | {"scenario": data_id, "belief": [0.5, 0.5, 0.0]}
+    estimate = updates.update_once(UpdateRequest.model_validate(request))
+    assert (estimate.version, estimate.update.accepted, estimate.last_fit_rmsd_mm) == (None, True, 0.0)
+    assert estimate.belief[1] > 0.5 > estimate.belief[0] > estimate.belief[2] == 0.0
+    refused = updates.update_once(UpdateRequest.model_validate(EMPTY.model_dump() | request | {"scan": EMPTY.scan}))
+    assert (refused.belief, refused.last_fit_rmsd_mm) == ([0.5, 0.5, 0.0], None)
+    assert service.stored() == before
+    with pytest.raises(UnknownReference, match="'nothing'"):
+        updates.update_once(UpdateRequest.model_validate(request | {"scenario": "nothing"}))
