@@ -171,7 +171,6 @@ TESTED_ELSEWHERE = {
     "http/server": "tests/voa_service/test_serve.py, in a process of its own",
     "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
     "zenoh/applying": "tests/voa_service/zenoh/test_ledger.py",
-    "zenoh/latched": "a call of Zenoh: tests/voa_service/zenoh/test_mapped_robot.py",
     "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",
     "zenoh/queries": "tests/voa_service/zenoh/test_entry.py, with a real router",
     "zenoh/samples": "a record",

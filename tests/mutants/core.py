@@ -5,35 +5,35 @@ from tests.mutants.mutant import Mutant
 MUTANTS = (
     Mutant(
         name="float32 ties are as narrow as float64's",
-        file="voa_core/assistance.py",
+        file="voa_core/choices.py",
         old='"float32": 1e-6',
         new='"float32": 1e-12',
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="float32 ties are wide",
-        file="voa_core/assistance.py",
+        file="voa_core/choices.py",
         old='"float32": 1e-6',
         new='"float32": 1e-4',
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="float64 ties are as wide as float32's",
-        file="voa_core/assistance.py",
+        file="voa_core/choices.py",
         old='"float64": TIE',
         new='"float64": 1e-6',
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="a weight that float64 has lost is used",
-        file="voa_core/assistance.py",
+        file="voa_core/choices.py",
         old='"float64": 1e-200',
         new='"float64": 0.0',
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="a weight that float32 has lost is used",
-        file="voa_core/assistance.py",
+        file="voa_core/choices.py",
         old='"float32": 1e-20}',
         new='"float32": 0.0}',
         tests="tests/voa_core/test_assistance.py",
@@ -251,8 +251,8 @@ MUTANTS = (
     Mutant(
         name="many looks that tie are in any order",
         file="voa_core/ranking.py",
-        old='for look in looks], kind="stable")',
-        new="for look in looks])",
+        old='for look in ranked], kind="stable")',
+        new="for look in ranked])",
         tests="tests/voa_core/test_ranking.py",
     ),
     Mutant(
