@@ -27,7 +27,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@$(BIN)/python -m voa_core.warmup
 	@touch $@
 
-demo: setup  ## the main job, end to end, told in the terminal
+demo: setup  ## a simulated lidar robot helps an arm to grasp; prints the story, leaves a page in build/demo
 	@$(BIN)/voa demo --out build/demo
 
 test: setup system-packages  ## all tests; PostgreSQL is installed by itself where that is allowed

@@ -99,7 +99,7 @@ hardened() {  # hardened ARGUMENTS...: the profile of deploy/compose.yml
 
 show_log() { podman logs "$name" 2>&1 | tail -n 20 | cut -c -2000; }
 
-check() {  # check work|recall: start a container on the volume, ask it, stop it
+check() {  # check work|recall: start a container on the volume, send it requests, stop it
   local port started
   port=$("$python" -c 'import socket; s = socket.create_server(("127.0.0.1", 0)); print(s.getsockname()[1])')
   started=$(date +%s%N)

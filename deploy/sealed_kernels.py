@@ -1,4 +1,4 @@
-"""Kernels that were compiled when the image was built, found where nothing can be written.
+"""Kernels that were compiled when the image was built, read from a folder that cannot be written.
 
 numba takes a cache only if it can write there, and refuses to compile anything where it finds none: on a read-only root
 the service would not start. The image names this locator in NUMBA_CACHE_LOCATOR_CLASSES instead of numba's own.
@@ -9,7 +9,7 @@ from numba.core.caching import UserProvidedCacheLocator
 
 
 class SealedCacheLocator(UserProvidedCacheLocator):
-    """Locator of the cache in NUMBA_CACHE_DIR that accepts a folder in which it cannot write."""
+    """Return NUMBA_CACHE_DIR."""
 
     def ensure_cache_path(self) -> None:
-        """Create no folder: the cache is only read."""
+        """Do nothing: the folder exists, and is only read."""

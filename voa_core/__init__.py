@@ -12,9 +12,17 @@ its docstring names the source.
 | predict scans                         | `prediction`, `cutting`, `rasterising` | Definition 5                        |
 | read measured scans                   | `scans`                                |                                     |
 | turn a scan into weights              | `rules`, `evidence`                    | fit by RMSD; longer: tau 1, 2 and 3 |
+| displace the poses a little           | `displacements`                        |                                     |
+| notice that the object is missing     | `sight`, `absence`                     |                                     |
 | hold and update a belief              | `filtering`, `updating`                | Definition 4; longer: 1 and 2       |
+| hold a belief and the looks behind it | `estimates`, `places`                  |                                     |
 | make a prior                          | `priors`                               | longer: appendix                    |
 | value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
+| choose a grasp after each scan        | `choices`                              | equation 1                          |
+| simulate scans that are to be taken   | `simulation`, `scan_model`             |                                     |
+| weigh simulated scans                 | `simulated_weights`, `copies`, `sample_sight` |                             |
+| value several looks together          | `looks`, `joint_weights`               |                                     |
+| know when to stop looking             | `recommendation`, `perfect_information` |                                    |
 | join all of it for one object         | `scenario`                             |                                     |
 | evaluate a recorded experiment        | `recorded`                             | evaluation 3: VOA against AECD      |
 | find probable mistakes                | `mistakes`                             |                                     |

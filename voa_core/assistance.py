@@ -6,6 +6,7 @@
     VOA(a, b) = sum_p s[p] (Q[x*(b_p), p] - Q[x*(b), p])
 
 with s the belief of the sensor agent (equation 3 of the longer paper), the gripper agent's own b by default.
+Over simulated scans each pose p gives K scans o_pk instead of o~(p, a), and the mean over them stands for its term.
 A VOA may be negative and is never clamped.
 """
 
@@ -17,19 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.choices import LookWeights, after_each
 from voa_core.errors import InvalidInput
-from voa_core.filtering import Belief, condition
-from voa_core.grasps import TIE, GraspTable, best_grasp, choose
-from voa_core.kernels import Array, choose_each
-from voa_core.updating import UpdatePolicy, nearest
-from voa_core.weights import Weigher, wanted
+from voa_core.filtering import Belief
+from voa_core.grasps import GraspTable, best_grasp
+from voa_core.updating import UpdatePolicy
+from voa_core.weights import wanted
 
 Definition = Literal["posterior", "executed"]
-
-_BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
-_GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
-_LEAST_NORM = {"float64": 1e-200, "float32": 1e-20}
-_TIE = {"float64": TIE, "float32": 1e-6}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +36,12 @@ class Assistance:
         voa: expected gain in success probability.
         expected_score_after: expected success probability after the look.
         outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0.
-        best_grasps: (k,) the grasp chosen after the scan predicted for each; -1 for none.
-        scores: (k,) expected score of that grasp then, Qbar*(b_p).
+        best_grasps: (k,) the grasp chosen most often after the scans of each, the first listed of equals; -1 for none.
+        scores: (k,) expected score of the chosen grasp then, Qbar*(b_p), the mean over the scans.
+        shares: (k,) probabilities that the sensor agent gives to these poses.
+        gains: (k, K) gain in success probability after each of the K scans of each pose.
+        standard_error: of `voa`, from the number of simulated scans; None over exact scans.
+        score_standard_error: of `voa`, from the number of attempts behind the grasp scores; None where that is unknown.
     """
 
     voa: float
@@ -49,27 +49,34 @@ class Assistance:
     outcomes: NDArray[np.intp]
     best_grasps: NDArray[np.intp]
     scores: Floats
+    shares: Floats
+    gains: Floats
+    standard_error: float | None = None
+    score_standard_error: float | None = None
 
 
 def value_of_assistance(
-    weigher: Weigher,
+    look: LookWeights,
     belief: Belief,
     table: GraspTable,
     policy: UpdatePolicy,
     *,
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
+    pending: LookWeights | None = None,
     check: Callable[[], None] = wanted,
 ) -> Assistance:
-    """Value of Assistance of a look from the sensor configuration whose weights `weigher` holds.
+    """Value of Assistance of a look whose weights are given.
 
     Args:
-        weigher: weights between the scans predicted there.
+        look: weights of every pose after each scan that the look may give. With `pending` they are those of the pending
+            scans and the look's together, sample by sample.
         belief: of the gripper agent, (n,).
         table: the grasps that are reachable.
         policy: effect of a scan that no possible pose explains.
         definition: "posterior" (equations 2 and 3 of the preliminary paper) or "executed" (equation 4 of the longer).
         sensor_belief: of the sensor agent, (n,), for the outer expectation; None: the gripper agent's.
+        pending: weights after scans that are on their way and not known yet; the value is what the look adds to them.
         check: called before each block of weights; an error that it raises ends the computation.
 
     Raises:
@@ -80,98 +87,112 @@ def value_of_assistance(
     outer = (belief if sensor_belief is None else sensor_belief).p
     outcomes = np.flatnonzero(outer > 0.0)
     shares = outer[outcomes]
-    chosen, scores = _after_each(weigher, outcomes, belief, table, policy, sure=definition == "executed", check=check)
+    shape = len(outcomes), look.samples
+    rows = outcomes if look.samples == 1 else scans_of(outcomes, look.samples)
+    poses = np.repeat(outcomes, look.samples)
+    executed = definition == "executed"
+    look = look.seen_with(belief, policy)
+    chosen, scores = after_each(look, rows, belief, table, policy, sure=executed, check=check)
+    values = scores_at(table, chosen, poses) if executed else scores
     before = best_grasp(table, belief.p)
-    if definition == "posterior":
-        after = float(shares @ scores)
-        return Assistance(after - before.expected_score, after, outcomes, chosen, scores)
-    after = float(shares @ _scored_at(table, chosen, outcomes))
-    kept = np.full(len(outcomes), -1 if before.index is None else before.index)
-    return Assistance(after - float(shares @ _scored_at(table, kept, outcomes)), after, outcomes, chosen, scores)
+    kept = np.full(len(rows), -1 if before.index is None else before.index)
+    base = scores_at(table, kept, poses) if executed else np.full(len(rows), before.expected_score)
+    if pending is not None:
+        pending = pending.seen_with(belief, policy)
+        kept, pending_scores = after_each(pending, rows, belief, table, policy, sure=executed, check=check)
+        base = scores_at(table, kept, poses) if executed else pending_scores
+    after = float(shares @ values.reshape(shape).mean(axis=1))
+    without = (
+        float(shares @ base.reshape(shape).mean(axis=1)) if executed or pending is not None else before.expected_score
+    )
+    gains = (values - base).reshape(shape)
+    return Assistance(
+        after - without,
+        after,
+        outcomes,
+        _most_frequent(chosen.reshape(shape)),
+        scores.reshape(shape).mean(axis=1),
+        shares,
+        gains,
+        standard_error(shares, gains) if look.simulated else None,
+        _score_standard_error(table, chosen, kept, poses, np.repeat(shares, shape[1]) / shape[1]),
+    )
 
 
-def _scored_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
+def scans_of(poses: NDArray[np.intp], samples: int) -> NDArray[np.intp]:
+    """Rows of the `samples` scans of each of the `poses` (k,) in the weights of a look, (k * samples,)."""
+    rows: NDArray[np.intp] = (poses[:, None] * samples + np.arange(samples)).reshape(-1)
+    return rows
+
+
+def scores_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
     """Scores Q[x, p] of pairs of a grasp and a pose, (k,); the grasp -1, which is none, scores 0."""
     return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
 
 
-def _after_each(
-    weigher: Weigher,
-    outcomes: NDArray[np.intp],
-    belief: Belief,
+def standard_error(shares: Floats, gains: Floats) -> float:
+    """Standard error of the mean gain of a look over simulated scans.
+
+    Its square is sum_p s[p]^2 Var_k / K, with the variance over the K scans of a pose. With one scan of each pose it is
+    sum_p s[p]^2 (g_p - mean g)^2, with the mean weighted by s: the poses stand for each other's scans.
+
+    Args:
+        shares: (k,) probabilities s[p] of the poses.
+        gains: (k, K) gain after each scan of each pose.
+    """
+    samples = gains.shape[1]
+    if samples == 1:
+        total = shares.sum()
+        mean = float(shares @ gains[:, 0]) / (total if total > 0.0 else 1.0)
+        return float(np.sqrt(np.sum((shares * (gains[:, 0] - mean)) ** 2)))
+    return float(np.sqrt(np.sum(shares**2 * gains.var(axis=1, ddof=1)) / samples))
+
+
+def _most_frequent(chosen: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Grasp that is chosen most often in each row of (k, K), the first listed of equals."""
+    if chosen.shape[1] == 1:
+        return chosen[:, 0]
+    return np.array([int(np.bincount(row + 1).argmax()) - 1 for row in chosen], dtype=np.intp)
+
+
+def score_variances(table: GraspTable) -> Floats | None:
+    """Variances (m, n) of grasp scores that were measured as k successes of N attempts; None for given probabilities.
+
+    The score has the Beta distribution of parameters k + 1/2 and N - k + 1/2 (Jeffreys).
+    """
+    if table.attempts is None:
+        return None
+    a, b = table.attempts * table.scores + 0.5, table.attempts * (1.0 - table.scores) + 0.5
+    variances: Floats = a * b / ((a + b) ** 2 * (a + b + 1.0))
+    return variances
+
+
+def _score_standard_error(
     table: GraspTable,
-    policy: UpdatePolicy,
-    *,
-    sure: bool,
-    check: Callable[[], None],
-) -> tuple[NDArray[np.intp], Floats]:
-    """Best grasp (-1: none) and its expected score after the scan predicted for each of `outcomes`.
+    chosen: NDArray[np.intp],
+    kept: NDArray[np.intp],
+    poses: NDArray[np.intp],
+    shares: Floats,
+) -> float | None:
+    """Standard deviation of a VOA whose grasps stay chosen while the true scores vary about the measured ones.
 
-    An expected score hardly depends on the choice between nearly equal grasps, but the score of the chosen grasp at
-    one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms.
+    The executed value is linear in the scores: each cell counts by how much oftener the look has its grasp chosen at
+    its pose. So no scores need be drawn.
 
-    One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
-    every grasp, and its last entry the normaliser.
+    Args:
+        table: the grasps; None is returned where its scores are given probabilities.
+        chosen, kept: (k,) grasp after each scan with the look and without it; -1 for none.
+        poses: (k,) pose that gives the scan.
+        shares: (k,) probability of the scan.
     """
-    columns = np.flatnonzero(belief.p > 0.0)
-    if weigher.matrix is not None and len(columns) >= _GATHER_BELOW * len(belief.p):
-        columns = np.arange(len(belief.p))
-    masses = belief.p[columns]
-    right = np.zeros((len(table.scores) + 1, len(columns)), dtype=weigher.dtype)
-    right[:-1] = masses * (table.scores if len(columns) == len(belief.p) else table.scores[:, columns])
-    right[-1] = masses
-    chosen = np.zeros(len(outcomes), dtype=np.intp)
-    scores = np.zeros(len(outcomes))
-    rows_at_once = max(1, _BLOCK_BYTES // (weigher.dtype.itemsize * len(columns)))
-    if weigher.matrix is not None and len(columns) == len(outcomes) == len(belief.p):
-        rows_at_once = len(outcomes)  # the kept matrix itself: nothing is copied
-    for start in range(0, len(outcomes), rows_at_once):
-        check()
-        block = slice(start, start + rows_at_once)
-        product = right @ weigher.weights(outcomes[block], columns).T
-        chosen[block], scores[block], doubtful = _choose_each(product)
-        again = product[-1] < _LEAST_NORM[weigher.dtype.name]
-        for row in np.flatnonzero(again | doubtful if sure else again):
-            chosen[start + row], scores[start + row] = _after_one(
-                weigher, int(outcomes[start + row]), belief, table, policy
-            )
-    return chosen, scores
-
-
-def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """Choose a grasp for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
-
-    Returns:
-        Index of the chosen grasp (-1: none) and its expected score for each column, (k,), and flags (k,) of the
-        columns in which rounding or underflow may have decided: no score is left, or in float32 the best score does
-        not differ from the next.
-    """
-    chosen, tied = np.zeros((2, product.shape[1]), dtype=np.intp)
-    best = np.zeros(product.shape[1])
-    choose_each(product, _TIE[product.dtype.name], chosen, best, tied)
-    norm = product[-1].astype(np.float64)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scores = best / norm
-    doubtful = best <= _TIE[product.dtype.name] * norm
-    if product.dtype == np.float32:
-        doubtful |= tied > 1
-    return chosen, scores, doubtful
-
-
-def _after_one(
-    weigher: Weigher, outcome: int, belief: Belief, table: GraspTable, policy: UpdatePolicy
-) -> tuple[int, float]:
-    """Best grasp (-1: none) and its expected score after one outcome, in logarithms.
-
-    Needed where the weights nearly vanish at every pose that the belief holds possible.
-    """
-    posterior = condition(belief, weigher.log_row(outcome))
-    if posterior is not None:
-        after = posterior.belief
-    else:
-        after = nearest(weigher.distances(outcome)) if policy.on_no_match == "nearest" else belief
-    choice = choose(table.expected_scores(after.p))
-    return (-1 if choice.index is None else choice.index), choice.expected_score
+    variances = score_variances(table)
+    if variances is None:
+        return None
+    difference = np.zeros_like(variances)
+    for grasps, sign in ((chosen, 1.0), (kept, -1.0)):
+        some = grasps >= 0
+        np.add.at(difference, (grasps[some], poses[some]), sign * shares[some])
+    return float(np.sqrt(np.sum(difference**2 * variances)))
 
 
 def executed_value(before: Belief, after_each: list[Belief], table: GraspTable) -> float:

@@ -1,57 +1,24 @@
-"""Comparison of one scan with every pose: the weight and the fit of each, and if the scan shows the object at all."""
+"""Comparison of one scan with every displaced copy of every pose: the weight of each, and how well it fits."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.jit import kernel
-from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
+from voa_core.displacements import Displacements
+from voa_core.filtering import log_means
+from voa_core.lidars import LidarModel, SensorConfiguration
+from voa_core.places import Viewpoint
 from voa_core.prediction import ObservationPredictor, Prediction
 from voa_core.rules.distances import coded, squared_distance
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
+from voa_core.sight import BEHIND_M, Sight, joined, sight_of
 from voa_core.workspace import Workspace
 
-BEHIND_M = 0.1
-"""Without a workspace, a return this far behind the farthest prediction of its beam still sees the object."""
-_FEWEST_RETURNS = 3
-_SLACK_M = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """Beams of one scan that could see the object, and those that do: for scans in which the object is missing.
-
-    Attributes:
-        measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.
-        reach: (n, u) largest range, metres, of a return that sees the object at each pose, in any of its displaced
-            copies; -inf where no copy returns. With a workspace it is inf elsewhere: its edge bounds the returns.
-        fewest: (n,) the fewest of the compared beams on which a displaced copy of each pose returns.
-    """
-
-    measured: Floats
-    reach: Floats
-    fewest: NDArray[np.intp]
-
-    def hits(self, pose: int) -> Floats:
-        """Measured ranges, (h,) metres, on the h beams on which both the scan and a copy of the pose return."""
-        hit: Floats = self.measured[np.isfinite(self.measured) & (self.reach[pose] > -np.inf)]
-        return hit
-
-    def misses_object(self, possible: NDArray[np.bool_]) -> bool:
-        """True if too few beams see the object for it to lie at one of the possible poses, flags (n,).
-
-        With m the fewest returns that a copy of a possible pose predicts, the scan misses the object if m >= 3 and
-        fewer than m / 3 of the beams on which such a copy returns see it. Two returns or fewer decide nothing.
-        """
-        fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
-        if fewest < _FEWEST_RETURNS:
-            return False
-        seen = (self.measured <= _farthest(self.reach, possible) + _SLACK_M) & np.isfinite(self.measured)
-        return 3 * int(np.count_nonzero(seen)) < fewest
+_NUMBERS_AT_ONCE = 2**22  # predicted ranges of every beam of a block of poses, 32 MiB
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,18 +26,32 @@ class Evidence:
     """Evidence of one scan for every pose, which does not depend on the belief.
 
     Attributes:
-        log_weights: (n,) ln w of each pose under the update rule.
-        distances: (n,) d of each pose, metres; with an uncertain sensor pose, the smallest over its sigma points.
-        hit_rmsds: (n,) RMSD over the beams on which both return, metres, at that sigma point; NaN where there is none.
+        log_copies: (n, J) ln w of each displaced copy of each pose under the update rule.
+        distances: (n,) d of each pose, metres: that of the copy with the smallest.
+        hit_rmsds: (n,) RMSD over the beams on which both return, metres, of that copy; NaN where there is none.
         beams_compared: number of beams that are not missing.
         sight: the beams that could see the object, and those that do.
+        log_absent: ln w of a table without the object, which returns no beam.
+        viewpoint: from where the scan was taken; None: unknown, so that no other look shares its place.
     """
 
-    log_weights: Floats
+    log_copies: Floats
     distances: Floats
     hit_rmsds: Floats
     beams_compared: int
     sight: Sight
+    log_absent: float = 0.0
+    viewpoint: Viewpoint | None = None
+
+    @property
+    def copies(self) -> int:
+        """Number J of displaced copies of each pose."""
+        return int(self.log_copies.shape[1])
+
+    @cached_property
+    def log_weights(self) -> Floats:
+        """Logarithms ln w of the weights of the poses, (n,): each is the mean over the copies of the pose."""
+        return log_means(self.log_copies)
 
     @property
     def best_fit(self) -> int:
@@ -102,13 +83,12 @@ def evidence_of_scan(
     rule: UpdateRule,
     *,
     workspace: Workspace | None = None,
-    uncertainty: SensorUncertainty | None = None,
+    displacements: Displacements | None = None,
     listed: bool = False,
 ) -> Evidence:
-    """Compare a measured scan with the prediction of every pose.
+    """Compare a measured scan with the prediction of every displaced copy of every pose.
 
-    With an uncertain sensor pose the weight is the mean over its sigma points, and a pose's distance is that
-    of the sigma point at which it fits best. Which beam is a return is decided at the stated pose.
+    Which beam is a return is decided at the stated sensor pose. A single copy is the pose itself.
 
     Args:
         scan: as measured.
@@ -116,7 +96,7 @@ def evidence_of_scan(
         predictor: of the scenario.
         rule: the update rule, which turns differences into weights.
         workspace: box outside which no return counts; None: there is none.
-        uncertainty: standard deviations of the sensor pose.
+        displacements: of the copies of each pose; None: the object lies exactly at a pose.
         listed: the sensor is one of the scenario's own configurations.
 
     Raises:
@@ -127,33 +107,62 @@ def evidence_of_scan(
     grid = lidar.grid if lidar.grid.agrees_with(scan.grid) else scan.grid
     crossing = workspace.crossing(sensor, grid.angles) if workspace else None
     beams = classify(scan, lidar, crossing)
-    stands = uncertainty.sigma_points(sensor) if uncertainty else [sensor]
-    predictions = [
-        restricted(predictor.predict(stand, grid, listed=listed), stand, scan, lidar, workspace) for stand in stands
-    ]
-    return evidence_of_beams(beams, predictions, rule, has_workspace=workspace is not None)
+    if displacements is None or displacements.copies == 1:
+        copies = 1
+        predictions: Iterable[Prediction] = [predictor.predict(sensor, grid, listed=listed)]
+    else:
+        copies = displacements.copies
+        each = displacements.at(predictor.poses, sensor)
+        poses_at_once = max(1, _NUMBERS_AT_ONCE // (copies * grid.beams))
+        predictions = (
+            predictor.predict_displaced(
+                sensor, each[start : start + poses_at_once], grid, first=start, key=displacements
+            )
+            for start in range(0, len(each), poses_at_once)
+        )
+    return evidence_of_beams(
+        beams,
+        (restricted(prediction, sensor, scan, lidar, workspace) for prediction in predictions),
+        rule,
+        copies=copies,
+        has_workspace=workspace is not None,
+        viewpoint=Viewpoint.of(sensor, lidar, listed=listed),
+    )
 
 
 def evidence_of_beams(
-    beams: Floats, predictions: Sequence[Prediction], rule: UpdateRule, *, has_workspace: bool
+    beams: Floats,
+    predictions: Iterable[Prediction],
+    rule: UpdateRule,
+    *,
+    copies: int = 1,
+    has_workspace: bool,
+    viewpoint: Viewpoint | None = None,
 ) -> Evidence:
     """Compare the classified beams (r,) of a scan with predictions on the same beams.
 
     Args:
         beams: metres, as `scans.classify` gives them.
-        predictions: one for each sigma point of the sensor pose, limited by `restricted`.
+        predictions: limited by `restricted`, of consecutive poses; each has `copies` rows for each of its poses.
         rule: the update rule, which turns differences into weights.
+        copies: number of displaced copies of each pose.
         has_workspace: True if the beams were classified with a workspace.
+        viewpoint: from where the scan was taken; None: unknown.
     """
-    compared = [_compare(beams, prediction, rule) for prediction in predictions]
-    log_weights, distances, hit_rmsds = (np.stack(values) for values in zip(*compared, strict=True))
-    best = distances.argmin(axis=0), np.arange(distances.shape[1])
+    behind_m = np.inf if has_workspace else BEHIND_M
+    compared, sights = [], []
+    for prediction in predictions:  # one after another: those of many copies would not fit in memory together
+        compared.append(_compare(beams, prediction, rule, copies))
+        sights.append(sight_of(beams, prediction, copies, behind_m))
+    log_copies, distances, hit_rmsds = (np.concatenate(values) for values in zip(*compared, strict=True))
     return Evidence(
-        log_weights[0] if len(compared) == 1 else np.logaddexp.reduce(log_weights) - np.log(len(compared)),
-        distances[best],
-        hit_rmsds[best],
+        log_copies,
+        distances,
+        hit_rmsds,
         int(np.count_nonzero(~np.isnan(beams))),
-        _sight(beams, predictions, np.inf if has_workspace else BEHIND_M),
+        joined(beams, sights),
+        _log_absent(beams, rule),
+        viewpoint,
     )
 
 
@@ -171,17 +180,18 @@ def restricted(
     return Prediction(prediction.grid, prediction.columns, restrict_prediction(prediction.ranges, range_max, crossing))
 
 
-def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
-    """Compare one scan, classified (r,), with the scans predicted for every pose at one sensor pose.
+def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule, copies: int) -> tuple[Floats, Floats, Floats]:
+    """Compare one scan, classified (r,), with the scans predicted for the copies of some poses at one sensor pose.
 
     Returns:
-        ln w, d and RMSD over the beams on which both return (NaN where there is none), each (n,).
+        ln w of each copy, (k, J); and d, and RMSD over the beams on which both return (NaN where there is none), of
+        the copy of each pose with the smallest d, each (k,).
     """
     known = ~np.isnan(beams)
     compared = int(known.sum())
+    poses = len(prediction.ranges) // copies
     if compared == 0:
-        nothing = np.zeros(len(prediction.ranges))
-        return nothing, nothing, np.full(len(nothing), np.nan)
+        return np.zeros((poses, copies)), np.zeros(poses), np.full(poses, np.nan)
     kept = known[prediction.columns]
     observed = np.ascontiguousarray(beams[prediction.columns][kept])[None, :]
     predicted = np.ascontiguousarray(prediction.ranges[:, kept])
@@ -193,63 +203,28 @@ def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[F
     square = (
         squared_distance(observed, predicted, rule.no_return_m)[0]
         + squared_distance(rest, nothing, rule.no_return_m)[0, 0]
-    )
+    ).reshape(poses, copies)
+    best = square.argmin(axis=1)
+    nearest = predicted[np.arange(poses) * copies + best]
     hit_rmsds = _hit_rmsds(
         coded(observed, rule.no_return_m),
-        coded(predicted, rule.no_return_m),
-        np.isfinite(observed) & np.isfinite(predicted),
+        coded(nearest, rule.no_return_m),
+        np.isfinite(observed) & np.isfinite(nearest),
     )
-    return rule.log_weights(statistic, compared), np.sqrt(square), hit_rmsds
+    log_copies = rule.log_weights(statistic, compared).reshape(poses, copies)
+    return log_copies, np.sqrt(square[np.arange(poses), best]), hit_rmsds
+
+
+def _log_absent(beams: Floats, rule: UpdateRule) -> float:
+    """Logarithm of the weight of a prediction without any return, for classified beams (r,)."""
+    compared = beams[~np.isnan(beams)][None, :]
+    if compared.shape[1] == 0:
+        return 0.0
+    nothing = np.full_like(compared, NO_RETURN)
+    return float(rule.log_weights(rule.statistic(compared, nothing)[0], compared.shape[1])[0])
 
 
 def _hit_rmsds(observed: Floats, predicted: Floats, both: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> Floats:
     count = both.sum(axis=1)
     square = np.where(both, (observed - predicted) ** 2, 0.0).sum(axis=1)
     return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
-
-
-def _sight(beams: Floats, predictions: Sequence[Prediction], behind_m: float) -> Sight:
-    """Find the classified beams (r,) that could see a pose in any of its displaced copies, one prediction each.
-
-    A return at most `behind_m` behind the farthest prediction of its beam sees the object.
-    """
-    could_see = np.zeros(len(beams), dtype=bool)
-    for prediction in predictions:
-        could_see[prediction.columns] = True
-    columns = np.flatnonzero(could_see & ~np.isnan(beams))
-    entry = np.full(len(beams), -1)
-    entry[columns] = np.arange(len(columns))
-    poses = len(predictions[0].ranges)
-    reach, fewest = np.full((poses, len(columns)), -np.inf), np.full(poses, len(beams))
-    for prediction in predictions:
-        _enter_copy(prediction.ranges, entry[prediction.columns], behind_m, reach, fewest)
-    return Sight(beams[columns], reach, fewest)
-
-
-@kernel
-def _enter_copy(
-    ranges: Floats, entry: NDArray[np.intp], behind_m: float, reach: Floats, fewest: NDArray[np.intp]
-) -> None:
-    """Enter the predictions (n, c) of one displaced copy of every pose into `reach` (n, u) and `fewest` (n,).
-
-    `entry` (c,) is the index among the u beams of each column; -1 for a column that is not compared.
-    """
-    for pose in range(len(ranges)):
-        returns = 0
-        for column in range(len(entry)):
-            if entry[column] >= 0 and ranges[pose, column] < np.inf:
-                returns += 1
-                beam = entry[column]
-                reach[pose, beam] = max(reach[pose, beam], ranges[pose, column] + behind_m)
-        fewest[pose] = min(fewest[pose], returns)
-
-
-@kernel
-def _farthest(reach: Floats, possible: NDArray[np.bool_]) -> Floats:
-    """The greatest of `reach` (n, u) over the possible poses (n,), for each beam, (u,)."""
-    farthest = np.full(reach.shape[1], -np.inf)
-    for pose in range(len(reach)):
-        if possible[pose]:
-            for beam in range(len(farthest)):
-                farthest[beam] = max(farthest[beam], reach[pose, beam])
-    return farthest

@@ -103,3 +103,21 @@ def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
 def share_equally(chosen: NDArray[np.bool_]) -> Belief:
     """Belief with equal probabilities for the poses at which `chosen` (n,) is true."""
     return Belief.of(chosen / np.count_nonzero(chosen))
+
+
+def log_means(log_weights: Floats) -> Floats:
+    """Logarithms of the means of weights over each row of (n, J): (n,), -inf where every weight of a row is 0."""
+    if log_weights.shape[1] == 1:
+        return log_weights[:, 0]
+    highest = log_weights.max(axis=1)
+    shift = np.where(highest > -np.inf, highest, 0.0)
+    with np.errstate(divide="ignore"):
+        means: Floats = shift + np.log(np.exp(log_weights - shift[:, None]).mean(axis=1))
+    return means
+
+
+def mixture(belief: Belief, other: Belief, share: float) -> Belief:
+    """Mix two beliefs over the same poses: (1 - share) times the first plus `share`, in [0, 1], times the other."""
+    with np.errstate(divide="ignore"):
+        log_p = np.logaddexp(belief.log_p + np.log1p(-share), other.log_p + np.log(share))
+    return Belief(frozen((1.0 - share) * belief.p + share * other.p), frozen(log_p))

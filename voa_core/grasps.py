@@ -1,7 +1,7 @@
 """The table of grasp scores Q[x, p], and the choice of a grasp under a belief."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,10 +19,12 @@ class GraspTable:
     Attributes:
         names: one per grasp, all different.
         scores: (m, n), in [0, 1].
+        attempts: number of attempts behind each score, which is then successes / attempts; None: scores are given.
     """
 
     names: tuple[str, ...]
     scores: Floats
+    attempts: int | None = None
 
     @classmethod
     def of_probabilities(cls, names: Sequence[str], probabilities: ArrayLike, poses: int) -> "GraspTable":
@@ -43,7 +45,7 @@ class GraspTable:
             raise InvalidInput(
                 "successes", f"whole numbers from 0 to {attempts}", f"{counts.min():g} to {counts.max():g}"
             )
-        return cls.of_probabilities(names, counts / attempts, poses)
+        return replace(cls.of_probabilities(names, counts / attempts, poses), attempts=attempts)
 
     def reachable(self, names: Sequence[str] | None) -> "GraspTable":
         """Table of the named grasps alone, in the order of this table; None: all grasps.
@@ -55,11 +57,35 @@ class GraspTable:
         if names is None:
             return self
         rows = np.sort(indices("grasp", names, self.names))
-        return GraspTable(tuple(self.names[row] for row in rows), frozen(self.scores[rows]))
+        return GraspTable(tuple(self.names[row] for row in rows), frozen(self.scores[rows]), self.attempts)
 
     def expected_scores(self, belief: Floats) -> Floats:
         """Expected score of every grasp, Qbar(x, b) = sum_p b[p] Q[x, p] (Definition 3), (m,)."""
         return self.scores @ belief
+
+    def log_outcome_weights(
+        self, grasp: int, success: bool, successes: int = 0, failures: int = 0, score_floor: float = 0.0
+    ) -> Floats:
+        """Logarithms of the weights of the poses after an attempt of a grasp, (n,).
+
+        Scores from k successes of N attempts are uncertain themselves: under Jeffreys' prior the attempt succeeds with
+        probability (k + 1/2) / (N + 1), and repeated attempts follow the Beta-binomial distribution: each outcome
+        counts among the attempts of its (grasp, pose) cell. Given probabilities weigh as they are.
+
+        Args:
+            grasp: index of the grasp that was tried.
+            success: True if the attempt succeeded.
+            successes, failures: outcomes of earlier attempts of this grasp, with the object where it is.
+            score_floor: limit, in [0, 0.5], by which scores are kept away from 0 and from 1.
+
+        Raises:
+            InvalidInput: `score_floor` is not in [0, 0.5].
+        """
+        scores = self.scores[grasp]
+        if self.attempts is not None:
+            counted = np.round(scores * self.attempts) + successes
+            scores = (counted + 0.5) / (self.attempts + successes + failures + 1.0)
+        return log_outcome_weights(scores, success, score_floor)
 
 
 @dataclass(frozen=True)

@@ -124,21 +124,3 @@ class SensorUncertainty:
     def __post_init__(self) -> None:
         number("xy_m", self.xy_m, at_least=0.0)
         number("yaw_rad", self.yaw_rad, at_least=0.0)
-
-    def sigma_points(self, sensor: SensorConfiguration) -> list[SensorConfiguration]:
-        """Equally weighted sensor poses with this mean and covariance; the first is the mean itself.
-
-        Per uncertain axis the offsets 0 and +-sqrt(3/2) standard deviations, whose mean square is 1: at most
-        27 points, all of weight 1/27.
-        """
-        step = np.sqrt(1.5)
-
-        def offsets(std: float) -> list[float]:
-            return [0.0, -step * std, step * std] if std > 0.0 else [0.0]
-
-        return [
-            SensorConfiguration(sensor.name, sensor.x + dx, sensor.y + dy, sensor.yaw_rad + turn, sensor.height_m)
-            for dx in offsets(self.xy_m)
-            for dy in offsets(self.xy_m)
-            for turn in offsets(self.yaw_rad)
-        ]

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats, frozen
 from voa_core.cutting import Contours, cut_poses
+from voa_core.displacements import displaced
 from voa_core.errors import BeamGridMismatch, InvalidInput, NoMesh
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.rasterising import rasterise
 from voa_core.scans import NO_RETURN
+
+_NUMBERS_AT_ONCE = 2**22  # ranges of displaced poses, 32 MiB, before the columns without a return are dropped
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +115,56 @@ class ObservationPredictor:
         place = (sensor.name if listed else None, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
         return self.remember((place, wanted), lambda: self._predict(sensor, wanted, listed))
 
+    def predict_displaced(
+        self,
+        sensor: SensorConfiguration,
+        displacements: Floats,
+        grid: BeamGrid | None = None,
+        *,
+        first: int = 0,
+        key: Hashable = None,
+    ) -> Prediction:
+        """Predict the scans of displaced copies of poses from the mesh, by geometry alone as `predict` does.
+
+        Data are not used: they say nothing of an object that lies elsewhere.
+
+        Args:
+            sensor: where the lidar stands.
+            displacements: (k, J, 3) x and y in metres, yaw in radians about the position of the pose, of k poses.
+            grid: the beams to predict; None: the lidar's.
+            first: index of the first of the k poses.
+            key: names the displacements of all poses from this sensor, so that the prediction is remembered; None: it
+                is not.
+
+        Returns:
+            k * J scans: all copies of the first pose, then those of the next.
+
+        Raises:
+            NoMesh: there is no mesh, or no height of the scan plane.
+        """
+        wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
+        if key is None:
+            return self._predict_displaced(sensor, displacements, wanted, first)
+        stands = sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m
+        return self.remember(
+            (stands, wanted, key, first, len(displacements)),
+            lambda: self._predict_displaced(sensor, displacements, wanted, first),
+        )
+
+    def _predict_displaced(
+        self, sensor: SensorConfiguration, displacements: Floats, wanted: BeamGrid, first: int
+    ) -> Prediction:
+        contours = self._contours(sensor)
+        at_once = max(1, _NUMBERS_AT_ONCE // (wanted.beams * displacements.shape[1]))
+        return _joined(
+            [
+                self._rasterised(
+                    displaced(contours, displacements[start : start + at_once], first + start), sensor, wanted
+                )
+                for start in range(0, len(displacements), at_once)
+            ]
+        )
+
     def _predict(self, sensor: SensorConfiguration, wanted: BeamGrid, listed: bool) -> Prediction:
         own_grid = wanted == self.lidar.grid
         given = self.data.get(sensor.name) if listed else None
@@ -123,6 +176,10 @@ class ObservationPredictor:
                 f"{self.lidar.grid.angle_min:g} rad by {self.lidar.grid.angle_increment:g} rad), and the "
                 f"predictions of {sensor.name!r} are data: send scans on the lidar's beams, or give a mesh"
             )
+        return self._rasterised(self._contours(sensor), sensor, wanted)
+
+    def _contours(self, sensor: SensorConfiguration) -> Contours:
+        """Cut the mesh by the scan plane of a sensor; raises NoMesh."""
         if self.contours_at is None:
             raise NoMesh(
                 f"there are no predictions for sensor {sensor.name!r} and no mesh to make them from: "
@@ -131,8 +188,23 @@ class ObservationPredictor:
         height = self.lidar.height_m if sensor.height_m is None else sensor.height_m
         if height is None:
             raise NoMesh(f"sensor {sensor.name!r} has no height_m, nor has the lidar: give one of them a height")
-        ranges = rasterise(self.contours_at(height), sensor, wanted, self.lidar.range_max)
-        return Prediction.of_dense(wanted, ranges)
+        return self.contours_at(height)
+
+    def _rasterised(self, contours: Contours, sensor: SensorConfiguration, grid: BeamGrid) -> Prediction:
+        return Prediction.of_dense(grid, rasterise(contours, sensor, grid, self.lidar.range_max))
+
+
+def _joined(parts: list[Prediction]) -> Prediction:
+    """Join predictions of different poses on the same beams into one, in their order."""
+    if len(parts) == 1:
+        return parts[0]
+    columns = np.unique(np.concatenate([part.columns for part in parts]))
+    ranges = np.full((sum(len(part.ranges) for part in parts), len(columns)), NO_RETURN)
+    row = 0
+    for part in parts:
+        ranges[row : row + len(part.ranges), np.searchsorted(columns, part.columns)] = part.ranges
+        row += len(part.ranges)
+    return Prediction(parts[0].grid, frozen(columns), frozen(ranges))
 
 
 def predictor_of_mesh(object_: Object, poses: PoseSet, lidar: LidarModel) -> ObservationPredictor:

@@ -1,17 +1,20 @@
 """Ranking of sensor configurations by net value, which is the Value of Assistance of a look less its cost."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
 import numpy as np
 
-from voa_core.assistance import Assistance, Definition, value_of_assistance
+from voa_core.assistance import Assistance, Definition, standard_error, value_of_assistance
+from voa_core.choices import LookWeights
 from voa_core.filtering import Belief
 from voa_core.grasps import Choice, GraspTable, best_grasp
 from voa_core.lidars import SensorConfiguration
+from voa_core.looks import Driving, Looks, cost_of, exact_looks
+from voa_core.perfect_information import value_of_perfect_information
 from voa_core.updating import UpdatePolicy
-from voa_core.weights import Weigher, wanted
+from voa_core.weights import wanted
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -20,6 +23,7 @@ SAME_VALUE_DIGITS = 12
 MIN_GAIN = 0.005
 """Net value that a look must exceed to be recommended, in success probability, unless a scenario says otherwise."""
 _TIE = 1e-6
+_ROUNDING = 1e-12
 
 
 class OrderedMap(Protocol):
@@ -31,11 +35,24 @@ class OrderedMap(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RankedLook:
-    """A look from a sensor configuration with its value; `net_value` is VOA less cost, in success probability."""
+    """A look from a sensor configuration with its value.
+
+    Attributes:
+        sensor: the sensor configuration.
+        assistance: Value of Assistance of the look.
+        net_value: VOA less cost, in success probability.
+        cost: of the look, with the drive to it where that costs something.
+    """
 
     sensor: SensorConfiguration
     assistance: Assistance
     net_value: float
+    cost: float
+
+    @property
+    def sure_net_value(self) -> float:
+        """Net value less two standard errors; over exact scans the net value itself."""
+        return self.net_value - 2.0 * (self.assistance.standard_error or 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,24 +61,88 @@ class Ranking:
 
     Attributes:
         before: best grasp and its expected score under the belief before any look.
-        looks: ordered by net value rounded to 1e-12, ties as listed.
+        looks: ordered by net value rounded to 1e-12, ties as listed. Over simulated scans the first may have the values
+            of an evaluation of its own (`recommendation.recommend`).
+        value_of_perfect_information: gain in success probability if the pose were known.
+        best_compared: the first look with the values that it has over the scans that all looks share; None: `looks[0]`.
     """
 
     before: Choice
     looks: tuple[RankedLook, ...]
+    value_of_perfect_information: float
+    best_compared: RankedLook | None = None
 
     def worth_looking(self, min_gain: float = MIN_GAIN) -> bool:
-        """True if the net value of the first look exceeds `min_gain`; otherwise a grasp is recommended."""
-        return self.looks[0].net_value > min_gain
+        """True if the net value of the first look surely exceeds `min_gain`; otherwise a grasp is recommended.
+
+        It surely does if it exceeds it by two standard errors; over exact scans the net value itself counts.
+        """
+        return self.looks[0].sure_net_value > min_gain
 
     def ties_with_first(self, look: RankedLook) -> bool:
-        """True if the net values of `look` and of the first look differ by at most 1e-6; the first ties with itself."""
-        return self.looks[0].net_value - look.net_value <= _TIE
+        """True if the net values of `look` and of the first look do not differ; the first ties with itself.
+
+        Over simulated scans they differ if their difference over the same samples exceeds two standard errors of it,
+        over exact scans if it exceeds 1e-6.
+        """
+        if look is self.looks[0]:
+            return True
+        first = self.looks[0] if self.best_compared is None else self.best_compared
+        difference = first.net_value - look.net_value
+        if look.assistance.standard_error is None:
+            return difference <= _TIE
+        gains = first.assistance.gains - look.assistance.gains
+        return difference <= 2.0 * standard_error(look.assistance.shares, gains) + _ROUNDING
+
+
+@dataclass(frozen=True, eq=False)
+class Valuation:
+    """Belief, grasps and definition by which looks are valued.
+
+    Attributes:
+        belief: of the gripper agent, (n,).
+        table: the grasps that are reachable.
+        policy: effect of scans that do not fit.
+        definition: of VOA, see `assistance`.
+        sensor_belief: of the sensor agent, (n,); None: the gripper agent's.
+        check: called between blocks of weights; an error that it raises ends the computation.
+    """
+
+    belief: Belief
+    table: GraspTable
+    policy: UpdatePolicy
+    definition: Definition = "posterior"
+    sensor_belief: Belief | None = None
+    check: Callable[[], None] = field(default=wanted, repr=False)
+
+    def value(self, look: LookWeights, pending: LookWeights | None = None) -> Assistance:
+        """Value of Assistance of a look; `look` includes the scans that are pending."""
+        return value_of_assistance(
+            look,
+            self.belief,
+            self.table,
+            self.policy,
+            definition=self.definition,
+            sensor_belief=self.sensor_belief,
+            pending=pending,
+            check=self.check,
+        )
+
+    def perfect_information(self, pending: LookWeights | None) -> float:
+        """Value of knowing the pose, after the pending scans."""
+        return value_of_perfect_information(
+            self.belief,
+            self.table,
+            self.policy,
+            sensor_belief=self.sensor_belief,
+            pending=pending,
+            check=self.check,
+        )
 
 
 def rank(
     sensors: Sequence[SensorConfiguration],
-    weigher_of: Callable[[SensorConfiguration], Weigher],
+    weigher_of: Callable[[SensorConfiguration], LookWeights],
     belief: Belief,
     table: GraspTable,
     policy: UpdatePolicy,
@@ -71,7 +152,7 @@ def rank(
     ordered_map: OrderedMap = map,
     check: Callable[[], None] = wanted,
 ) -> Ranking:
-    """Rank sensor configurations by net value under a belief.
+    """Rank sensor configurations by the net value of one exact scan under a belief.
 
     Args:
         sensors: at least one.
@@ -84,15 +165,39 @@ def rank(
         ordered_map: `map`, or a function like it that works on several threads.
         check: called between sensors, predictions and blocks of weights; an error that it raises ends the ranking.
     """
+    valuation = Valuation(belief, table, policy, definition, sensor_belief, check=check)
+    return rank_looks(sensors, Looks(exact_looks(weigher_of)), valuation, ordered_map=ordered_map)
+
+
+def rank_looks(
+    sensors: Sequence[SensorConfiguration],
+    looks: Looks,
+    valuation: Valuation,
+    *,
+    driving: Driving | None = None,
+    ordered_map: OrderedMap = map,
+) -> Ranking:
+    """Rank looks from sensor configurations by net value, on exact or simulated scans.
+
+    Args:
+        sensors: at least one.
+        looks: gives the weights after the scans from a sensor configuration and from those where a look is pending.
+        valuation: belief, grasps and definition.
+        driving: costs of driving to a sensor configuration; None: driving costs nothing.
+        ordered_map: `map`, or a function like it that works on several threads.
+    """
+    pending = looks.baseline()
 
     def worth(sensor: SensorConfiguration) -> RankedLook:
-        check()
-        weigher = weigher_of(sensor)
-        assistance = value_of_assistance(
-            weigher, belief, table, policy, definition=definition, sensor_belief=sensor_belief, check=check
-        )
-        return RankedLook(sensor, assistance, assistance.voa - sensor.cost)
+        valuation.check()
+        assistance = valuation.value(looks.together(sensor), pending)
+        cost = cost_of([sensor], driving)
+        return RankedLook(sensor, assistance, assistance.voa - cost, cost)
 
-    looks = list(ordered_map(worth, sensors))
-    order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")
-    return Ranking(best_grasp(table, belief.p), tuple(looks[index] for index in order))
+    ranked = list(ordered_map(worth, sensors))
+    order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in ranked], kind="stable")
+    return Ranking(
+        best_grasp(valuation.table, valuation.belief.p),
+        tuple(ranked[index] for index in order),
+        valuation.perfect_information(pending),
+    )

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from voa_core.assistance import Definition
+from voa_core.displacements import Displacements, Spread
 from voa_core.errors import UnknownName
+from voa_core.estimates import Estimate
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -35,6 +37,9 @@ class Scenario:
         prior: the belief before the first observation.
         workspace: box outside which no return counts; None: there is none.
         min_gain: net value, in success probability, that a look must exceed to be recommended.
+        spread: of the object about a listed pose; None: it lies exactly at one.
+        seed: names the displacements of the scenario's poses (`displacements.standard_normal_points`).
+        absent: probability that the object lies at none of the poses before the first scan; None: it does for certain.
     """
 
     poses: PoseSet
@@ -46,11 +51,19 @@ class Scenario:
     prior: Belief
     workspace: Workspace | None = None
     min_gain: float = MIN_GAIN
+    spread: Spread | None = None
+    seed: str = ""
+    absent: float | None = None
 
     @property
     def lidar(self) -> LidarModel:
         """Lidar with which scans are taken and for which they are predicted."""
         return self.predictor.lidar
+
+    @property
+    def start(self) -> Estimate:
+        """Estimate before the first observation, from the prior; raises InvalidInput for an impossible `absent`."""
+        return Estimate.of(self.prior, self.absent)
 
     def sensor(self, name: str) -> SensorConfiguration:
         """Find the scenario's sensor configuration of a name; raises UnknownName."""
@@ -65,9 +78,15 @@ class Scenario:
         return place in [(own.name, own.x, own.y, own.yaw_rad, own.height_m) for own in self.sensors]
 
     def evidence(
-        self, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None
+        self, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None, copies: int = 1
     ) -> Evidence:
-        """Compare a scan that was taken from `sensor` with every pose.
+        """Compare a scan that was taken from `sensor` with every displaced copy of every pose.
+
+        Args:
+            scan: as measured.
+            sensor: where the lidar stood, as stated.
+            uncertainty: standard deviations of the sensor pose; None: it is exact.
+            copies: the fewest displaced copies of each pose, which the look's place has already.
 
         Raises:
             NoMesh: there is no prediction for the sensor.
@@ -79,9 +98,15 @@ class Scenario:
             self.predictor,
             self.rule,
             workspace=self.workspace,
-            uncertainty=uncertainty,
+            displacements=self.displacements(sensor, uncertainty, copies),
             listed=self.lists(sensor),
         )
+
+    def displacements(
+        self, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None, copies: int = 1
+    ) -> Displacements:
+        """Make the displacements of a look from `sensor`, with at least `copies` of each pose; raises NoMesh."""
+        return Displacements.of(self.poses, sensor, self.spread, uncertainty, self.seed, copies)
 
     def weigher(
         self,

@@ -5,6 +5,7 @@ The compiled code is written beside the sources, or to NUMBA_CACHE_DIR.
 
 import numpy as np
 
+from voa_core.displacements import Spread
 from voa_core.evidence import evidence_of_scan
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -15,7 +16,10 @@ from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.ranking import rank
 from voa_core.rules.registry import RULES, rule_of
+from voa_core.scan_model import ScanModel
 from voa_core.scans import Scan
+from voa_core.simulated_weights import SimulatedWeights
+from voa_core.simulation import Sampling
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import Weigher
 
@@ -33,8 +37,10 @@ def warm_up() -> None:
     table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
     Surface(object_).holds(corners, 1e-4)
     possible = np.ones(len(poses), dtype=bool)
+    sampling, spread = Sampling("warm-up", 1), Spread(0.005, 0.05)
     for name in RULES:
         rule = rule_of(name, lidar)
+        SimulatedWeights.of(ScanModel(predictor, rule, UpdatePolicy(), "warm-up", spread=spread), sensor, sampling)
         evidence_of_scan(scan, sensor, predictor, rule).sight.misses_object(possible)
         for dtype in (np.float32, np.float64):
             for keep in (False, True):

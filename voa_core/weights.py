@@ -4,18 +4,22 @@ W[q, p] is proportional to the weight that pose p gets when the scan predicted f
 depend on the belief, so callers keep it for each sensor configuration.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.choices import belief_after
+from voa_core.filtering import Belief
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
 from voa_core.rules.distances import squared_distance
 from voa_core.rules.protocol import UpdateRule
+from voa_core.updating import UpdatePolicy
 
 _POSES_AT_ONCE = 2048  # a larger matrix is computed in parts of as many numbers, at most a second each
 
@@ -67,15 +71,25 @@ class Weigher:
         n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
         if n <= _POSES_AT_ONCE:
             check()
-            weights = _scaled(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
+            weights = scale_rows(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
             return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
         weights = np.zeros((n, n), dtype=weigher.dtype)
         rows = max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()
             part = rule.statistic(ranges[start : start + rows], ranges)
-            weights[start : start + rows] = _scaled(rule.log_weights(part, weigher.beams))
+            weights[start : start + rows] = scale_rows(rule.log_weights(part, weigher.beams))
         return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
+
+    @property
+    def samples(self) -> int:
+        """Number of scans of each pose: the predicted one."""
+        return 1
+
+    @property
+    def simulated(self) -> bool:
+        """False: the scans are predictions, without noise."""
+        return False
 
     @property
     def nbytes(self) -> int:
@@ -90,11 +104,25 @@ class Weigher:
                 return self.matrix
             return self.matrix[rows] if len(columns) == n else self.matrix[np.ix_(rows, columns)]
         observed, predicted = (self.ranges[index].astype(self.dtype) for index in (rows, columns))
-        return _scaled(self.rule.log_weights(self.rule.statistic(observed, predicted), self.beams))
+        return scale_rows(self.rule.log_weights(self.rule.statistic(observed, predicted), self.beams))
 
     def log_row(self, row: int) -> Floats:
         """Logarithm ln w of every pose when the scan predicted for pose `row` is observed, in float64, (n,)."""
         return self.rule.log_weights(self.rule.statistic(self.ranges[row : row + 1], self.ranges)[0], self.beams)
+
+    def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
+        """Compute the belief after the scan predicted for each of the poses `rows`, in logarithms.
+
+        Needed where the weights nearly vanish at every pose that the belief holds possible.
+        """
+        return [
+            belief_after(belief, self.log_row(int(row)), policy, partial(self.distances, int(row)))
+            for row, belief in zip(rows, before, strict=True)
+        ]
+
+    def seen_with(self, _belief: Belief, _policy: UpdatePolicy) -> "Weigher":
+        """Weights of this look: a predicted scan shows the object, as far as the rule can say."""
+        return self
 
     def distances(self, row: int) -> Floats:
         """Distance d between the scan predicted for pose `row` and that of every pose, (n,) metres."""
@@ -103,8 +131,8 @@ class Weigher:
         return distances
 
 
-def _scaled(log_weights: Array) -> Array:
-    """Scale weights so that the largest in each row is 1; a row whose weights are all 0 remains 0."""
+def scale_rows(log_weights: Array) -> Array:
+    """Turn log weights into weights in place, the largest in each row 1; a row of weights of 0 remains 0."""
     highest = log_weights.max(axis=1, keepdims=True)
     highest[highest == -np.inf] = 0.0
     if highest.any():  # not among predictions under most rules: the diagonal holds weights of 1

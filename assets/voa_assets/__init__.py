@@ -7,7 +7,7 @@
 | `mallet/`, `block/`| mesh, program, scenario and physics of two more objects                   |
 | `experiments/mug/` | synthetic scans of the mug in the format of a recorded experiment         |
 
-Files are read on request, with the standard library alone.
+Files are read on request, with the standard library alone. The programs that make meshes share `make_obj`.
 """
 
 import json

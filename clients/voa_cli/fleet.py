@@ -30,7 +30,7 @@ from voa_fleet.episodes.episode import Episode, Pair, run_episode
 from voa_fleet.episodes.events import Listener
 from voa_fleet.episodes.looks import ClientChannel, LookChannel
 from voa_fleet.episodes.policies import policy_named
-from voa_fleet.episodes.ros2_looks import MappedRobot, Publish, Ros2Channel, mapping
+from voa_fleet.episodes.ros2_looks import MappingEntry, Publish, Ros2Channel, mapping
 from voa_fleet.errors import FleetError
 from voa_fleet.show.live_report import LiveReport
 from voa_fleet.show.tables import fleet_table
@@ -114,7 +114,7 @@ def _mapping(url: str, target: FleetObject, imperfections: Imperfections, option
     with Client(url, retries=BRIEFLY) as client:
         scenario = load_scenario(client, target.folder / "scenario.json")
     std = stated_by(imperfections)
-    robots = [MappedRobot(name, scenario.id, std) for name in pair_names(options.pairs)]
+    robots = [MappingEntry(name, scenario.id, std) for name in pair_names(options.pairs)]
     return mapping(robots, options.revolutions)
 
 

@@ -19,8 +19,10 @@ class Command(NamedTuple):
 COMMANDS = {
     "serve": Command("voa_service.serve", "run the service", "service"),
     "demo": Command("voa_cli.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
-    "replay": Command("voa_cli.replay", "send recorded experiments, sessions or scans through the service", "cli"),
-    "doctor": Command("voa_cli.doctor", "find out what is wrong between this machine and the service", "cli"),
+    "replay": Command(
+        "voa_cli.replay.command", "send recorded experiments, sessions or scans through the service", "cli"
+    ),
+    "doctor": Command("voa_cli.doctor.command", "find out what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service publish on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
     "evaluate": Command("voa_cli.evaluate.command", "run the paper's evaluations, simulated or recorded", "fleet"),

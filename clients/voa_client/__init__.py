@@ -39,7 +39,7 @@ from voa_client._errors import (
     StaleVersionError,
     TimedOutError,
     UnavailableError,
-    UnexpectedAnswerError,
+    UnexpectedResponseError,
     UnreachableError,
     UsageError,
     VoaClientError,
@@ -51,7 +51,7 @@ from voa_client._sensor import AsyncSensorClient, SensorClient, TakenLook, Tour
 from voa_client._transport import AsyncTransport, Transport
 from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
 from voa_client._zenoh_address import ZenohAddress
-from voa_msgs.geometry import CandidateSensor, SensorPose, UncertainSensorPose
+from voa_msgs.geometry import CandidateSensor, PoseUncertainty, SensorPose, UncertainSensorPose
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses
 from voa_msgs.problems import Health, Problem
@@ -108,6 +108,7 @@ __all__ = [
     "Object",
     "OutcomeRequest",
     "OverloadedError",
+    "PoseUncertainty",
     "Predictions",
     "PredictionsRequest",
     "Problem",
@@ -138,7 +139,7 @@ __all__ = [
     "Transport",
     "UnavailableError",
     "UncertainSensorPose",
-    "UnexpectedAnswerError",
+    "UnexpectedResponseError",
     "UnreachableError",
     "UpdateRequest",
     "UpdatedEstimate",

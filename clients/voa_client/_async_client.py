@@ -10,12 +10,12 @@ from typing import Any, Self
 
 from voa_client import _calls as calls
 from voa_client._addresses import async_transport_to
-from voa_client._answers import Reply, read
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client._calls import Call, M
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import AsyncMailbox
+from voa_client._responses import Response, read
 from voa_client._transport import AsyncTransport
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
@@ -45,8 +45,8 @@ class AsyncClient:
     one write share an idempotency key, so that it takes effect once, however often it was sent; with a `key` of your
     own, another process can repeat it, too.
 
-    Every method raises `UnreachableError` if there is no answer in time, and `ProblemError` if the service refuses; all
-    errors are a `VoaClientError`.
+    Every method raises `UnreachableError` if there is no response in time, and `ProblemError` if the service refuses;
+    all errors are a `VoaClientError`.
 
     Args:
         to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
@@ -280,7 +280,7 @@ class AsyncClient:
                 return await self._attempt(step)
         return None
 
-    async def _attempt(self, step: Send) -> Reply | VoaClientError:
+    async def _attempt(self, step: Send) -> Response | VoaClientError:
         try:
             return await self._transport.send(step.call, None, step.seconds)
         except VoaClientError as error:

@@ -43,7 +43,7 @@ _USE_HTTP = "make the client with the service's http:// address"
 
 
 class Nothing(Message):
-    """Empty answer, to calls that return nothing."""
+    """Empty response, to calls that return nothing."""
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,13 @@ class Call(Generic[M]):
         rpc: name of the method on Zenoh.
         method: of HTTP.
         path: of HTTP, with the names of `ids` in braces.
-        answer: class of the answer's message.
+        response: class of the message in the response.
         ids: values for the names in the path.
         query: parameters of the query string; those that are None are left out.
         body: message to send; None: there is none.
         upload: file to send instead of a body.
         writes: True if the call takes an idempotency key.
-        heavy: True if the answer may take long, so that one long attempt is made instead of several short ones.
+        heavy: True if the response may take long, so that one long attempt is made instead of several short ones.
         if_match: version that the session must have; None: any.
         http_only: True if the service answers the call over HTTP only.
     """
@@ -93,7 +93,7 @@ class Call(Generic[M]):
     rpc: str
     method: str
     path: str
-    answer: type[M]
+    response: type[M]
     ids: Mapping[str, str] = field(default_factory=dict)
     query: Mapping[str, str | int | float | list[str] | None] = field(default_factory=dict)
     body: BaseModel | None = None
@@ -167,14 +167,14 @@ def list_objects(after: str | None) -> Call[ObjectPage]:
 
 
 def find_object(filename: str, content: bytes, scale: float, up: UpAxis | None = None) -> Call[ObjectPage]:
-    """Search the object that was made from a mesh file, by its digest; `matching_object` reads the answer."""
+    """Search the object that was made from a mesh file, by its digest; `matching_object` reads the response."""
     file = {"sha256": hashlib.sha256(content).hexdigest(), "type": PurePath(filename).suffix.lower().removeprefix(".")}
     return Call("object.list", "GET", "/v1/objects", ObjectPage, query=file | {"scale": float(scale), "up": up})
 
 
-def matching_object(call: Call[ObjectPage], answer: ObjectPage) -> Object | None:
+def matching_object(call: Call[ObjectPage], response: ObjectPage) -> Object | None:
     """Pick the object of a `find_object` call; None if it is not there. Older services ignore the digest."""
-    return next((item for item in answer.items if item.sha256 == call.query["sha256"]), None)
+    return next((item for item in response.items if item.sha256 == call.query["sha256"]), None)
 
 
 def stable_poses(object_id: str) -> Call[StablePoses]:

@@ -9,12 +9,12 @@ from typing import Any, Self
 
 from voa_client import _calls as calls
 from voa_client._addresses import transport_to
-from voa_client._answers import Reply, read
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client._calls import Call, M
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import Mailbox
+from voa_client._responses import Response, read
 from voa_client._transport import Transport
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
@@ -44,8 +44,8 @@ class Client:
     one write share an idempotency key, so that it takes effect once, however often it was sent; with a `key` of your
     own, another process can repeat it, too.
 
-    Every method raises `UnreachableError` if there is no answer in time, and `ProblemError` if the service refuses; all
-    errors are a `VoaClientError`.
+    Every method raises `UnreachableError` if there is no response in time, and `ProblemError` if the service refuses;
+    all errors are a `VoaClientError`.
 
     Args:
         to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
@@ -278,7 +278,7 @@ class Client:
                 return self._attempt(step)
         return None
 
-    def _attempt(self, step: Send) -> Reply | VoaClientError:
+    def _attempt(self, step: Send) -> Response | VoaClientError:
         try:
             return self._transport.send(step.call, None, step.seconds)
         except VoaClientError as error:

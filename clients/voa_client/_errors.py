@@ -1,11 +1,11 @@
 """Errors that clients raise.
 
 VoaClientError
-|-- UnreachableError          no answer: the service is not running, the address is wrong, the network is cut
-|   `-- TimedOutError         no answer in time
+|-- UnreachableError          no response: the service is not running, the address is wrong, the network is cut
+|   `-- TimedOutError         no response in time
 |-- UsageError                the call is not valid: unknown scheme, empty id
 |-- WireVersionError          client and service use different versions of the messages
-|-- UnexpectedAnswerError     the answer is of another kind: another program listens there
+|-- UnexpectedResponseError   the response is of another kind: another program listens there
 `-- ProblemError              the service answered with a problem document
     |-- InvalidRequestError   400, 413, 415, 422: repeating the same request is of no use
     |-- DeniedError           401, 403
@@ -18,8 +18,8 @@ VoaClientError
 
 from voa_msgs.problems import Problem
 
-ANSWERED_BETWEEN = "http-error"
-"""Kind of the problem that stands for an HTTP error that a proxy answered, rather than the service."""
+PROXY_PROBLEM = "http-error"
+"""Kind of the problem that stands for an HTTP error that a proxy sent instead of the service."""
 
 
 class VoaClientError(Exception):
@@ -27,11 +27,11 @@ class VoaClientError(Exception):
 
 
 class UnreachableError(VoaClientError):
-    """No answer of the service was received."""
+    """No response of the service was received."""
 
 
 class TimedOutError(UnreachableError):
-    """No answer of the service was received in time."""
+    """No response of the service was received in time."""
 
 
 class UsageError(VoaClientError, ValueError):
@@ -42,8 +42,8 @@ class WireVersionError(VoaClientError):
     """Client and service use different versions of the messages; the error's text says which one to update."""
 
 
-class UnexpectedAnswerError(VoaClientError):
-    """The answer is not a message of the requested kind; another program may listen at the address."""
+class UnexpectedResponseError(VoaClientError):
+    """The response is not a message of the requested kind; another program may listen at the address."""
 
 
 class ProblemError(VoaClientError):
@@ -72,8 +72,8 @@ class NotFoundError(ProblemError):
 
     @property
     def is_of_the_service(self) -> bool:
-        """True if the service itself answered, and not a proxy in its place."""
-        return self.kind != ANSWERED_BETWEEN
+        """True if the problem is of the service itself, and not of a proxy before it."""
+        return self.kind != PROXY_PROBLEM
 
 
 class ConflictError(ProblemError):

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from voa_client import _calls as calls
-from voa_client._answers import Reply, read
 from voa_client._attempts import Patience, worth_another
 from voa_client._calls import Call, M
-from voa_client._errors import NotFoundError, TimedOutError, UnexpectedAnswerError, VoaClientError
+from voa_client._errors import NotFoundError, TimedOutError, UnexpectedResponseError, VoaClientError
 from voa_client._mailbox import MOST_VERSIONS, Batch
+from voa_client._responses import Response, read
 from voa_client._transport import Deleted, Lost, State
 from voa_client._versions import Version, confirmed, received, stored
 from voa_msgs.sessions import HistoryPage, Session
@@ -55,8 +55,8 @@ class Send:
 
 Step = Wait | Pause | Send | Session
 """Next step of a follower; a `Session` is given to the caller."""
-Result = Batch | Reply | VoaClientError | None
-"""Result of a step: of a `Wait` a batch, of a `Send` a reply or the error, else None."""
+Result = Batch | Response | VoaClientError | None
+"""Result of a step: of a `Wait` a batch, of a `Send` a response or the error, else None."""
 Steps = Generator[Step, Result, Lost | None]
 
 
@@ -142,7 +142,7 @@ class Following:
             self.ended = True
             return 0.0
         late = self._patience.clock() - self._began >= self._patience.timeout_s
-        spoilt = self.seen is not None and isinstance(error, UnexpectedAnswerError | NotFoundError)
+        spoilt = self.seen is not None and isinstance(error, UnexpectedResponseError | NotFoundError)
         if (late and self.seen is None) or not (spoilt or worth_another(error)):
             raise error
         self._error = error
@@ -163,7 +163,7 @@ class Following:
         if isinstance(news, State):
             try:
                 at = received(self._id, news.body)
-            except UnexpectedAnswerError as error:
+            except UnexpectedResponseError as error:
                 return Lost(error)
             if self.seen is not None and at.number <= self.seen:
                 return None
@@ -172,7 +172,9 @@ class Following:
             if isinstance(now, Lost):
                 return now
             if at is None or at.number > now.number:
-                return Lost(UnexpectedAnswerError(f"the service does not have the newest event of session {self._id}"))
+                return Lost(
+                    UnexpectedResponseError(f"the service does not have the newest event of session {self._id}")
+                )
         yield self._new(at)
         return None
 
@@ -222,19 +224,19 @@ class Following:
 
     def _now(self) -> Generator[Step, Result, Version | Lost]:
         """Request the current version of the session."""
-        answer = yield from self._send(calls.get_session(self._id))
-        if not isinstance(answer, Session):
-            return Lost(answer)
+        state = yield from self._send(calls.get_session(self._id))
+        if not isinstance(state, Session):
+            return Lost(state)
         try:
-            now = stored(self._id, answer)
-        except UnexpectedAnswerError as error:
+            now = stored(self._id, state)
+        except UnexpectedResponseError as error:
             return Lost(error)
         self._failures = 0
         return now
 
     def _send(self, call: Call[M]) -> Generator[Step, Result, M | VoaClientError]:
         result = yield Send(call, self.within(self._patience.attempt_s) or _SHORTEST_S)
-        assert isinstance(result, Reply | VoaClientError)  # noqa: S101 - the contract of the caller
+        assert isinstance(result, Response | VoaClientError)  # noqa: S101 - the contract of the caller
         if isinstance(result, VoaClientError):
             return result
         try:

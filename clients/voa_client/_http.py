@@ -9,9 +9,9 @@ from typing import Any
 
 import httpx2
 
-from voa_client._answers import Reply, check, synthetic_problem
 from voa_client._calls import Call, get_session
-from voa_client._errors import TimedOutError, UnexpectedAnswerError, UnreachableError, UsageError, VoaClientError
+from voa_client._errors import TimedOutError, UnexpectedResponseError, UnreachableError, UsageError, VoaClientError
+from voa_client._responses import Response, check, synthetic_problem
 from voa_client._transport import Deleted, Lost, News, Receive, State
 from voa_msgs import WIRE_VERSION
 
@@ -38,10 +38,10 @@ class HttpTransport:
         self._http = httpx2.Client(base_url=checked(url), transport=network)
         self._readers: set[_Reader] = set()
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """Send a call as one request, and return the answer; raises UnreachableError or UsageError."""
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
+        """Send a call as one request, and return the response; raises UnreachableError or UsageError."""
         try:
-            return _reply(self._http.request(timeout=seconds, **_request(call, key)))
+            return _response(self._http.request(timeout=seconds, **_request(call, key)))
         except httpx2.RequestError as error:
             raise _error(self._url, error) from error
 
@@ -131,11 +131,11 @@ class AsyncHttpTransport:
         self._url = url
         self._http = httpx2.AsyncClient(base_url=checked(url), transport=network)
 
-    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """Send a call as one request, and return the answer; raises UnreachableError or UsageError."""
+    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
+        """Send a call as one request, and return the response; raises UnreachableError or UsageError."""
         try:
             async with asyncio.timeout(seconds):
-                return _reply(await self._http.request(timeout=seconds, **_request(call, key)))
+                return _response(await self._http.request(timeout=seconds, **_request(call, key)))
         except httpx2.RequestError as error:
             raise _error(self._url, error) from error
         except TimeoutError as error:
@@ -212,14 +212,14 @@ def _stream(session_id: str, seen: int | None) -> dict[str, Any]:
     return {"method": "GET", "url": url, "headers": headers | last, "timeout": timeout}
 
 
-def _reply(response: httpx2.Response) -> Reply:
+def _response(response: httpx2.Response) -> Response:
     headers = response.headers
     wire, pause = _number(headers, _WIRE), _number(headers, "Retry-After")
     if response.is_success:
-        return Reply(response.content, wire=wire)
+        return Response(response.content, wire=wire)
     document = headers.get("content-type", "").startswith("application/problem+json")
     body = response.content if document else synthetic_problem(response.status_code, str(response.url), response.text)
-    return Reply(body, refused=True, wire=wire, retry_after_s=pause)
+    return Response(body, refused=True, wire=wire, retry_after_s=pause)
 
 
 def _number(headers: Mapping[str, str], name: str) -> int | None:
@@ -231,10 +231,10 @@ def _check_stream(response: httpx2.Response) -> None:
     """Raise an error unless a response is a stream of events."""
     kind = response.headers.get("content-type", "")
     if not response.is_success:
-        check(_reply(response))
+        check(_response(response))
     if not kind.startswith("text/event-stream"):
-        raise UnexpectedAnswerError(f"expected a stream of events from {response.url}, got {kind!r}")
-    check(Reply(b"", wire=_number(response.headers, _WIRE)))
+        raise UnexpectedResponseError(f"expected a stream of events from {response.url}, got {kind!r}")
+    check(Response(b"", wire=_number(response.headers, _WIRE)))
 
 
 def _news(event: httpx2.ServerSentEvent) -> News | None:

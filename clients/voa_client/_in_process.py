@@ -5,9 +5,9 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import Any, Protocol
 
-from voa_client._answers import Reply
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError
+from voa_client._responses import Response
 from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Attachment
@@ -15,8 +15,8 @@ from voa_msgs.keys import Attachment
 _POLL_S = 0.05
 
 
-class Answered(Protocol):
-    """An answer of a dispatcher."""
+class DispatcherResponse(Protocol):
+    """The response of a dispatcher to an rpc."""
 
     @property
     def body(self) -> bytes:
@@ -28,10 +28,10 @@ class Answered(Protocol):
 
 
 class Dispatcher(Protocol):
-    """A service that is called directly: it answers the rpcs that it answers over Zenoh."""
+    """A service in this process, which answers the rpcs of Zenoh by direct calls."""
 
-    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> Answered:
-        """Answer an rpc; blocks until the answer is there, and may be called from any thread."""
+    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> DispatcherResponse:
+        """Answer an rpc: return the response when it is ready; may be called from any thread."""
 
 
 class InProcessTransport:
@@ -46,8 +46,8 @@ class InProcessTransport:
     def __init__(self, service: Dispatcher) -> None:
         self._service = service
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:  # noqa: ARG002 - of the protocol
-        """Call the dispatcher, and return its answer."""
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:  # noqa: ARG002 - of the protocol
+        """Call the dispatcher, and return its response."""
         return _send(self._service, call, key)
 
     @contextmanager
@@ -71,7 +71,7 @@ class AsyncInProcessTransport:
     def __init__(self, service: Dispatcher) -> None:
         self._service = service
 
-    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
+    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Call the dispatcher; raises TimedOutError if it takes too long, and then the call continues in its thread."""
         try:
             async with asyncio.timeout(seconds):
@@ -88,8 +88,8 @@ class AsyncInProcessTransport:
         """Do nothing: the caller closes the dispatcher."""
 
 
-def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Reply:
+def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Response:
     call.check_has_rpc()
     attachment = Attachment(id=key, wire=WIRE_VERSION).model_dump_json(exclude_none=True).encode()
-    answered = service.answer(call.rpc, call.payload(), attachment)
-    return Reply(answered.body, refused=answered.is_problem)
+    response = service.answer(call.rpc, call.payload(), attachment)
+    return Response(response.body, refused=response.is_problem)

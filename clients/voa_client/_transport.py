@@ -1,6 +1,6 @@
 """Protocols of transports, which carry calls to a service and news of sessions back.
 
-A transport makes single attempts. Retries, the reading of answers, and the order of a session's versions are the
+A transport makes single attempts. Retries, the reading of responses, and the order of a session's versions are the
 client's part, and so are equal for all transports.
 """
 
@@ -9,9 +9,9 @@ from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from voa_client._answers import Reply
 from voa_client._calls import Call
 from voa_client._errors import VoaClientError
+from voa_client._responses import Response
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Transport(Protocol):
         None: no polling, because the watch reports the current version by itself, and notices when it is cut off.
         """
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Make one attempt.
 
         Args:
@@ -70,7 +70,7 @@ class Transport(Protocol):
             seconds: longest duration of the attempt.
 
         Raises:
-            UnreachableError: no answer was received.
+            UnreachableError: no response was received.
             UsageError: the transport cannot carry this call.
         """
 
@@ -97,7 +97,7 @@ class AsyncTransport(Protocol):
         None: no polling, because the watch reports the current version by itself, and notices when it is cut off.
         """
 
-    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
+    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Make one attempt.
 
         Args:
@@ -106,7 +106,7 @@ class AsyncTransport(Protocol):
             seconds: longest duration of the attempt.
 
         Raises:
-            UnreachableError: no answer was received.
+            UnreachableError: no response was received.
             UsageError: the transport cannot carry this call.
         """
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from voa_client._answers import parse
-from voa_client._errors import UnexpectedAnswerError
+from voa_client._errors import UnexpectedResponseError
+from voa_client._responses import parse
 from voa_msgs.sessions import HistoryEntry, Session
 
 
@@ -17,16 +17,16 @@ class Version:
 
 
 def stored(session_id: str, session: Session) -> Version:
-    """Check that a session has the expected id and a version; raises UnexpectedAnswerError if not."""
+    """Check that a session has the expected id and a version; raises UnexpectedResponseError if not."""
     if session.id != session_id or session.version is None or session.version < 0:
-        raise UnexpectedAnswerError(
+        raise UnexpectedResponseError(
             f"expected a version of session {session_id}, got {session.version} of {session.id[:80]!r}"
         )
     return Version(session.version, session)
 
 
 def received(session_id: str, body: bytes) -> Version:
-    """Parse a body as a version of a session; raises UnexpectedAnswerError if it is not one."""
+    """Parse a body as a version of a session; raises UnexpectedResponseError if it is not one."""
     return stored(session_id, parse(Session, body))
 
 
@@ -42,7 +42,7 @@ def confirmed(entry: HistoryEntry, bodies: Sequence[bytes], now: Session) -> Ses
     for body in bodies:
         try:
             session = parse(Session, body)
-        except UnexpectedAnswerError:
+        except UnexpectedResponseError:
             continue
         if _fits(session, entry, now) and session not in fitting:
             fitting.append(session)

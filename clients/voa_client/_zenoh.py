@@ -13,9 +13,9 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from voa_client._answers import Reply
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError, UnreachableError
+from voa_client._responses import Response
 from voa_client._transport import Hint, Lost, Receive
 from voa_client._zenoh_address import ZenohAddress
 from voa_client._zenoh_link import CHECK_S, Links, joined, zenoh_library
@@ -50,8 +50,8 @@ class ZenohTransport:
         self._keys = Keys(address.root)
         self._links = Links(address)
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """Send a call as a query, and return the answer; raises UnreachableError, TimedOutError or UsageError."""
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
+        """Send a call as a query, and return the response; raises UnreachableError, TimedOutError or UsageError."""
         call.check_has_rpc()
         target = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
@@ -62,7 +62,7 @@ class ZenohTransport:
         _query(session, target, call, key, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
             raise TimedOutError(_silence(target, seconds))
-        return _reply(target, replies)
+        return _response(target, replies)
 
     @contextmanager
     def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:  # noqa: ARG002 - of the protocol
@@ -97,8 +97,8 @@ class AsyncZenohTransport:
         self._keys = Keys(address.root)
         self._links = Links(address)
 
-    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
-        """Send a call as a query, and return the answer; raises UnreachableError, TimedOutError or UsageError."""
+    async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
+        """Send a call as a query, and return the response; raises UnreachableError, TimedOutError or UsageError."""
         call.check_has_rpc()
         target = self._keys.rpc(call.rpc)
         until = time.monotonic() + seconds
@@ -113,7 +113,7 @@ class AsyncZenohTransport:
                 await complete.wait()
         except TimeoutError as error:
             raise TimedOutError(_silence(target, seconds)) from error
-        return _reply(target, replies)
+        return _response(target, replies)
 
     @asynccontextmanager
     async def watch(self, session_id: str, seen: int | None, receive: Receive) -> AsyncIterator[None]:  # noqa: ARG002 - of the protocol
@@ -159,8 +159,8 @@ def _query(
         raise UnreachableError(f"cannot send a query to {target}: {error}") from error
 
 
-def _reply(target: str, replies: "list[zenoh.Reply]") -> Reply:
-    """Return the answer among the replies to a query.
+def _response(target: str, replies: "list[zenoh.Reply]") -> Response:
+    """Return the response among the replies to a query.
 
     Raises:
         UnreachableError: there is no reply: the link broke, the router does not let this user query the service, or the
@@ -170,12 +170,12 @@ def _reply(target: str, replies: "list[zenoh.Reply]") -> Reply:
     for reply in replies:
         if reply.ok is not None:
             attached = reply.ok.attachment
-            return Reply(reply.ok.payload.to_bytes(), wire=None if attached is None else _wire(attached.to_bytes()))
+            return Response(reply.ok.payload.to_bytes(), wire=None if attached is None else _wire(attached.to_bytes()))
     for reply in replies:
         if reply.err is not None:
             body = reply.err.payload.to_bytes()
             if str(reply.err.encoding).startswith("application/json"):
-                return Reply(body, refused=True)
+                return Response(body, refused=True)
             kind = TimedOutError if body == b"Timeout" else UnreachableError
             raise kind(f"no answer at {target}: {body.decode(errors='replace')}")
     raise UnreachableError(

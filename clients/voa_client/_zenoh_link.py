@@ -39,7 +39,7 @@ async def joined(link: "Link", seconds: float) -> "zenoh.Session":
 
 
 class Links:
-    """Links to a router: one for calls, and a second one for news, so that a flood of samples delays no answer."""
+    """Links to a router: one for calls, and a second one for news, so that a flood of samples delays no response."""
 
     def __init__(self, address: ZenohAddress) -> None:
         self._address = address
@@ -139,7 +139,7 @@ def config(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
 
     Args:
         address: of the router, with credentials and certificates.
-        open_ms: how long opening waits for the router, milliseconds; 0: one try.
+        open_ms: time for which opening waits for the router, milliseconds; 0: one try.
         more: further entries of Zenoh's configuration, by path.
 
     Raises:

@@ -72,7 +72,7 @@ def _mesh(file: ScenarioFile, path: Path) -> Path | None:
     """Return the mesh file that `object` names; None: `object` is the id of a stored object, or missing.
 
     Raises:
-        InvalidScenarioFile: there is no such file, or `scale` or `up` is fields without a mesh file.
+        InvalidScenarioFile: there is no such file, or the fields `scale` or `up` are given without a mesh file.
     """
     mesh = None if file.object is None else path.parent / file.object
     if mesh is not None and mesh.is_file():

@@ -14,7 +14,6 @@ from voa_client._zenoh_link import config, zenoh_library
 
 if TYPE_CHECKING:
     import zenoh
-    from zenoh.handlers import Callback
 
 
 class NoRouter(VoaClientError):
@@ -36,7 +35,7 @@ def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
 
     Args:
         address: of the router, with the user to connect as.
-        open_ms: how long to wait for the router, milliseconds; 0: try once.
+        open_ms: time to wait for the router, milliseconds; 0: try once.
         more: further entries of Zenoh's configuration, by path.
 
     Raises:
@@ -57,10 +56,3 @@ def joined(address: ZenohAddress, open_ms: int = 0, more: Mapping[str, Any] | No
         yield session
     finally:
         session.close()
-
-
-def declare_latched_subscriber(session: "zenoh.Session", expression: str, receive: "Callback[zenoh.Sample]") -> Any:
-    """Subscribe to a key expression, and fetch the newest message that its publishers keep (transient local in ROS)."""
-    extensions = zenoh_library().ext
-    history = extensions.HistoryConfig(detect_late_publishers=True, max_samples=1)
-    return extensions.declare_advanced_subscriber(session, expression, receive, history=history)

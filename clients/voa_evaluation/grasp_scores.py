@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import get_args
 
+from voa_fleet.episodes.bench import make_bench
 from voa_fleet.statistics import wilson
 from voa_fleet.world.attempts import Attempt, Result, attempt_grasp, attempt_rng
 from voa_fleet.world.imperfections import Imperfections
-from voa_fleet.world.kinematics import GraspPlan, plan_grasp
+from voa_fleet.world.kinematics import GraspPlan
 from voa_fleet.world.object_poses import noisy_pose, scenario_pose
 from voa_fleet.world.objects import FleetObject
-from voa_fleet.world.scene import World, build_world
+from voa_fleet.world.scene import World
 from voa_msgs.scenarios import MeasuredScores, ScenarioRequest
 
 RESULTS: tuple[Result, ...] = get_args(Result)
@@ -122,13 +123,15 @@ def score_grasps(
         UnstableSimulation: the simulation became unstable.
     """
     rows, columns = tuple(poses or target.poses), tuple(grasps or target.grasps)
-    world = build_world(target)
-    plans = {grasp: plan_grasp(world, target.grasp(grasp)) for grasp in columns}
+    bench = make_bench(target, imperfections, seed)
+    plans = {grasp: bench.arm.plan(grasp) for grasp in columns}
     tasks = [
         _Task(target, pose, grasp, plans[grasp], attempts, imperfections, seed) for pose in rows for grasp in columns
     ]
     by_name: dict[tuple[str, str], Cell] = {}
-    for cell in _in_processes(tasks, processes) if processes > 1 else (_cell(task, world) for task in tasks):
+    for cell in (
+        _in_processes(tasks, processes) if processes > 1 else (_cell(task, bench.scene.world) for task in tasks)
+    ):
         by_name[cell.pose, cell.grasp] = cell
         if progress is not None:
             progress(cell.attempts)
@@ -159,7 +162,7 @@ def _one(task: _Task, world: World, index: int) -> Attempt:
 
 
 def _cell_elsewhere(task: _Task) -> Cell:
-    return _cell(task, build_world(task.target))
+    return _cell(task, make_bench(task.target, task.imperfections, task.seed).scene.world)
 
 
 def _in_processes(tasks: list[_Task], processes: int) -> Iterator[Cell]:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import mujoco
 import numpy as np
 
 from voa_core.checks import Floats
@@ -20,12 +19,12 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, predictor_of_mesh
 from voa_core.workspace import Workspace
+from voa_fleet.episodes.bench import make_bench
 from voa_fleet.world.imperfections import Imperfections
-from voa_fleet.world.lidar import LidarGeometry, displaced, lidar_geometry, true_ranges, with_errors
+from voa_fleet.world.lidar import LidarGeometry, lidar_geometry
 from voa_fleet.world.meshes import read_obj
-from voa_fleet.world.object_poses import noisy_pose, scenario_pose
+from voa_fleet.world.object_poses import Drop, noisy_pose, scenario_pose
 from voa_fleet.world.objects import FleetObject
-from voa_fleet.world.scene import build_world
 from voa_recordings.experiment import RecordedExperiment
 from voa_recordings.experiment_parts import InvalidExperiment
 
@@ -155,8 +154,7 @@ def simulated_errors(
     """
     lidar = lidar_geometry(target.scenario.lidar)
     predictor = _predictor_of(target, lidar)
-    world = build_world(target, arm=True, clutter=imperfections.clutter)
-    data = mujoco.MjData(world.model)
+    bench = make_bench(target, imperfections, seed)
     beams: list[ComparedBeam] = []
     for sensor in target.scenario.sensors:
         stand = Stand(sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
@@ -165,11 +163,10 @@ def simulated_errors(
             for index in range(scans):
                 pair = zlib.crc32(sensor.name.encode()), zlib.crc32(pose.encode())
                 rng = np.random.default_rng([seed, *pair, index])
-                world.put_object(data, noisy_pose(scenario_pose(target, pose), imperfections, rng))
-                mujoco.mj_kinematics(world.model, data)
-                ranges = true_ranges(world, data, lidar, displaced(sensor, imperfections, rng))
-                measured = with_errors(ranges, lidar, imperfections, rng)
-                beams += _compared(target, stand, pose, lidar, measured, predicted[row])
+                drop = Drop(index, pose, noisy_pose(scenario_pose(target, pose), imperfections, rng))
+                robot = bench.place(drop, rng).robot
+                robot.stand_at(sensor)
+                beams += _compared(target, stand, pose, lidar, robot.measure(), predicted[row])
             if progress is not None:
                 progress(scans)
     names = tuple(sensor.name for sensor in target.scenario.sensors)

@@ -52,7 +52,7 @@ def tilt_when_let_go(target: FleetObject, pose: str) -> float:
         UnknownName: there is no such pose.
         UnstableSimulation: the simulation became unstable.
     """
-    world = build_world(target, arm=False)
+    world = _bare_table(target)
     data = mujoco.MjData(world.model)
     world.put_object(data, scenario_pose(target, pose))
     before = world.up(data)
@@ -68,7 +68,7 @@ def drop_repeatedly(
     Raises:
         UnstableSimulation: the simulation became unstable.
     """
-    world = build_world(target, arm=False)
+    world = _bare_table(target)
     counts: Counter[str] = Counter()
     for index in range(count):
         counts[_drop_once(world, np.random.default_rng([seed, index]))] += 1
@@ -105,6 +105,14 @@ def rest_of(target: FleetObject, up: Floats) -> str:
             if angle_between(up, direction / np.linalg.norm(direction)) < SAME_RAD:
                 return name
     return OTHER
+
+
+def _bare_table(target: FleetObject) -> World:
+    """Build a world with the object alone on a wide table.
+
+    A bench would change the counts: a dropped object hits its arm, or rolls off its smaller table.
+    """
+    return build_world(target, arm=False)
 
 
 def _drop_once(world: World, rng: np.random.Generator) -> str:

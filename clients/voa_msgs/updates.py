@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from annotated_types import Ge, Le
 from pydantic import Field
@@ -102,21 +102,17 @@ class PluginUpdate(_Update):
 BuiltInUpdate = MarginUpdate | ExponentialUpdate | GaussianUpdate | InverseRmsdUpdate | BeamUpdate
 UpdateRule = Annotated[BuiltInUpdate | PluginUpdate, Field(discriminator="rule")]
 BUILT_IN: Mapping[str, type[BuiltInUpdate]] = MappingProxyType(
-    {
-        "margin": MarginUpdate,
-        "exponential": ExponentialUpdate,
-        "gaussian": GaussianUpdate,
-        "inverse_rmsd": InverseRmsdUpdate,
-        "beam": BeamUpdate,
-    }
+    {get_args(message.model_fields["rule"].annotation)[0]: message for message in get_args(BuiltInUpdate)}
 )
 """Messages of the built-in rules by name, in the order of `voa_core.rules.registry.RULES`."""
+PAPER_RULES = tuple(name for name, message in BUILT_IN.items() if message is not BeamUpdate)
+"""Names of the update rules of the papers; `beam` is this project's own."""
 POLICY_FIELDS = frozenset({"rule", "on_no_match", "on_nothing_seen", "reject_above_rmsd_mm", "score_floor"})
 """Fields of an update rule that apply to every rule, and are no parameters of one."""
 
 
-def update_of(name: str, no_return_m: float | None = None, on_no_match: OnNoMatch = "reject") -> UpdateRule:
-    """Make the update of a rule with its default parameters: a built-in rule, or else an installed one of that name.
+def default_update(name: str, no_return_m: float | None = None, on_no_match: OnNoMatch = "reject") -> UpdateRule:
+    """Make the update of a rule with its default parameters; a name that is not built in names a plugin's rule.
 
     Args:
         name: of the rule.

@@ -1,13 +1,14 @@
 """ROS 2 without ROS: LaserScans and poses as a bridge puts them on Zenoh, the pose of the lidar, and looks of a robot.
 
-Pure functions and state machines: bytes and messages in, messages out; no I/O and no clock. Depends on pydantic and
-`voa_msgs`.
+Pure functions and state machines: bytes and messages in, messages out; no clock, and no I/O but in
+`latched`, which alone imports Zenoh. Depends on pydantic and `voa_msgs`.
 
 | module         | content                                                                            |
 |----------------|------------------------------------------------------------------------------------|
 | `messages`     | LaserScan, Odometry and PoseWithCovarianceStamped as plain values                  |
 | `cdr`          | encode and decode the bytes of these messages                                      |
 | `topics`       | keys of ROS 2 topics on Zenoh, and rmw_zenoh's attachment                          |
+| `latched`      | subscribe to topics whose publishers keep the newest message, such as AMCL's pose  |
 | `scans`        | convert a LaserScan to the service's scan; median of several scans                 |
 | `robots`       | mapping of robots to sessions, which an operator writes                            |
 | `robot_places` | mount of the lidar and source of its poses, in that mapping                        |
@@ -21,6 +22,7 @@ Pure functions and state machines: bytes and messages in, messages out; no I/O a
 | `localisation` | pose of the lidar at the time of a scan, by odometry or AMCL                       |
 | `scenes`       | difference of two scans, to decide if a robot stands still                         |
 | `looks`        | a look: the median of several revolutions, as an update of a belief                |
+| `stops`        | decide if two looks of a robot were taken at one stop                              |
 | `look_taker`   | decide when the scans of a robot become a look                                     |
 | `pipeline`     | all these steps: from the messages of one mapped robot to its looks                |
 """

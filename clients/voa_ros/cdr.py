@@ -235,7 +235,11 @@ def encode_odometry(odometry: Odometry, *, little_endian: bool = True) -> bytes:
 
 
 def encode_pose(pose: PoseWithCovariance, *, little_endian: bool = True) -> bytes:
-    """Encode a `geometry_msgs/msg/PoseWithCovarianceStamped`; raises InvalidCdr where a number is out of range."""
+    """Encode a `geometry_msgs/msg/PoseWithCovarianceStamped`, for programs that publish AMCL's poses without ROS.
+
+    Raises:
+        InvalidCdr: a number is out of range.
+    """
     writer = _Writer(little_endian=little_endian)
     writer.header(pose.stamp, pose.frame_id)
     writer.pose(pose.pose, pose.covariance)

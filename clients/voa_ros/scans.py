@@ -119,10 +119,10 @@ def _median_beam(values: Sequence[float]) -> float:
     if not values or 2 * (zeros + missing) > len(values):
         return 0.0 if zeros >= missing and values else math.nan
     returns = [value for value, beam in zip(values, classes, strict=True) if beam == "return"]
-    answers = len(returns) + classes.count("nothing")
-    if 2 * len(returns) >= answers:
+    evident = len(returns) + classes.count("nothing")
+    if 2 * len(returns) >= evident:
         return statistics.median_low(returns)
-    return math.inf if 4 * len(returns) < answers else math.nan
+    return math.inf if 4 * len(returns) < evident else math.nan
 
 
 def laser_scan(scan: Scan, grid: BeamGrid) -> LaserScan:

@@ -1,4 +1,4 @@
-"""Comparison of two looks of a robot by different replicas: were they taken at one stop?"""
+"""Decision whether two looks of a robot, gathered by different replicas, were taken at one stop."""
 
 from collections.abc import Callable
 

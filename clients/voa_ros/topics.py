@@ -135,7 +135,16 @@ def match_key(topic: str, key: str, domain: int = 0) -> TopicKey | None:
 
 
 def rmw_key(topic: str, type_: MessageType, domain: int = 0) -> str:
-    """Build the key on which rmw_zenoh publishes and subscribes to a topic."""
+    """Build the key on which rmw_zenoh publishes and subscribes to a topic, for programs that publish without ROS.
+
+    Args:
+        topic: its name without the leading slash.
+        type_: of its messages.
+        domain: `ROS_DOMAIN_ID` of the robot.
+
+    Raises:
+        InvalidTopic: `topic` is not the name of a ROS 2 topic.
+    """
     return f"{domain}/{check_topic(topic)}/{type_.dds_name}/{type_.rihs}"
 
 

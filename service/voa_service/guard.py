@@ -2,7 +2,9 @@
 
 Use cases, the mathematics and the store raise errors of their own. An entrypoint (HTTP, Zenoh, remote calls) does its
 work within `with guarded():` and then needs a single `except Failure`; an exception handler that already holds an
-error calls `failure_of(error)`. No other place turns errors into failures.
+error calls `failure_of(error)`. Within an entrypoint, code that decides by the kind of a failure guards the call that
+it decides about. Where an error means something particular to a use case (a mesh that cannot rest, a request in
+another encoding), the use case raises the failure of that meaning itself.
 """
 
 from collections.abc import Iterator
@@ -70,7 +72,7 @@ def _of_mathematics(error: VoaError) -> Failure:
         case core.BeamGridMismatch():
             return failures.BeamGridMismatch(str(error))
         case core.RuleFault():
-            structlog.get_logger().error("update_rule_failed", rule=error.name, exc_info=error)
+            structlog.get_logger().error("an update rule of another package failed", rule=error.name, exc_info=error)
             return failures.RuleFailed(str(error))
         case core.InvalidInput():
             problem = f"expected {error.expected}, got {error.got}"

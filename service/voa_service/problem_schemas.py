@@ -18,7 +18,7 @@ def problem_schema(kind: type[Failure]) -> dict[str, Any]:
     describes them.
     """
     properties = _properties()
-    own = {name: properties[name] for name in (*_COMMON, *kind.members)}
+    own = {name: _always(properties[name]) for name in (*_COMMON, *kind.members)}
     own["type"] = {"const": f"urn:voa:problem:{kind.kind}", "description": own["type"].get("description", "Kind.")}
     return {
         "type": "object",
@@ -27,6 +27,11 @@ def problem_schema(kind: type[Failure]) -> dict[str, Any]:
         "properties": own,
         "required": _REQUIRED,
     }
+
+
+def _always(schema: dict[str, Any]) -> dict[str, Any]:
+    """Drop from a member's description that other kinds of problems do not have it."""
+    return schema | {"description": schema["description"].replace("; null for other problems", "")}
 
 
 def _properties() -> dict[str, Any]:

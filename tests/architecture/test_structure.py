@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import voa_service
 from tests.architecture.test_imports import PACKAGES, REPOSITORY, files_of, imported
 
 LARGEST_SHARE = 0.22
@@ -17,7 +16,7 @@ def lines_of(package: str) -> int:
     return sum(len(path.read_text().splitlines()) for path in files_of(REPOSITORY / PACKAGES[package].folder))
 
 
-def test_no_package_holds_a_fifth_of_the_source_and_more() -> None:
+def test_each_package_holds_less_than_22_per_cent_of_the_source() -> None:
     sizes = {name: lines_of(name) for name in PACKAGES}
     total = sum(sizes.values())
     shares = {name: round(size / total, 3) for name, size in sizes.items()}
@@ -60,14 +59,55 @@ def test_modules_of_the_client_are_private() -> None:
     assert not users
 
 
-@pytest.mark.parametrize("package", ["voa_service"])
-def test_the_map_in_the_docstring_is_the_folder(package: str) -> None:
-    folder = REPOSITORY / PACKAGES[package].folder
-    listed = re.findall(r"^\| `([a-z_0-9]+)/?` ", voa_service.__doc__ or "", re.MULTILINE)
-    there = {path.stem for path in folder.glob("*.py") if not path.stem.startswith("__")}
-    there |= {path.parent.name for path in folder.glob("*/__init__.py")}
-    assert len(listed) == len(set(listed))
-    assert set(listed) == there
+def folders() -> list[Path]:
+    return [REPOSITORY / package.folder for package in PACKAGES.values()]
+
+
+NAMES_MODULES = {"file", "folder", "module", "part", "see", "folder or file", "file or folder"}
+"""Headers of the columns that name modules and folders, in the tables of docstrings of packages."""
+
+
+def tables(docstring: str) -> set[str]:
+    """Names of modules and folders that the tables of a docstring list; empty where no table does."""
+    listed: set[str] = set()
+    columns: list[int] = []
+    for line in docstring.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")] if line.startswith("|") else []
+        if not cells:
+            columns = []
+        elif not columns:
+            columns = [index for index, cell in enumerate(cells) if cell in NAMES_MODULES]
+            if not columns:
+                columns = [-1]
+        elif columns != [-1]:
+            listed |= {name for index in columns for name in re.findall(r"`([a-z_0-9./]+)`", cells[index])}
+    return {name.strip("/").removeprefix("voa_client.") for name in listed}
+
+
+def with_map() -> list[Path]:
+    """Packages and their folders whose docstring has a table of modules."""
+    every = [path for folder in folders() for path in sorted(folder.rglob("__init__.py"))]
+    return [path for path in every if tables(ast.get_docstring(ast.parse(path.read_text())) or "")]
+
+
+@pytest.mark.parametrize("package", with_map(), ids=lambda path: path.parent.relative_to(REPOSITORY).as_posix())
+def test_the_map_in_the_docstring_is_the_folder(package: Path) -> None:
+    docstring = ast.get_docstring(ast.parse(package.read_text())) or ""
+    folder = package.parent
+    gone = {
+        name for name in tables(docstring) if not (folder / name).is_dir() and not (folder / f"{name}.py").is_file()
+    }
+    assert not gone
+    modules = {path.stem for path in folder.glob("*.py") if not path.stem.startswith("_")}
+    modules |= {path.parent.name for path in folder.glob("*/__init__.py")}
+    unnamed = {name for name in modules if not re.search(rf"`([a-z_]+\.)?{name}/?`", docstring)}
+    assert not unnamed
+
+
+def test_maps_are_held_wherever_there_is_one() -> None:
+    held = {path.parent.relative_to(REPOSITORY).as_posix() for path in with_map()}
+    assert held >= {"voa_core", "voa_core/rules", "clients/voa_ros", "clients/voa_fleet", "service/voa_service"}
+    assert held >= {"service/voa_service/http", "service/voa_service/zenoh", "clients/voa_fleet/episodes"}
 
 
 def test_files_can_be_read_in_one_sitting() -> None:
@@ -131,7 +171,6 @@ TESTED_ELSEWHERE = {
     "http/server": "tests/voa_service/test_serve.py, in a process of its own",
     "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
     "zenoh/applying": "tests/voa_service/zenoh/test_ledger.py",
-    "zenoh/latched": "a call of Zenoh: tests/voa_service/zenoh/test_mapped_robot.py",
     "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",
     "zenoh/queries": "tests/voa_service/zenoh/test_entry.py, with a real router",
     "zenoh/samples": "a record",
@@ -177,10 +216,6 @@ def test_every_module_of_the_service_has_its_test_file_or_a_reason() -> None:
     assert sorted(modules - folders_ - tested - excused) == []
     assert sorted(set(TESTED_ELSEWHERE) - modules) == [], "no reason is left for a module that is gone"
     assert sorted(set(TESTED_ELSEWHERE) & tested) == [], "a module with a test file needs no reason"
-
-
-def folders() -> list[Path]:
-    return [REPOSITORY / package.folder for package in PACKAGES.values()]
 
 
 def test_every_package_is_typed() -> None:

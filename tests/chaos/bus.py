@@ -231,13 +231,13 @@ ATTACKS = [
     Attack("forged delete on the bus", "2026-11-28: 0 of 5 versions seen, the follower ended", _BOUND, forged_delete),
     Attack(
         "garbage on the bus",
-        "2026-11-28: 0 of 5 versions seen, UnexpectedAnswerError ended the follower",
+        "2026-11-28: 0 of 5 versions seen, UnexpectedResponseError ended the follower",
         _BOUND,
         garbage,
     ),
     Attack(
         "flood on the bus",
-        "2026-11-28: UnexpectedAnswerError ended the follower and the arm",
+        "2026-11-28: UnexpectedResponseError ended the follower and the arm",
         f"{_BOUND}; at most 15 calls a second",
         flood,
     ),

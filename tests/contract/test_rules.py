@@ -6,12 +6,13 @@ import pytest
 
 from tests.voa_core.worlds import lidar_of
 from voa_core.rules.registry import RULES, defaults
-from voa_msgs.updates import BUILT_IN, POLICY_FIELDS, BuiltInUpdate, PluginUpdate, update_of
+from voa_msgs.updates import BUILT_IN, PAPER_RULES, POLICY_FIELDS, BuiltInUpdate, PluginUpdate, default_update
 
 
 def test_messages_and_mathematics_list_the_same_rules_in_the_same_order() -> None:
     assert list(BUILT_IN) == list(RULES)
     assert list(BUILT_IN.values()) == list(get_args(BuiltInUpdate))
+    assert PAPER_RULES == ("margin", "exponential", "gaussian", "inverse_rmsd")
 
 
 @pytest.mark.parametrize("name", list(BUILT_IN))
@@ -23,7 +24,7 @@ def test_a_message_has_the_parameters_of_its_rule(name: str) -> None:
 
 
 def test_an_update_is_made_by_name() -> None:
-    assert [update_of(name).rule for name in RULES] == list(RULES)
-    margin = update_of("margin", 1.0, "nearest")
+    assert [default_update(name).rule for name in RULES] == list(RULES)
+    margin = default_update("margin", 1.0, "nearest")
     assert (margin.no_return_m, margin.on_no_match) == (1.0, "nearest")
-    assert update_of("own", 1.0) == PluginUpdate(rule="plugin", name="own", no_return_m=1.0)
+    assert default_update("own", 1.0) == PluginUpdate(rule="plugin", name="own", no_return_m=1.0)

@@ -35,7 +35,7 @@ class Lab:
     @property
     def session(self) -> Session:
         """Session as the service reports it."""
-        return self.inside.sessions.get(self.id)
+        return self.inside.sessions.message(self.inside.sessions.state(self.id))
 
     @property
     def dates(self) -> list[datetime]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "deploy/docs"
+DECISIONS = REPOSITORY / "deploy/decisions"
 _BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 _IDS = re.compile(r"\b[0-9a-f]{16}\b")
 ANYTHING = "..."
@@ -95,7 +96,15 @@ class Page:
         return block
 
 
-PAGES = [Page("README.md"), *(Page(path.relative_to(REPOSITORY).as_posix()) for path in sorted(DOCS.glob("*.md")))]
+PAGES = [
+    Page("README.md"),
+    *(
+        Page(path.relative_to(REPOSITORY).as_posix())
+        for folder in (DOCS, DECISIONS)
+        for path in sorted(folder.glob("*.md"))
+    ),
+]
+"""README.md, the pages of the documentation, and the decision records, which are built with them."""
 README = PAGES[0]
 
 

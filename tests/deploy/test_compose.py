@@ -1,6 +1,6 @@
 """The compose files, the balancer and the Dockerfile agree with each other and with deploy/docs/operations.md.
 
-What `make image` cannot run is at least read.
+These tests read the files that `make image` cannot run.
 """
 
 import re
@@ -20,26 +20,26 @@ OURS = [("compose.yml", "voa"), ("compose.postgres.yml", "voa-1"), ("compose.pos
 
 
 def compose(file: str) -> dict[str, Any]:
-    document: dict[str, Any] = yaml.safe_load((DEPLOY / file).read_text(encoding="utf-8"))
-    return document
+    content: dict[str, Any] = yaml.safe_load((DEPLOY / file).read_text(encoding="utf-8"))
+    return content
 
 
 @pytest.mark.parametrize(("file", "service"), OURS)
 def test_the_service_runs_hardened(file: str, service: str) -> None:
-    settings = compose(file)["services"][service]
-    assert settings["read_only"] is True
-    assert settings["cap_drop"] == ["ALL"]
-    assert settings["security_opt"] == ["no-new-privileges:true"]
-    assert settings["tmpfs"] == ["/tmp"]  # noqa: S108 - in the container
-    assert not {"privileged", "cap_add", "user", "network_mode", "pid"} & set(settings)
+    entry = compose(file)["services"][service]
+    assert entry["read_only"] is True
+    assert entry["cap_drop"] == ["ALL"]
+    assert entry["security_opt"] == ["no-new-privileges:true"]
+    assert entry["tmpfs"] == ["/tmp"]  # noqa: S108 - in the container
+    assert not {"privileged", "cap_add", "user", "network_mode", "pid"} & set(entry)
 
 
 @pytest.mark.parametrize(("file", "service"), OURS)
 def test_the_service_is_built_from_the_dockerfile_and_keeps_its_health_check(file: str, service: str) -> None:
-    settings = compose(file)["services"][service]
-    assert (DEPLOY / settings["build"]["context"]).resolve() == REPOSITORY
-    assert (REPOSITORY / settings["build"]["dockerfile"]).is_file()
-    assert {"interval", "timeout", "start_period", "retries"} == set(settings["healthcheck"])
+    entry = compose(file)["services"][service]
+    assert (DEPLOY / entry["build"]["context"]).resolve() == REPOSITORY
+    assert (REPOSITORY / entry["build"]["dockerfile"]).is_file()
+    assert {"interval", "timeout", "start_period", "retries"} == set(entry["healthcheck"])
     assert "/readyz" in FINAL_STAGE.partition("HEALTHCHECK")[2]
 
 
@@ -56,15 +56,15 @@ def test_only_this_machine_reaches_what_is_published(file: str) -> None:
 
 @pytest.mark.parametrize("file", FILES)
 def test_volumes_and_dependencies_exist(file: str) -> None:
-    document = compose(file)
-    for service in document["services"].values():
+    content = compose(file)
+    for service in content["services"].values():
         for volume in service.get("volumes", []):
             source = volume.split(":")[0]
-            assert (DEPLOY / source).is_file() if source.startswith("./") else source in document["volumes"]
+            assert (DEPLOY / source).is_file() if source.startswith("./") else source in content["volumes"]
         for other, how in service.get("depends_on", {}).items():
             assert how == {"condition": "service_healthy"}
-            assert other in document["services"]
-            assert "healthcheck" in document["services"][other]
+            assert other in content["services"]
+            assert "healthcheck" in content["services"][other]
 
 
 def test_sqlite_is_one_replica_on_the_volume_that_the_image_names() -> None:
@@ -87,16 +87,16 @@ def test_replicas_share_a_database_and_have_nothing_of_their_own() -> None:
     assert int(major[1]) >= 15
 
 
-def test_the_balancer_checks_that_every_replica_is_ready() -> None:
+def test_the_balancer_checks_the_readiness_of_every_replica() -> None:
     services = compose("compose.postgres.yml")["services"]
-    text = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
-    behind = re.findall(r"^ *server (\S+) (\S+):8000$", text, flags=re.MULTILINE)
+    configuration = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
+    behind = re.findall(r"^ *server (\S+) (\S+):8000$", configuration, flags=re.MULTILINE)
     assert behind == [(name, name) for name in services if name.startswith("voa-")]
     assert set(services["balancer"]["depends_on"]) == {name for name, _ in behind}
-    assert "uri /readyz" in text
+    assert "uri /readyz" in configuration
 
 
-def test_the_image_is_nobodys_and_says_what_it_is() -> None:
+def test_the_image_has_an_unprivileged_user_version_and_license() -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert "USER 10001:10001" in FINAL_STAGE
     assert f"ARG VERSION={project['version']}\n" in FINAL_STAGE
@@ -116,7 +116,7 @@ def test_the_image_gets_the_versions_that_the_tests_ran_with(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["requirements-service.lock", "requirements-build.lock"])
 def test_every_requirement_has_a_hash_and_none_an_address(name: str) -> None:
-    text = (DEPLOY / name).read_text(encoding="utf-8")
-    requirements = re.split(r"^(?=[a-z0-9])", text, flags=re.MULTILINE)[1:]
+    content = (DEPLOY / name).read_text(encoding="utf-8")
+    requirements = re.split(r"^(?=[a-z0-9])", content, flags=re.MULTILINE)[1:]
     assert all("--hash=sha256:" in requirement for requirement in requirements)
-    assert "://" not in text
+    assert "://" not in content

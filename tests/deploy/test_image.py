@@ -20,9 +20,9 @@ class Machine:
         self.commands.mkdir()
         self.calls = folder / "calls"
         for name in OF_EVERY_MACHINE:
-            program = shutil.which(name)
-            assert program is not None
-            (self.commands / name).symlink_to(program)
+            installed = shutil.which(name)
+            assert installed is not None
+            (self.commands / name).symlink_to(installed)
         self.script("id", f"echo {user}")
         self.clone = folder / "clone"
         for part in ("deploy/wheelhouse", ".venv/bin"):
@@ -71,7 +71,7 @@ def test_without_apt_the_command_is_printed(tmp_path: Path) -> None:
     assert "sudo apt-get install --no-install-recommends buildah podman runc" in done.stderr
 
 
-def test_without_root_it_says_so(tmp_path: Path) -> None:
+def test_without_root_the_message_names_sudo(tmp_path: Path) -> None:
     done = Machine(tmp_path, user=1000).make_image()
     assert done.returncode == 1
     assert "sudo make image" in done.stderr

@@ -4,11 +4,13 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import zenoh
 from pydantic import BaseModel
 
+from tests.architecture.test_language import retired
 from tests.deploy.pages import PAGES, README, REPOSITORY, Command, Page, agrees, page
 from tests.support.serving import Service
 from voa_cli.main import main
@@ -56,6 +58,30 @@ def test_named_files_and_folders_exist(each: Page) -> None:
         assert (REPOSITORY / path).exists(), path
 
 
+BUILD_FILES = [
+    REPOSITORY / "Makefile",
+    *sorted(
+        path
+        for pattern in ("deploy/Dockerfile", "deploy/*.sh", "deploy/*.yml", "deploy/*.cfg", "assets/**/README.md")
+        for path in REPOSITORY.glob(pattern)
+    ),
+]
+"""Texts beside the pages and the code: build files and descriptions of data."""
+WITH_RETIRED_WORDS = {"deploy/docs/glossary.md"}
+"""Pages that list the retired words."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [*(REPOSITORY / each.path for each in PAGES if each.path not in WITH_RETIRED_WORDS), *BUILD_FILES],
+    ids=lambda path: path.relative_to(REPOSITORY).as_posix(),
+)
+def test_no_retired_word_is_used(path: Path) -> None:
+    words = "|".join(word for word, only_in_names in retired().items() if not only_in_names)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if re.search(rf"\b({words})\b", line, re.IGNORECASE)] == []
+
+
 def test_the_scenarios_and_the_scan_are_valid_requests() -> None:
     (own,) = page("set-up-an-object").blocks("json")
     assert ScenarioFile.model_validate_json(own.text).object == "box.obj"
@@ -97,9 +123,25 @@ def named_calls(each: Page) -> Iterator[tuple[str | None, str]]:
             yield method or None, path
 
 
+def planned_calls() -> set[tuple[str | None, str]]:
+    """Calls that the page of plans lists as new."""
+    section = page("planned").text.split("### New calls\n")[1].split("### ")[0]
+    return {(method or None, path) for method, path, _ in METHODS.findall(section) if method}
+
+
+def test_a_planned_call_is_not_built(operations: set[tuple[str, str]]) -> None:
+    """A call that has been built leaves the page of plans, and is described by the contract."""
+    planned = planned_calls()
+    assert len(planned) >= 4
+    assert not planned & operations
+
+
 @pytest.mark.parametrize("each", PAGES, ids=by_path)
 def test_named_calls_exist(each: Page, service: Service, operations: set[tuple[str, str]]) -> None:
+    planned = planned_calls() if each.path == page("planned").path else set()
     for method, path in named_calls(each):
+        if (method, path) in planned:
+            continue
         if path in ("/docs", "/openapi.json"):
             assert service.http.get(path).is_success
             continue

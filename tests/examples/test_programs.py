@@ -1,6 +1,7 @@
 """Every program of clients/examples is run as a reader would, and does what its docstring says."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from tests.deploy.pages import REPOSITORY, page
 
 EXAMPLES = REPOSITORY / "clients/examples"
 PROGRAMS = sorted(EXAMPLES.glob("*.py"))
-PUBLIC = {"voa_client", "voa_core", "voa_recordings", "voa_assets"}
+PUBLIC = {"voa_client", "voa_core", "voa_recordings", "voa_fleet", "voa_assets"}
 
 
 def run(program: str, *arguments: str) -> str:
@@ -33,6 +34,11 @@ def test_two_robots_share_a_session(process: str) -> None:
     printed = run("two_robots.py", process)
     assert printed.splitlines()[-1].startswith("looked from ")
     assert printed.splitlines()[-1].endswith("succeeded")
+
+
+def test_an_episode_runs_with_the_skeleton_of_a_real_device(process: str) -> None:
+    printed = run("real_device.py", process)
+    assert re.fullmatch(r"looked from \w+(, \w+)*; OI90, expected to succeed with 0\.\d\d: lifted\n", printed)
 
 
 def test_an_experiment_is_recorded_and_replayed(process: str, tmp_path: Path) -> None:

@@ -229,7 +229,7 @@ MUTANTS = (
     ),
     Mutant(
         name="latched poses are not fetched",
-        file="service/voa_service/zenoh/latched.py",
+        file="clients/voa_ros/latched.py",
         old="return declare_advanced_subscriber(session, expression, receive, history=history)",
         new="return session.declare_subscriber(expression, receive)",
         tests="tests/voa_service/zenoh/test_mapped_robot.py",

@@ -266,6 +266,77 @@ def update_by_outcome(
     return Updated(posterior[0], True, None, posterior[1])
 
 
+# ------------------------------------------------------------------------------------ spread, places and absence
+
+
+def covariance(
+    object_std: tuple[float, float],
+    sensor_std: tuple[float, float],
+    pose_xy: tuple[float, float],
+    sensor_xy: tuple[float, float],
+) -> list[list[float]]:
+    """C_a = C_o + A_a C_s A_a^T, entry by entry; each std is (xy, yaw)."""
+    (x_p, y_p), (x_a, y_a) = pose_xy, sensor_xy
+    a = [[-1.0, 0.0, -(y_a - y_p)], [0.0, -1.0, x_a - x_p], [0.0, 0.0, -1.0]]
+    own, other = ([std[0], std[0], std[1]] for std in (object_std, sensor_std))
+    return [
+        [(own[i] ** 2 if i == j else 0.0) + sum(a[i][k] * other[k] ** 2 * a[j][k] for k in range(3)) for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def displacement(c: Sequence[Sequence[float]], z: Sequence[float]) -> tuple[float, float, float]:
+    """L z with L the lower triangular root of a regular covariance, by Cholesky and Banachiewicz."""
+    root = [[0.0] * 3 for _ in range(3)]
+    for i in range(3):
+        for j in range(i + 1):
+            rest = c[i][j] - sum(root[i][k] * root[j][k] for k in range(j))
+            root[i][j] = math.sqrt(rest) if i == j else rest / root[j][j]
+    x, y, yaw = (sum(root[i][k] * z[k] for k in range(3)) for i in range(3))
+    return x, y, yaw
+
+
+def displaced(
+    position: Sequence[float], quaternion_wxyz: Sequence[float], by: tuple[float, float, float]
+) -> tuple[list[float], list[float]]:
+    """The pose moved by (x, y), and turned by the yaw about its own position."""
+    w, x, y, z = quaternion_wxyz
+    cos, sin = math.cos(by[2] / 2.0), math.sin(by[2] / 2.0)
+    turned = [cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w]
+    return [position[0] + by[0], position[1] + by[1], position[2]], turned
+
+
+Looks = Sequence[Sequence[Sequence[float]]]
+"""Log weights of the looks from one place: [look][pose][copy]."""
+
+
+def log_place(looks: Looks, pose: int) -> float:
+    """ln of (1/J) sum_j prod_looks w of one pose."""
+    copies = len(looks[0][pose])
+    return log_mean_weight([math.fsum(look[pose][j] for look in looks) for j in range(copies)])
+
+
+def belief_of_places(base: Sequence[float], places: Sequence[Looks]) -> tuple[list[float], float] | None:
+    """b[p] ~ b0[p] prod_places log_place, and ln of the sum; None where it is 0."""
+    return bayes(base, [math.fsum(log_place(looks, p) for looks in places) for p in range(len(base))])
+
+
+def absent_after(absent: float, log_absent: float, log_evidence: float) -> float:
+    """The probability of absence after a scan."""
+    gone, there = absent * math.exp(log_absent), (1.0 - absent) * math.exp(log_evidence)
+    return gone / (gone + there)
+
+
+def log_attempts(k: int, n: int, successes: int, failures: int) -> float:
+    """ln of the Beta-binomial probability of one order of outcomes, the score being Beta(k + 1/2, n - k + 1/2)."""
+
+    def log_beta(a: float, b: float) -> float:
+        return math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+
+    a, b = k + 0.5, n - k + 0.5
+    return log_beta(a + successes, b + failures) - log_beta(a, b)
+
+
 # --------------------------------------------------------------------------------------------- grasps and looks
 
 Scores = Sequence[Sequence[float]]

@@ -24,7 +24,7 @@ from voa_fleet.episodes.bench import make_bench
 from voa_fleet.episodes.comparison import Comparison, Tally
 from voa_fleet.episodes.episode import Episode
 from voa_fleet.episodes.events import Event, GraspEnded
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.demo_page import Demo
 from voa_fleet.show.episode_pictures import belief_by_look
@@ -117,7 +117,7 @@ def episode(poses: int, places: int) -> tuple[Episode, list[Ranking]]:
     after = before.model_copy(update={"belief": [0.9, *[0.1 / (poses - 1)] * (poses - 1)]})
     looks = [FIRST.model_copy(update={"sensor": f"Q{index}"}) for index in range(places)]
     ranking = RANKING.model_copy(update={"ranking": looks})
-    taken = (TakenLook("Q0", None, after, None),)
+    taken = (EpisodeLook("Q0", None, after, None),)
     return Episode("robot", "voa", before, taken, "G1", 0.9, None, 1.0), [ranking, ranking]
 
 

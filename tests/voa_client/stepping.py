@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tests.voa_client.test_attempts import SESSION, problem
-from voa_client._answers import Reply
 from voa_client._attempts import Patience
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Wait, next_step
 from voa_client._mailbox import Batch
+from voa_client._responses import Response
 from voa_client._transport import Deleted, Lost, State
 from voa_msgs.sessions import Session
 
@@ -52,7 +52,7 @@ class Service:
     """
 
     version: int | None = 0
-    spoilt: Reply | VoaClientError | None = None
+    spoilt: Response | VoaClientError | None = None
     now: float = 0.0
     requested: list[str] = field(default_factory=list)
     paused: list[float] = field(default_factory=list)
@@ -106,11 +106,11 @@ class Service:
         if self.version is None:
             return problem("not-found", 404)
         if rpc == "session.get":
-            return Reply(body(self.version))
+            return Response(body(self.version))
         first = int(query["after"]) + 1
         items: list[dict[str, Any]] = [
             {"version": each, "kind": "belief", "at": at(each), "request": {}, "update": None}
             for each in range(first, min(first + 3, self.version + 1))
         ]
         more = str(items[-1]["version"]) if items and items[-1]["version"] != self.version else None
-        return Reply(json.dumps({"items": items, "next": more}).encode())
+        return Response(json.dumps({"items": items, "next": more}).encode())

@@ -19,21 +19,21 @@ from voa_client import (
     Retries,
     TimedOutError,
     UnavailableError,
-    UnexpectedAnswerError,
+    UnexpectedResponseError,
     UnreachableError,
     UsageError,
     VoaClientError,
     WireVersionError,
 )
-from voa_client._answers import Reply
 from voa_client._attempts import Patience
 from voa_client._calls import Call
+from voa_client._responses import Response
 from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION
 from voa_msgs.sessions import BeliefRequest
 
-READY = Reply(b'{"status": "ready"}')
-SESSION = Reply(
+READY = Response(b'{"status": "ready"}')
+SESSION = Response(
     json.dumps(
         {
             "id": "s",
@@ -54,23 +54,23 @@ NOWHERE = UnreachableError("nobody")
 BACK = BeliefRequest(belief=None)
 
 
-def problem(kind: str, status: int, retry_after_s: float | None = None, **more: Any) -> Reply:
+def problem(kind: str, status: int, retry_after_s: float | None = None, **more: Any) -> Response:
     document = {"type": f"urn:voa:problem:{kind}", "title": "No", "status": status, "detail": "because"} | more
-    return Reply(json.dumps(document).encode(), refused=True, retry_after_s=retry_after_s)
+    return Response(json.dumps(document).encode(), refused=True, retry_after_s=retry_after_s)
 
 
 @dataclass
 class Script:
     """A transport that plays a list of replies and errors, then the last one again and again."""
 
-    replies: Sequence[Reply | Exception]
+    replies: Sequence[Response | Exception]
     takes_s: float = 0.0
     time: float = 0.0
     slept: list[float] = field(default_factory=list)
     sent: list[tuple[str, str | None, float]] = field(default_factory=list)
     poll_s = None
 
-    def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
+    def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         reply = self.replies[min(len(self.sent), len(self.replies) - 1)]
         self.sent.append((call.rpc, key, seconds))
         self.time += min(self.takes_s, seconds)
@@ -116,7 +116,7 @@ class Script:
         problem("http-error", 504),
     ],
 )
-def test_what_may_pass_is_tried_again(failure: Reply | Exception) -> None:
+def test_what_may_pass_is_tried_again(failure: Response | Exception) -> None:
     script = Script([failure, failure, READY])
     assert script.client().ready().status == "ready"
     assert script.slept == [0.1, 0.2]
@@ -131,11 +131,11 @@ def test_what_may_pass_is_tried_again(failure: Reply | Exception) -> None:
         (problem("too-large", 413), InvalidRequestError),
         (problem("internal", 500), ProblemError),
         (UsageError("no"), UsageError),
-        (Reply(b"<h1>Welcome</h1>"), UnexpectedAnswerError),
-        (Reply(b"<h1>No</h1>", refused=True), UnexpectedAnswerError),
+        (Response(b"<h1>Welcome</h1>"), UnexpectedResponseError),
+        (Response(b"<h1>No</h1>", refused=True), UnexpectedResponseError),
     ],
 )
-def test_what_will_not_pass_is_raised_at_once(failure: Reply | Exception, kind: type[VoaClientError]) -> None:
+def test_what_will_not_pass_is_raised_at_once(failure: Response | Exception, kind: type[VoaClientError]) -> None:
     script = Script([failure])
     with pytest.raises(kind):
         script.client().ready()
@@ -159,7 +159,7 @@ def test_jitter_shortens_a_wait_by_up_to_a_half() -> None:
 
 def test_the_service_says_when_to_come_back() -> None:
     document = json.dumps(json.loads(problem("overloaded", 503).body) | {"retry_after_s": 3.0}).encode()
-    script = Script([problem("overloaded", 503, 7.0), Reply(document, refused=True), READY])
+    script = Script([problem("overloaded", 503, 7.0), Response(document, refused=True), READY])
     script.client().ready()
     assert script.slept == [7.0, 3.0]
     script = Script([problem("overloaded", 503, 7.0)])
@@ -196,7 +196,7 @@ def test_a_heavy_call_has_one_long_attempt() -> None:
 
 
 def test_a_heavy_call_that_finds_nobody_is_tried_again() -> None:
-    script = Script([NOWHERE, Reply(b'{"items": []}')])
+    script = Script([NOWHERE, Response(b'{"items": []}')])
     assert script.client().stable_poses("o").items == []
 
 
@@ -226,19 +226,19 @@ def test_health_makes_a_single_attempt() -> None:
 @pytest.mark.parametrize(
     ("reply", "side"),
     [
-        (Reply(b"{}", wire=WIRE_VERSION + 1), "update this program"),
-        (Reply(b"{}", wire=WIRE_VERSION - 1), "update the service"),
-        (Reply(problem("wire-version", 400).body, refused=True), "because"),
-        (Reply(problem("wire-version", 400).body, refused=True, wire=WIRE_VERSION + 1), "update this program"),
+        (Response(b"{}", wire=WIRE_VERSION + 1), "update this program"),
+        (Response(b"{}", wire=WIRE_VERSION - 1), "update the service"),
+        (Response(problem("wire-version", 400).body, refused=True), "because"),
+        (Response(problem("wire-version", 400).body, refused=True, wire=WIRE_VERSION + 1), "update this program"),
     ],
 )
-def test_another_version_of_the_messages_says_which_side_to_update(reply: Reply, side: str) -> None:
+def test_another_version_of_the_messages_says_which_side_to_update(reply: Response, side: str) -> None:
     with pytest.raises(WireVersionError, match=side):
         Script([reply]).client().ready()
 
 
 def test_an_answer_without_a_version_is_taken_as_it_is() -> None:
-    assert Script([Reply(b'{"status": "ready", "mood": "fine"}', wire=None)]).client().ready().status == "ready"
+    assert Script([Response(b'{"status": "ready", "mood": "fine"}', wire=None)]).client().ready().status == "ready"
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), float("nan")])
@@ -254,7 +254,7 @@ def test_the_asynchronous_client_decides_alike() -> None:
         poll_s = None
         watch = script.watch
 
-        async def send(self, call: Call[Any], key: str | None, seconds: float) -> Reply:
+        async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
             return script.send(call, key, seconds)
 
         async def close(self) -> None:

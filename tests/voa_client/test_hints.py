@@ -6,10 +6,10 @@ import pytest
 
 from tests.voa_client.stepping import POLL_S, Service, body, hints, news
 from tests.voa_client.test_attempts import problem
-from voa_client import NotFoundError, Retries, UnexpectedAnswerError, UnreachableError, WireVersionError
-from voa_client._answers import Reply, check, synthetic_problem
+from voa_client import NotFoundError, Retries, UnexpectedResponseError, UnreachableError, WireVersionError
 from voa_client._following import GRACE_S, PAUSE_S
 from voa_client._mailbox import Batch
+from voa_client._responses import Response, check, synthetic_problem
 from voa_client._transport import Deleted, Lost, State
 from voa_msgs.sessions import Session
 
@@ -125,9 +125,9 @@ def test_a_delete_is_believed_of_the_service_alone() -> None:
 
 def test_after_something_was_received_spoilt_answers_are_waited_out() -> None:
     for spoilt in (
-        Reply(b"<html>"),
-        Reply(synthetic_problem(404, "a proxy", "no"), refused=True),
-        Reply(b"", refused=True),
+        Response(b"<html>"),
+        Response(synthetic_problem(404, "a proxy", "no"), refused=True),
+        Response(b"", refused=True),
     ):
         service = Service(0)
         following = service.following()
@@ -144,9 +144,9 @@ def test_after_something_was_received_spoilt_answers_are_waited_out() -> None:
 
 def test_before_anything_was_received_they_say_that_something_else_is_there() -> None:
     for spoilt, kind in (
-        (Reply(b"<html>"), UnexpectedAnswerError),
-        (Reply(synthetic_problem(404, "a proxy", "no"), refused=True), NotFoundError),
-        (Reply(b"{}", wire=2), WireVersionError),
+        (Response(b"<html>"), UnexpectedResponseError),
+        (Response(synthetic_problem(404, "a proxy", "no"), refused=True), NotFoundError),
+        (Response(b"{}", wire=2), WireVersionError),
     ):
         service = Service(0, spoilt)
         following = service.following()
@@ -160,7 +160,7 @@ def test_a_service_of_another_version_of_the_messages_is_said_at_once() -> None:
     service = Service(0)
     following = service.following()
     service.follow(following, [])
-    service.spoilt = Reply(b"{}", wire=2)
+    service.spoilt = Response(b"{}", wire=2)
     _, lost = service.follow(following, [])
     assert lost is not None
     with pytest.raises(WireVersionError):
@@ -186,7 +186,7 @@ def test_an_event_that_the_service_does_not_bear_out_begins_a_new_watch(odd: Sta
     sessions, lost = service.follow(following, [news(State(body(0)), odd, State(body(2)))], poll_s=None)
     assert versions(sessions) == [0]
     assert lost is not None
-    assert isinstance(lost.error, UnexpectedAnswerError)
+    assert isinstance(lost.error, UnexpectedResponseError)
     assert following.lost(lost) == Retries().wait_s(1, 0.0)
     service.version = 1
     sessions, _ = service.follow(following, [news(State(body(1)))], poll_s=None)
@@ -221,7 +221,7 @@ def test_a_watch_that_is_lost_says_so_after_what_came_before() -> None:
 def test_refusals_of_the_service_differ_from_those_of_a_proxy() -> None:
     for reply, own in (
         (problem("not-found", 404), True),
-        (Reply(synthetic_problem(404, "a proxy", "no"), refused=True), False),
+        (Response(synthetic_problem(404, "a proxy", "no"), refused=True), False),
     ):
         with pytest.raises(NotFoundError) as refused:
             check(reply)

@@ -88,6 +88,7 @@ MESSAGES = {
     *("BeliefRequest", "CandidateSensor", "GraspNow", "Health", "HistoryEntry", "LidarPresets", "Look", "Object"),
     *(
         "OutcomeRequest",
+        "PoseUncertainty",
         "Predictions",
         "PredictionsRequest",
         "Problem",
@@ -102,7 +103,7 @@ MESSAGES = {
 }
 ERRORS = {
     *("ConflictError", "DeniedError", "InvalidRequestError", "NotFoundError", "OverloadedError", "ProblemError"),
-    *("StaleVersionError", "TimedOutError", "UnavailableError", "UnexpectedAnswerError", "UnreachableError"),
+    *("StaleVersionError", "TimedOutError", "UnavailableError", "UnexpectedResponseError", "UnreachableError"),
     *("UsageError", "VoaClientError", "WireVersionError"),
 }
 

@@ -6,8 +6,8 @@ import pytest
 
 from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, random_belief
-from voa_core import assistance
-from voa_core.assistance import Assistance, executed_value, value_of_assistance
+from voa_core import choices
+from voa_core.assistance import Assistance, executed_value, score_variances, standard_error, value_of_assistance
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -183,7 +183,7 @@ def test_equal_grasps_go_to_the_first_listed() -> None:
 def test_neither_the_share_of_possible_poses_nor_blocks_matter(
     rule: str, keep: bool, support: int, block_bytes: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(assistance, "_BLOCK_BYTES", block_bytes)
+    monkeypatch.setattr(choices, "_BLOCK_BYTES", block_bytes)
     rng = np.random.default_rng(support)
     ranges = [float(value) for value in rng.choice([0.3, 0.5, 0.9, 1.4], 10)]
     table = GraspTable.of_probabilities(["a", "b", "c"], rng.uniform(size=(3, 10)), 10)
@@ -212,3 +212,22 @@ def test_executed_value_by_hand() -> None:
     value = executed_value(Belief.of([0.5, 0.25, 0.25]), after, TABLE)
     assert value == pytest.approx(0.45 + 0.1125 + 0.1 - 0.55)
     assert math.isfinite(value)
+
+
+def test_variances_of_scores_are_those_of_a_beta_distribution() -> None:
+    rng = np.random.default_rng(3)
+    counts = np.array([[0, 7, 15]])
+    drawn = rng.beta(counts + 0.5, 15 - counts + 0.5, (200_000, 1, 3))
+    variances = score_variances(GraspTable.of_successes(["a"], counts, 15, 3))
+    assert variances is not None
+    np.testing.assert_allclose(variances, drawn.var(axis=0), rtol=0.02)
+    assert score_variances(TABLE) is None
+
+
+def test_standard_errors_by_hand() -> None:
+    shares = np.array([0.75, 0.25])
+    assert standard_error(shares, np.array([[1.0, 0.0], [0.5, 0.5]])) == pytest.approx(np.sqrt(0.75**2 * 0.5 / 2))
+    # One scan of each pose: the mean is 0.75.
+    of_one = np.sqrt((0.75 * 0.25) ** 2 + (0.25 * 0.75) ** 2)
+    assert standard_error(shares, np.array([[1.0], [0.0]])) == pytest.approx(of_one)
+    assert standard_error(np.zeros(0), np.zeros((0, 1))) == 0.0

@@ -7,16 +7,18 @@ from tests.support import twin
 from tests.voa_core.worlds import (
     HERE,
     RULE_NAMES,
-    as_lists,
     box,
     data_predictor,
     lidar_of,
     parameters_of,
     standing,
 )
+from voa_core import evidence as evidence_module
+from voa_core.displacements import Displacements, Spread, standard_normal_points
 from voa_core.errors import BeamGridMismatch
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
-from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
+from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rules.registry import rule_of
 from voa_core.scans import Scan, classify
@@ -152,26 +154,98 @@ def test_data_cannot_serve_other_beams() -> None:
         evidence_of_scan(Scan(np.ones(3), BeamGrid(3, 0.0, 0.1)), HERE, DATA, EXPONENTIAL, listed=True)
 
 
+SPREAD, STD = Spread(0.01, 0.06), SensorUncertainty(0.02, 0.04)
+POSES = PoseSet.from_arrays(
+    ["A", "B", "C"],
+    [[0.0, 0.0, 0.0], [0.03, -0.02, 0.0], [0.4, 0.4, 0.0]],
+    [[math.cos(yaw), 0.0, 0.0, math.sin(yaw)] for yaw in (0.0, 0.1, 0.2)],
+)
+
+
+def twin_copies(lidar: LidarModel, displacements: Displacements) -> list[list[list[float]]]:
+    """Scans of the displaced copies of each of POSES at AT, by casting rays on all faces."""
+    assert POSES.positions is not None
+    assert POSES.quaternions_wxyz is not None
+    spread, std = displacements.spread or Spread(1e-9, 1e-9), displacements.std or SensorUncertainty(0.0, 0.0)
+    points = standard_normal_points(displacements.copies, displacements.seed)
+    copies = []
+    for position, quaternion in zip(POSES.positions, POSES.quaternions_wxyz, strict=True):
+        covariance = twin.covariance(
+            (spread.xy_m, spread.yaw_rad), (std.xy_m, std.yaw_rad), (position[0], position[1]), (AT.x, AT.y)
+        )
+        placed = [twin.displaced(position, quaternion, twin.displacement(covariance, z)) for z in points]
+        angles = lidar.grid.angles.tolist()
+        copies.append(
+            [
+                twin.cast(CUBE.vertices, CUBE.faces, *each, (AT.x, AT.y, AT.yaw_rad), 0.1, angles, lidar.range_max)
+                for each in placed
+            ]
+        )
+    return copies
+
+
 @pytest.mark.parametrize("name", RULE_NAMES)
-def test_an_uncertain_sensor_pose_weighs_by_the_mean_over_its_sigma_points(name: str) -> None:
+def test_displaced_copies_agree_with_the_twin(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     lidar = lidar_of(24)
-    poses = standing((0.0, 0.0, 0.0), (0.03, -0.02, 0.0), (0.4, 0.4, 0.0))
-    predictor, rule = predictor_of_mesh(CUBE, poses, lidar), rule_of(name, lidar)
+    predictor, rule = predictor_of_mesh(CUBE, POSES, lidar), rule_of(name, lidar)
     measured = predictor.predict(SensorConfiguration("b", -0.32, 0.09, 0.05)).dense()[1]
     measured[3] = NAN
-    spread = SensorUncertainty(0.02, 0.04)
-    evidence = evidence_of_scan(Scan(measured, lidar.grid), AT, predictor, rule, uncertainty=spread)
-    stands = [as_lists(predictor.predict(stand).dense()) for stand in spread.sigma_points(AT)]
+    displacements = Displacements(8, SPREAD, STD, "test")
+    monkeypatch.setattr(evidence_module, "_NUMBERS_AT_ONCE", 2 * 8 * 24)  # two poses, then one
+    evidence = evidence_of_scan(Scan(measured, lidar.grid), AT, predictor, rule, displacements=displacements)
     beams, parameters = [float(value) for value in measured], parameters_of(name, lidar)
-    for pose in range(3):
-        weights = [twin.log_weight(name, parameters, beams, stand[pose]) for stand in stands]
-        assert evidence.log_weights[pose] == pytest.approx(twin.log_mean_weight(weights), abs=1e-11)
-        nearest = min(stands, key=lambda stand: twin.distance(beams, stand[pose], rule.no_return_m))[pose]
-        assert evidence.distances[pose] == pytest.approx(twin.distance(beams, nearest, rule.no_return_m), abs=1e-12)
+    assert evidence.copies == 8
+    for pose, scans in enumerate(twin_copies(lidar, displacements)):
+        weights = [twin.log_weight(name, parameters, beams, scan) for scan in scans]
+        np.testing.assert_allclose(evidence.log_copies[pose], weights, rtol=0, atol=1e-9)
+        assert evidence.log_weights[pose] == pytest.approx(twin.log_mean_weight(weights), abs=1e-9)
+        nearest = min(scans, key=lambda scan: twin.distance(beams, scan, rule.no_return_m))
+        assert evidence.distances[pose] == pytest.approx(twin.distance(beams, nearest, rule.no_return_m), abs=1e-9)
         hit_fit = twin.fit_hit_rmsd_mm(beams, nearest, rule.no_return_m)
         expected = NAN if hit_fit is None else 1e-3 * hit_fit
-        assert evidence.hit_rmsds[pose] == pytest.approx(expected, abs=1e-12, nan_ok=True)
+        assert evidence.hit_rmsds[pose] == pytest.approx(expected, abs=1e-9, nan_ok=True)
+    assert evidence.log_absent == pytest.approx(twin.log_weight(name, parameters, beams, [INF] * 24), abs=1e-11)
     assert evidence.beams_compared == 23
+
+
+@pytest.mark.parametrize("name", RULE_NAMES)
+def test_a_small_spread_changes_little(name: str) -> None:
+    lidar = lidar_of(90)
+    predictor, rule = predictor_of_mesh(CUBE, POSES, lidar), rule_of(name, lidar)
+    scan = Scan(predictor.predict(AT).dense()[1] + 0.003, lidar.grid)
+    exact = evidence_of_scan(scan, AT, predictor, rule)
+    for small in (1e-5, 1e-7):
+        displacements = Displacements(16, Spread(small, small), None, "test")
+        vague = evidence_of_scan(scan, AT, predictor, rule, displacements=displacements)
+        np.testing.assert_allclose(vague.log_weights, exact.log_weights, rtol=0, atol=1e4 * small)
+        np.testing.assert_allclose(vague.distances, exact.distances, rtol=0, atol=10 * small)
+
+
+def test_poses_compared_in_blocks_are_as_those_compared_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    lidar = lidar_of(120)
+    predictor, rule = predictor_of_mesh(CUBE, POSES, lidar), rule_of("exponential", lidar)
+    measured = predictor.predict(AT).dense()[1] + 0.01
+    measured[::7] = NAN
+    displacements = Displacements(8, SPREAD, STD, "test")
+
+    def compare() -> Evidence:
+        return evidence_of_scan(Scan(measured, lidar.grid), AT, predictor, rule, displacements=displacements)
+
+    whole = compare()
+    monkeypatch.setattr(evidence_module, "_NUMBERS_AT_ONCE", 1)
+    blocks = compare()
+    np.testing.assert_allclose(blocks.log_copies, whole.log_copies, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(blocks.sight.measured, whole.sight.measured)
+    np.testing.assert_array_equal(blocks.sight.reach, whole.sight.reach)
+    np.testing.assert_array_equal(blocks.sight.fewest, whole.sight.fewest)
+    assert np.isfinite(whole.sight.measured).any()
+
+
+def test_one_copy_is_the_pose_itself_and_may_come_from_data() -> None:
+    displacements = Displacements(1, None, SensorUncertainty(0.0, 0.0), "test")
+    scan = Scan(np.array([0.5, 0.7, INF, INF]), LIDAR.grid)
+    evidence = evidence_of_scan(scan, HERE, DATA, EXPONENTIAL, displacements=displacements, listed=True)
+    np.testing.assert_array_equal(evidence.log_copies, evidence_of([0.5, 0.7, INF, INF]).log_copies)
 
 
 @pytest.mark.parametrize("has_workspace", [False, True])
@@ -183,12 +257,16 @@ def test_which_scans_miss_the_object_agrees_with_the_twin(
     lidar = lidar_of(120)
     poses = standing((0.0, 0.0, 0.0), (0.05, -0.1, 0.0), (0.3, 0.3, 0.0))
     predictor, rule = predictor_of_mesh(CUBE, poses, lidar), rule_of("beam", lidar)
+    displacements = Displacements(16, None, std, "test") if std else Displacements(1, None, None, "test")
+    predicted = restricted(
+        predictor.predict_displaced(AT, displacements.at(poses, AT)),
+        AT,
+        None,
+        lidar,
+        Workspace((-0.2, -0.3), (0.45, 0.45)) if has_workspace else None,
+    ).dense()
     workspace = Workspace((-0.2, -0.3), (0.45, 0.45)) if has_workspace else None
-    stands = std.sigma_points(AT) if std else [AT]
-    copies = [
-        [restricted(predictor.predict(stand), stand, None, lidar, workspace).dense()[pose].tolist() for stand in stands]
-        for pose in range(3)
-    ]
+    copies = predicted.reshape(3, displacements.copies, 120).tolist()
     belief = [1.0 / sum(possible) if each else 0.0 for each in possible]
     rng = np.random.default_rng(5)
     answers = set()
@@ -198,18 +276,10 @@ def test_which_scans_miss_the_object_agrees_with_the_twin(
         measured[rng.random(120) < rng.choice([0.0, 0.5, 0.95])] = INF
         measured[rng.random(120) < 0.2] = NAN
         misses = evidence_of_scan(
-            Scan(measured, lidar.grid), AT, predictor, rule, workspace=workspace, uncertainty=std
+            Scan(measured, lidar.grid), AT, predictor, rule, workspace=workspace, displacements=displacements
         ).sight.misses_object(np.array(possible))
         crossing = workspace.crossing(AT, lidar.grid.angles) if workspace else None
         beams = classify(Scan(measured, lidar.grid), lidar, crossing).tolist()
         assert misses == twin.misses_object(beams, copies, belief, has_workspace)
         answers.add(misses)
     assert answers == {True, False}
-
-
-def test_a_certain_sensor_pose_may_be_stated_as_an_uncertainty_of_zero() -> None:
-    lidar = lidar_of(24)
-    predictor, rule = predictor_of_mesh(CUBE, standing((0.0, 0.0, 0.0)), lidar), rule_of("exponential", lidar)
-    scan = Scan(np.full(24, 0.5), lidar.grid)
-    stated = evidence_of_scan(scan, AT, predictor, rule, uncertainty=SensorUncertainty(0.0, 0.0))
-    assert stated.distances.tolist() == evidence_of_scan(scan, AT, predictor, rule).distances.tolist()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from voa_core.errors import InvalidInput
-from voa_core.filtering import Belief, condition, share_equally
+from voa_core.filtering import Belief, condition, log_means, mixture, share_equally
 
 
 def test_a_belief_is_made_to_sum_to_1() -> None:
@@ -70,3 +70,19 @@ def test_a_weight_on_impossible_poses_alone_is_no_weight() -> None:
 
 def test_shares_are_equal() -> None:
     assert share_equally(np.array([True, False, True, True, True])).p.tolist() == [0.25, 0.0, 0.25, 0.25, 0.25]
+
+
+def test_means_of_weights_are_formed_where_the_weights_underflow() -> None:
+    weights = np.array([[-2000.0, -2000.0 + math.log(3.0)], [-np.inf, -np.inf], [0.0, -np.inf]])
+    means = log_means(weights)
+    np.testing.assert_allclose(means[[0, 2]], [-2000.0 + math.log(2.0), -math.log(2.0)])
+    assert means[1] == -np.inf
+    np.testing.assert_array_equal(log_means(weights[:, :1]), weights[:, 0])
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_a_mixture_of_beliefs(share: float) -> None:
+    mixed = mixture(Belief.of([0.5, 0.5, 0.0]), Belief.of([0.0, 0.2, 0.8]), share)
+    expected = [0.5 * (1 - share), 0.5 * (1 - share) + 0.2 * share, 0.8 * share]
+    np.testing.assert_allclose(mixed.p, expected)
+    np.testing.assert_allclose(np.exp(mixed.log_p), expected)

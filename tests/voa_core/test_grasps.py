@@ -51,6 +51,19 @@ def test_reachable_grasps_keep_the_tables_order() -> None:
     np.testing.assert_array_equal(some.scores, TABLE.scores[[0, 2]])
 
 
+def test_scores_from_counts_weigh_outcomes_by_jeffreys_prior_and_given_probabilities_as_they_are() -> None:
+    np.testing.assert_allclose(np.exp(TABLE.log_outcome_weights(1, True)), [8.5 / 16.0, 0.5 / 16.0, 0.5 / 16.0])
+    np.testing.assert_allclose(np.exp(TABLE.log_outcome_weights(1, False)), [7.5 / 16.0, 15.5 / 16.0, 15.5 / 16.0])
+    np.testing.assert_allclose(np.exp(TABLE.log_outcome_weights(1, True, 2, 1)), np.array([10.5, 2.5, 2.5]) / 19.0)
+    np.testing.assert_allclose(np.exp(TABLE.log_outcome_weights(1, False, 2, 1)), np.array([8.5, 16.5, 16.5]) / 19.0)
+    np.testing.assert_allclose(np.exp(TABLE.log_outcome_weights(1, True, score_floor=0.1)), [8.5 / 16.0, 0.1, 0.1])
+    some = TABLE.reachable(["TD90"])
+    assert some.log_outcome_weights(0, True).tolist() == TABLE.log_outcome_weights(1, True).tolist()
+    given = GraspTable.of_probabilities(["G"], [[0.25, 1.0]], 2)
+    with np.errstate(divide="ignore"):
+        np.testing.assert_allclose(given.log_outcome_weights(0, False, 3, 1), np.log([0.75, 0.0]))
+
+
 def test_reachable_grasps_must_exist() -> None:
     with pytest.raises(UnknownName, match="there is no grasp 'X'; there are: 'TD0', 'TD90', 'OI90'"):
         TABLE.reachable(["X"])

@@ -12,15 +12,18 @@ import numpy as np
 import pytest
 
 from voa_core.checks import Floats
+from voa_core.displacements import Spread
+from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.recorded import scenario_of_recorded, value_recorded_looks
-from voa_core.rules.registry import rule_of
+from voa_core.rules.registry import defaults, rule_of
+from voa_core.scans import Scan
 from voa_core.scenario import Scenario
-from voa_core.updating import UpdatePolicy
+from voa_core.updating import UpdatePolicy, update_estimate
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOLDER = Path(os.environ.get("VOA_LAB_HOLDER", REPOSITORY.parent / "shared" / "lab-holder"))
@@ -102,6 +105,33 @@ def test_predictions_from_the_mesh_are_the_recorded_ones_on_every_listed_beam(la
                 worst = max(worst, abs(float(ranges[int(row["angle_deg"])]) - float(row["predicted"])))
     assert compared == 507
     assert worst < 1e-6
+
+
+def test_every_scan_is_recognised_under_a_spread_and_shows_the_object(lab: Lab) -> None:
+    mesh = _read_obj(FOLDER / lab.experiment["object"]["mesh"])
+    parameters = defaults("beam", lab.lidar, spread=True) | {"no_return_m": 1.0}
+    scenario = Scenario(
+        lab.poses,
+        lab.table,
+        (),
+        predictor_of_mesh(mesh, lab.poses, lab.lidar),
+        rule_of("beam", lab.lidar, **parameters),
+        UpdatePolicy(),
+        Belief.uniform(6),
+        spread=Spread(0.005, math.radians(3.0)),
+        seed="holder",
+        absent=0.5,
+    )
+    for sensor in lab.sensors:
+        for index, pose in enumerate(lab.poses.names):
+            height = float(lab.rows_of(sensor.name, pose)[0]["plane_height"])
+            scan = Scan.recorded(lab.column("measured", sensor.name, pose), lab.lidar)
+            evidence = scenario.evidence(scan, replace(sensor, height_m=height))
+            result = update_estimate(scenario.start, evidence, scenario.policy)
+            assert result.accepted
+            assert int(np.argmax(result.belief.p)) == evidence.best_fit == index
+            assert result.estimate.absent is not None
+            assert result.estimate.absent < 0.01
 
 
 def test_before_any_look_the_best_grasp_is_the_authors(lab: Lab) -> None:

@@ -1,4 +1,3 @@
-import itertools
 import math
 from typing import Any
 
@@ -98,24 +97,3 @@ def test_a_sensor_configuration_that_cannot_be_is_refused(field: str, value: flo
 def test_an_uncertainty_that_cannot_be_is_refused(xy_m: float, yaw_rad: float, field: str) -> None:
     with pytest.raises(InvalidInput, match=f"{field}: expected"):
         SensorUncertainty(xy_m, yaw_rad)
-
-
-@pytest.mark.parametrize(("xy_m", "yaw_rad", "count"), [(0.03, 0.1, 27), (0.03, 0.0, 9), (0.0, 0.1, 3), (0.0, 0.0, 1)])
-def test_sigma_points_have_the_mean_and_covariance_that_were_stated(xy_m: float, yaw_rad: float, count: int) -> None:
-    sensor = SensorConfiguration("Q1", 0.4, -0.2, 1.0, height_m=0.07, cost=0.3)
-    points = SensorUncertainty(xy_m, yaw_rad).sigma_points(sensor)
-    assert len(points) == count
-    assert len({(p.x, p.y, p.yaw_rad) for p in points}) == count
-    assert (points[0].x, points[0].y, points[0].yaw_rad) == (0.4, -0.2, 1.0)
-    assert all(p.height_m == 0.07 and p.name == "Q1" for p in points)
-    array = np.array([(p.x, p.y, p.yaw_rad) for p in points])
-    np.testing.assert_allclose(array.mean(axis=0), [0.4, -0.2, 1.0], atol=1e-15)
-    off = array - array.mean(axis=0)
-    np.testing.assert_allclose(off.T @ off / count, np.diag([xy_m**2, xy_m**2, yaw_rad**2]), atol=1e-16)
-
-
-def test_sigma_points_are_every_combination_of_their_offsets() -> None:
-    points = SensorUncertainty(0.02, 0.1).sigma_points(SensorConfiguration("Q1", 0.0, 0.0, 0.0))
-    step = math.sqrt(1.5)
-    grid = itertools.product(*([0.0, -step * std, step * std] for std in (0.02, 0.02, 0.1)))
-    assert sorted((p.x, p.y, p.yaw_rad) for p in points) == sorted(grid)

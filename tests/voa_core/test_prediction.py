@@ -66,7 +66,7 @@ def test_data_alone_do_not_serve_other_places() -> None:
 @pytest.mark.parametrize(
     ("ranges", "message"),
     [
-        (np.ones((2, 3)), r"predictions of 'here': expected shape \(2, 4\), got shape \(2, 3\)"),
+        (np.ones((2, 3)), r"predictions of 'here': expected shape \(poses, beams\) = \(2, 4\), got shape \(2, 3\)"),
         (np.full((2, 4), -0.1), "predictions of 'here': expected ranges of at least 0, or none, got a negative one"),
         (np.full((2, 4), math.nan), "expected ranges of at least 0"),
     ],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.voa_core.worlds import box, lidar_of, standing
+from voa_core.displacements import Spread
 from voa_core.errors import NoMesh, UnknownName
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -100,7 +101,41 @@ def test_evidence_takes_an_uncertain_sensor_pose() -> None:
     exact = scenario_of(MESH).evidence(scan, Q1)
     vague = scenario_of(MESH).evidence(scan, Q1, SensorUncertainty(0.02, 0.0))
     assert exact.distances[0] == pytest.approx(0.02)
-    assert vague.distances[0] == pytest.approx(0.02 * math.sqrt(1.5) - 0.02)
+    assert (exact.copies, vague.copies) == (1, 64)
+    assert vague.distances[0] < 0.002  # one of the copies lies about where the object is
+
+
+def test_a_spread_and_the_copies_of_a_place_decide_how_many_copies_are_compared() -> None:
+    scan = scan_of(LIDAR, [0.32, math.inf, math.inf, math.inf])
+    spread = replace(scenario_of(MESH), spread=Spread(0.005, 0.05), seed="s")
+    assert spread.evidence(scan, Q1).copies == 64
+    assert spread.evidence(scan, Q1, SensorUncertainty(0.03, 0.0)).copies == 256
+    assert spread.evidence(scan, Q1, copies=128).copies == 128
+    assert scenario_of(MESH).evidence(scan, Q1, copies=128).copies == 1
+    few, many = spread.evidence(scan, Q1), spread.evidence(scan, Q1, copies=256)
+    np.testing.assert_array_equal(many.log_copies[:, :64], few.log_copies)
+    other = replace(spread, seed="t").evidence(scan, Q1)
+    assert not np.allclose(other.log_copies, few.log_copies, rtol=1e-3)
+    with pytest.raises(NoMesh):
+        replace(scenario_of(DATA), spread=Spread(0.005, 0.05)).evidence(scan, Q1)
+
+
+def test_evidence_says_from_where_the_scan_was_taken() -> None:
+    scan = scan_of(LIDAR, [0.32, math.inf, math.inf, math.inf])
+    listed = scenario_of(MESH).evidence(scan, Q1).viewpoint
+    assert listed is not None
+    assert (listed.listed, listed.height_m) == ("Q1", LIDAR.height_m)
+    own = scenario_of(MESH).evidence(scan, replace(Q1, x=-0.31, height_m=0.05)).viewpoint
+    assert own is not None
+    assert (own.listed, own.x, own.height_m) == (None, -0.31, 0.05)
+
+
+def test_an_estimate_starts_with_the_prior() -> None:
+    start = replace(scenario_of(MESH), absent=0.3).start
+    assert start.belief is start.base
+    assert start.belief.p.tolist() == [0.5, 0.5]
+    assert start.absent == pytest.approx(0.3)
+    assert scenario_of(MESH).start.absent is None
 
 
 def test_what_is_compared_in_a_ranking_lies_in_the_workspace() -> None:

@@ -26,7 +26,7 @@ def up_of(pose: StablePose) -> Floats:
 
 
 def mug(radius: float = 0.040, height: float = 0.095, wall: float = 0.004, base: float = 0.005) -> trimesh.Trimesh:
-    """A cup with a handle on its +x side, as in facts/mujoco.md, section 6."""
+    """A cup with a handle on its +x side; lengths in metres."""
     profile = [[0, 0], [radius, 0], [radius, height], [radius - wall, height], [radius - wall, base], [0, base]]
     body = trimesh.creation.revolve(np.array(profile), sections=64)
     turn = np.linspace(-np.pi / 2, np.pi / 2, 17)

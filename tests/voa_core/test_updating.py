@@ -6,8 +6,9 @@ import pytest
 
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput
-from voa_core.evidence import Evidence, Sight
+from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
+from voa_core.sight import Sight
 from voa_core.updating import UpdatePolicy, nearest, update, update_by_outcome
 
 BELIEF = Belief.of([0.25, 0.25, 0.5])
@@ -17,7 +18,7 @@ IMPOSSIBLE = np.full(3, -np.inf)
 def evidence_of(
     log_weights: Any, distances: Any = (0.1, 0.2, 0.3), beams: int = 4, sight: Sight | None = None
 ) -> Evidence:
-    array: Floats = np.array(log_weights, dtype=np.float64)
+    array: Floats = np.array(log_weights, dtype=np.float64)[:, None]
     blind = Sight(np.zeros(0), np.zeros((3, 0)), np.zeros(3, dtype=np.intp))
     return Evidence(array, np.array(distances, dtype=np.float64), np.full(3, np.nan), beams, sight or blind)
 

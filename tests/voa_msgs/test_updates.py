@@ -6,7 +6,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from voa_core.rules.registry import RULES
-from voa_msgs.updates import BUILT_IN, POLICY_FIELDS, BuiltInUpdate, PluginUpdate, UpdateRule, update_of
+from voa_msgs.updates import BUILT_IN, POLICY_FIELDS, BuiltInUpdate, PluginUpdate, UpdateRule, default_update
 
 UPDATE: TypeAdapter[Any] = TypeAdapter(UpdateRule)
 
@@ -44,8 +44,8 @@ def test_a_parameter_of_another_rule_or_beyond_its_bounds_is_refused(wrong: dict
 
 
 def test_a_name_makes_the_message_of_its_rule() -> None:
-    built_in = update_of("gaussian", no_return_m=2.0, on_no_match="nearest")
+    built_in = default_update("gaussian", no_return_m=2.0, on_no_match="nearest")
     assert type(built_in) is BUILT_IN["gaussian"]
     assert (built_in.no_return_m, built_in.on_no_match) == (2.0, "nearest")
-    plugin = update_of("own", on_no_match="nearest")
+    plugin = default_update("own", on_no_match="nearest")
     assert plugin == PluginUpdate(rule="plugin", name="own", parameters={}, on_no_match="nearest")

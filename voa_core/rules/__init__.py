@@ -10,11 +10,12 @@
 
 | file           | content                                                                         |
 |----------------|---------------------------------------------------------------------------------|
-| `protocol`     | the interface that every rule implements                                    |
+| `protocol`     | the interface that every rule implements                                        |
 | `distances`    | the distance d between scans, and the base of the rules that depend on d alone  |
-| `registry`     | the built-in rules by name, their defaults for a lidar, and how to make one |
-| `plugins`      | rules that another package provides, and the checks of what they compute    |
+| `registry`     | the built-in rules by name, their defaults for a lidar, and how to make one     |
+| `plugins`      | rules that another package provides, and the checks of what they compute        |
 
-To add a built-in rule: a file here, its class in `registry.RULES`, and its message in `voa_msgs.updates`. To add a rule
-in a package of your own, without a change to this project: `deploy/docs/own-rule.md`.
+To add a built-in rule: a file here, its class in `registry._BUILT_IN`, and its message in the union
+`voa_msgs.updates.BuiltInUpdate`. To add a rule in a package of your own, without a change to this project:
+`deploy/docs/own-rule.md`.
 """

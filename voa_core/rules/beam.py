@@ -17,6 +17,7 @@ _Z_RANDOM = 0.05
 _LAMBDA_SHORT_PER_M = 1.0
 _SILHOUETTE_SHARE = 0.05
 _ONE_WITNESS_RAD = math.radians(4.0)
+_ONE_WITNESS_OF_COPIES_RAD = math.radians(2.0)
 _BLOCK_POSES = 512  # tables of so many predicted scans fit in the cache of a processor core
 
 
@@ -80,7 +81,7 @@ class Beam:
             raise InvalidInput("z_hit, z_short, z_no_return, z_random", "a sum above 0", "0")
 
     @classmethod
-    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
+    def defaults(cls, lidar: LidarModel, *, spread: bool = False) -> dict[str, float]:
         """Every parameter with its default for a lidar, and why (deploy/decisions/0004-beam-rule.md).
 
         * `no_return_m` is the lidar's `range_max`, and `sigma_hit_m` its `noise_m`.
@@ -88,8 +89,10 @@ class Beam:
           are 0.05 each (an edge that returns a mixture of near and far, a cable, a hand); `z_hit` is the rest.
         * `lambda_short_per_m` is 1: an obstacle in front of the object stands anywhere within a metre.
         * `temper` makes one witness of every 4 degrees: errors of pose and shape are common to neighbouring beams, so
-          a lidar with finer beams is not more certain.
+          a lidar with finer beams is not more certain. With a spread it makes one of every 2 degrees: the weight is a
+          mean over displaced copies of each pose, which accounts for the errors of pose.
         """
+        one_witness = _ONE_WITNESS_OF_COPIES_RAD if spread else _ONE_WITNESS_RAD
         lost = _SILHOUETTE_SHARE + lidar.dropout
         return {
             "no_return_m": lidar.range_max,
@@ -99,7 +102,7 @@ class Beam:
             "z_random": _Z_RANDOM,
             "sigma_hit_m": lidar.noise_m,
             "lambda_short_per_m": _LAMBDA_SHORT_PER_M,
-            "temper": min(1.0, abs(lidar.grid.angle_increment) / _ONE_WITNESS_RAD),
+            "temper": min(1.0, abs(lidar.grid.angle_increment) / one_witness),
         }
 
     @classmethod

@@ -30,7 +30,7 @@ def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> A
 
 @dataclass(frozen=True)
 class DistanceRule:
-    """Base of the rules whose weight depends on d alone: their statistic is d^2, and `log_weights` is theirs to add.
+    """Base of the rules whose weight depends on d alone: their statistic is d^2, and each adds `log_weights`.
 
     Each field of a subclass is a parameter of its rule, a number above 0; its default is the parameter's.
 
@@ -45,7 +45,7 @@ class DistanceRule:
             number(parameter.name, getattr(self, parameter.name), above=0.0)
 
     @classmethod
-    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
+    def defaults(cls, lidar: LidarModel, *, spread: bool = False) -> dict[str, float]:  # noqa: ARG003
         """Every parameter with its default; that of `no_return_m` is the lidar's `range_max`."""
         own = {field.name: field.default for field in fields(cls) if isinstance(field.default, float)}
         return {"no_return_m": lidar.range_max, **own}

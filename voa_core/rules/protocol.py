@@ -48,8 +48,8 @@ class BuiltInRule(UpdateRule, Protocol):
     meaning: ClassVar[str]
 
     @classmethod
-    def defaults(cls, lidar: LidarModel) -> dict[str, float]:
-        """Every parameter of the rule with its default for a lidar."""
+    def defaults(cls, lidar: LidarModel, *, spread: bool = False) -> dict[str, float]:
+        """Every parameter of the rule with its default for a lidar; `spread` where the scenario states a spread."""
 
     @classmethod
     def of(cls, lidar: LidarModel, parameters: Mapping[str, float]) -> "BuiltInRule":

@@ -1,5 +1,1 @@
-"""`voa doctor`: find out what is wrong between this machine, the service, and the robots."""
-
-from voa_cli.doctor.command import main
-
-__all__ = ["main"]
+"""The command `voa doctor`: a module for each part of the way between this machine, the service and the robots."""

@@ -20,7 +20,7 @@ from rich.console import Console
 
 from voa_cli.doctor.findings import Budget, Finding, checklist, verdict
 from voa_cli.doctor.over_database import check_database
-from voa_cli.doctor.over_http import Answers, check_http, robots_after
+from voa_cli.doctor.over_http import Responses, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots, needs_second_report
 from voa_cli.doctor.topics import Listening, check_topics
@@ -66,28 +66,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _findings(url: str, address: ZenohAddress | None, listening: Listening) -> Iterator[Finding]:
-    budget, answers = Budget(_SECONDS), Answers()
-    yield from check_http(url, budget, answers)
+    budget, responses = Budget(_SECONDS), Responses()
+    yield from check_http(url, budget, responses)
     if address is not None:
-        yield from _over_zenoh(address, answers, listening, budget)
-    elif answers.health is not None and answers.health.zenoh not in (None, "off"):
-        seen = f"the service uses Zenoh ({answers.health.zenoh}), which was not checked"
+        yield from _over_zenoh(address, responses, listening, budget)
+    elif responses.health is not None and responses.health.zenoh not in (None, "off"):
+        seen = f"the service uses Zenoh ({responses.health.zenoh}), which was not checked"
         yield Finding("zenoh", "warning", seen, "name its router: voa doctor --zenoh tcp/HOST:7447")
-    on_zenoh = answers.health is not None and answers.health.zenoh != "off"
-    if answers.robots is not None and (answers.robots.items or on_zenoh):
-        before, robots = answers.robots, None
+    on_zenoh = responses.health is not None and responses.health.zenoh != "off"
+    if responses.robots is not None and (responses.robots.items or on_zenoh):
+        before, robots = responses.robots, None
         if needs_second_report(before):
             robots = robots_after(url, _LATELY_S, budget)
-        yield from check_robots(robots or before, datetime.now(UTC) + answers.ahead, before if robots else None)
+        yield from check_robots(robots or before, datetime.now(UTC) + responses.ahead, before if robots else None)
 
 
-def _over_zenoh(address: ZenohAddress, answers: Answers, listening: Listening, budget: Budget) -> Iterator[Finding]:
+def _over_zenoh(address: ZenohAddress, responses: Responses, listening: Listening, budget: Budget) -> Iterator[Finding]:
     with ExitStack() as stack:
         findings, session = check_router(address, budget, stack)
         yield from findings
         if session is None:
             return
-        yield from check_service(session, Keys(address.root), answers.health, budget)
+        yield from check_service(session, Keys(address.root), responses.health, budget)
         yield from check_topics(session, listening, budget)
 
 

@@ -25,7 +25,7 @@ class Finding:
         check: name of the check.
         state: "ok"; "warning": probably a mistake; "wrong": something does not work.
         seen: observation, in a sentence.
-        advice: what a person should do; "" if nothing.
+        advice: action that a person should take; "" if nothing.
     """
 
     check: str

@@ -4,7 +4,8 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from typing import Any
+
+from pydantic import BaseModel
 
 from voa_cli.doctor.findings import Finding
 
@@ -14,6 +15,38 @@ Verify = Callable[[str], str]
 _CHECK = "database"
 _MOST_LISTED = 5
 _RESTORE = "check the disk, and restore a backup; a damaged session can be deleted, the others work"
+
+
+class DamagedSession(BaseModel):
+    """A session of which a version is damaged or missing.
+
+    Attributes:
+        session: its id.
+        version: the first such version; -1: it is not known.
+    """
+
+    session: str
+    version: int
+
+
+class DatabaseReport(BaseModel):
+    """Result of verifying a database, as `python -m voa_store.verify` prints it.
+
+    Attributes:
+        error: why the database cannot be read; None: it was read, and the other fields are filled in.
+        database: name and version of the database's software.
+        sessions: number of sessions that were read.
+        versions: number of undamaged versions of these sessions.
+        damaged: sessions that differ from what was written.
+        pages: faults that SQLite reports in the structure of its file.
+    """
+
+    error: str | None = None
+    database: str = ""
+    sessions: int = 0
+    versions: int = 0
+    damaged: list[DamagedSession] = []
+    pages: list[str] = []
 
 
 def verify_in_process(url: str) -> str:
@@ -30,19 +63,17 @@ def check_database(url: str, verify: Verify = verify_in_process) -> Iterator[Fin
         url: of the database, as for `voa serve --database-url`.
         verify: verifies it.
     """
-    report: dict[str, Any] = json.loads(verify(url))
-    if "error" in report:
-        yield Finding(_CHECK, "wrong", report["error"], "give --database-url the same URL as `voa serve`")
+    report = DatabaseReport.model_validate_json(verify(url))
+    if report.error is not None:
+        yield Finding(_CHECK, "wrong", report.error, "give --database-url the same URL as `voa serve`")
         return
-    for line in report["pages"][:_MOST_LISTED]:
+    for line in report.pages[:_MOST_LISTED]:
         yield Finding(_CHECK, "wrong", f"the file's structure is damaged: {line}", _RESTORE)
-    for damage in report["damaged"][:_MOST_LISTED]:
-        seen = f"session {damage['session']}: the stored version {damage['version']} was changed after it was written"
+    for damage in report.damaged[:_MOST_LISTED]:
+        seen = f"session {damage.session}: the stored version {damage.version} was changed after it was written"
         yield Finding(_CHECK, "wrong", seen, _RESTORE)
-    if len(report["damaged"]) > _MOST_LISTED:
-        yield Finding(_CHECK, "wrong", f"{len(report['damaged'])} sessions are damaged in total", _RESTORE)
-    if not report["pages"] and not report["damaged"]:
-        seen = (
-            f"{report['database']}: {report['versions']} versions of {report['sessions']} sessions, all checksums match"
-        )
+    if len(report.damaged) > _MOST_LISTED:
+        yield Finding(_CHECK, "wrong", f"{len(report.damaged)} sessions are damaged in total", _RESTORE)
+    if not report.pages and not report.damaged:
+        seen = f"{report.database}: {report.versions} versions of {report.sessions} sessions, all checksums match"
         yield Finding(_CHECK, "ok", seen)

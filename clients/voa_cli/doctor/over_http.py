@@ -24,8 +24,8 @@ _TRIES = 3
 
 
 @dataclass
-class Answers:
-    """Answers of the service that other checks need."""
+class Responses:
+    """Responses of the service that other checks need: its health, its robots, and how far its clock is ahead."""
 
     health: Health | None = None
     robots: Robots | None = None
@@ -33,7 +33,7 @@ class Answers:
     """Time by which the service's clock is ahead of this machine's."""
 
 
-def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
+def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Finding]:
     """Run the checks over HTTP; they end early if the service cannot be reached."""
     parts = urlsplit(url)
     port = parts.port or (443 if parts.scheme == "https" else 80)
@@ -46,12 +46,12 @@ def check_http(url: str, budget: Budget, answers: Answers) -> Iterator[Finding]:
         yield alive
         if alive.state != "ok":
             return
-        yield from _ready(http, budget, answers)
-        answers.robots = _robots(http, budget)
+        yield from _ready(http, budget, responses)
+        responses.robots = _robots(http, budget)
 
 
 def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
-    """Return the service's report on robots after a number of seconds; None: it no longer answers."""
+    """Return the service's report on robots after a number of seconds; None: it no longer responds."""
     time.sleep(budget.step(seconds))
     with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
         return _robots(http, budget)
@@ -60,8 +60,8 @@ def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
 def _alive(http: httpx2.Client, budget: Budget) -> Finding:
     check = "service"
     try:
-        answer = http.get("/livez", timeout=budget.step(_SECONDS))
-        Health.model_validate_json(answer.raise_for_status().content, extra="ignore")
+        response = http.get("/livez", timeout=budget.step(_SECONDS))
+        Health.model_validate_json(response.raise_for_status().content, extra="ignore")
     except httpx2.TimeoutException:
         return Finding(
             check, "wrong", "accepts connections and does not answer", "it hangs: look at its log, restart it"
@@ -81,38 +81,38 @@ def _alive(http: httpx2.Client, budget: Budget) -> Finding:
     return Finding(check, "ok", "runs")
 
 
-def _ready(http: httpx2.Client, budget: Budget, answers: Answers) -> Iterator[Finding]:
+def _ready(http: httpx2.Client, budget: Budget, responses: Responses) -> Iterator[Finding]:
     try:
         offsets = []
         for _ in range(_TRIES):
             began, sent = time.monotonic(), datetime.now(UTC)
-            answer = http.get("/readyz", timeout=budget.step(_SECONDS))
+            response = http.get("/readyz", timeout=budget.step(_SECONDS))
             took = time.monotonic() - began
-            if not answer.is_success:
-                yield _not_ready(answer)
+            if not response.is_success:
+                yield _not_ready(response)
                 return
-            health = Health.model_validate_json(answer.content, extra="ignore")
+            health = Health.model_validate_json(response.content, extra="ignore")
             if health.now is not None:
                 offsets.append((took / 2.0, (health.now - sent).total_seconds() - took / 2.0))
     except (httpx2.HTTPError, ValidationError) as error:
         yield Finding("ready", "wrong", f"/readyz: {error}", "look at the service's log")
         return
-    answers.health = health
+    responses.health = health
     yield Finding("ready", "ok", health.status)
     yield _software(health)
     yield _wire(health)
     yield from check_memory(health.memory)
     if offsets:
         unsure, offset = min(offsets)
-        answers.ahead = timedelta(seconds=offset)
+        responses.ahead = timedelta(seconds=offset)
         yield clocks("clock", offset, unsure)
 
 
-def _not_ready(answer: httpx2.Response) -> Finding:
+def _not_ready(response: httpx2.Response) -> Finding:
     try:
-        why = Problem.model_validate_json(answer.content, extra="ignore").detail
+        why = Problem.model_validate_json(response.content, extra="ignore").detail
     except ValidationError:
-        why = f"/readyz answers {answer.status_code}"
+        why = f"/readyz answers {response.status_code}"
     return Finding("ready", "wrong", why, "check that its database is reachable, and look at the service's log")
 
 
@@ -152,7 +152,7 @@ def clocks(check: str, offset_s: float, unsure_s: float) -> Finding:
 
 def _robots(http: httpx2.Client, budget: Budget) -> Robots | None:
     try:
-        answer = http.get("/v1/robots", timeout=budget.step(_SECONDS)).raise_for_status()
-        return Robots.model_validate_json(answer.content, extra="ignore")
+        response = http.get("/v1/robots", timeout=budget.step(_SECONDS)).raise_for_status()
+        return Robots.model_validate_json(response.content, extra="ignore")
     except (httpx2.HTTPError, ValidationError):
         return None

@@ -1,6 +1,6 @@
-"""Checks over Zenoh: the router, the session with it, the service's replicas, and their answers.
+"""Checks over Zenoh: the router, the session with it, the service's replicas, and their responses.
 
-Zenoh does not report why there is no answer: no service, a wrong root, or an access rule of the router. So each check
+Zenoh does not report why there is no response: no service, a wrong root, or an access rule of the router. So each check
 looks for signs that distinguish these.
 """
 
@@ -117,12 +117,12 @@ def _query(session: zenoh.Session, keys: Keys, replicas: list[str], budget: Budg
     took = 1e3 * (time.monotonic() - began)
     if not replies:
         return Finding(check, "wrong", f"no answer at {key}", _advice_on_silence(replicas))
-    answer = replies[0]
+    reply = replies[0]
     try:
-        if answer.ok is not None:
-            state = Health.model_validate_json(answer.ok.payload.to_bytes(), extra="ignore")
+        if reply.ok is not None:
+            state = Health.model_validate_json(reply.ok.payload.to_bytes(), extra="ignore")
             return Finding(check, "ok", f"{state.replica} answers in {took:.0f} ms: {state.status}")
-        body = b"" if answer.err is None else answer.err.payload.to_bytes()
+        body = b"" if reply.err is None else reply.err.payload.to_bytes()
         if body == b"Timeout":
             return Finding(check, "wrong", f"no answer at {key} in time", "it hangs: look at its log, restart it")
         return Finding(check, "wrong", Problem.model_validate_json(body, extra="ignore").detail, "look at its log")

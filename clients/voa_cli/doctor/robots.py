@@ -27,7 +27,7 @@ class _Trouble:
     Attributes:
         state: of the finding.
         why: the reason; "" if the condition for the next look says it.
-        advice: what a person should do.
+        advice: action that a person should take.
     """
 
     state: State

@@ -14,7 +14,7 @@ _MOST = 64
 
 @dataclass(frozen=True)
 class Sample:
-    """A message, as received.
+    """A message that was received on a topic of a robot.
 
     Attributes:
         payload: CDR.

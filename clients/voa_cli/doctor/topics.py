@@ -12,7 +12,7 @@ from voa_cli.doctor.findings import Budget, Finding
 from voa_cli.doctor.messages import judged, other_domains
 from voa_cli.doctor.over_zenoh import alive
 from voa_cli.doctor.samples import Sample, Samples
-from voa_client.zenoh_session import declare_latched_subscriber
+from voa_ros.latched import declare_latched_subscriber
 from voa_ros.robots import RobotMapping, Subscription
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED
 

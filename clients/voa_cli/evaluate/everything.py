@@ -31,8 +31,9 @@ from voa_evaluation.report.tables import write_csv, write_tables
 from voa_fleet.errors import FleetError
 from voa_fleet.show.page import Block, Command, Notice, Paragraph, Section, write_page
 from voa_fleet.world.objects import FleetObject
+from voa_msgs.updates import BUILT_IN
 from voa_recordings.experiment import RecordedExperiment, read_experiment
-from voa_recordings.replay.experiments import RULES, replay_experiment
+from voa_recordings.replay.experiments import replay_experiment
 
 PAGE = "report.html"
 _SCANS, _QUICK_SCANS = 10, 1
@@ -97,7 +98,7 @@ def _errors(target: FleetObject, scans: int, setting: Setting) -> ObservationErr
 def _evaluate_recorded(options: argparse.Namespace, experiment: RecordedExperiment) -> dict[str, Any]:
     errors = errors_of_record(experiment)
     with service_at(options.url) as client, shown_progress("replaying") as progress:
-        report = replay_experiment(client, experiment, errors.source, (*RULES, "beam"), progress)
+        report = replay_experiment(client, experiment, errors.source, tuple(BUILT_IN), progress)
     rows = [
         [rule, sensor, look.voa, look.aecd, len(look.beliefs), len(report.poses)]
         for rule, sensors in report.rules.items()

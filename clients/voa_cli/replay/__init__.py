@@ -1,5 +1,1 @@
-"""`voa replay`: send recorded experiments, sessions and scans through a service again."""
-
-from voa_cli.replay.command import main
-
-__all__ = ["main"]
+"""The command `voa replay`: a module for each kind of recording that it sends through a service again."""

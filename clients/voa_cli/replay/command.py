@@ -22,19 +22,18 @@ from typing import Any
 from rich.console import Console
 
 from voa_cli.progress import shown_progress
-from voa_cli.replay import experiments, looks
-from voa_cli.replay.sessions import show_session, show_sessions
+from voa_cli.replay import experiments, looks, sessions
 from voa_client import Client, Scenario, VoaClientError
 from voa_client.local import service_at
 from voa_client.scenario_files import load_scenario
-from voa_msgs.updates import BUILT_IN
+from voa_msgs.updates import BUILT_IN, PAPER_RULES
 from voa_recordings.experiment import read_experiment
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import Recording, is_recording
 from voa_recordings.files.ros_types import RosTypes
 from voa_recordings.files.sessions import recorded_sessions
 from voa_recordings.replay.experiment_report import distance_from_expected
-from voa_recordings.replay.experiments import RULES, replay_experiment
+from voa_recordings.replay.experiments import replay_experiment
 from voa_recordings.replay.looks import replay_looks
 from voa_recordings.replay.mappings import mapping_of_one_lidar, read_mappings
 from voa_recordings.replay.sessions import SessionsReport, replay_sessions
@@ -92,25 +91,25 @@ def _replay_session(options: argparse.Namespace, console: Console) -> int:
     if options.json:
         print(rebuilt.session.model_dump_json(indent=1))
     else:
-        show_session(console, rebuilt)
+        sessions.show_one(console, rebuilt)
     return 0 if rebuilt.same else 1
 
 
 def _replay_recording(options: argparse.Namespace, console: Console) -> int:
     recording = Recording(options.path, RosTypes())
-    sessions = recorded_sessions(recording.messages())
-    if not sessions:
+    recorded = recorded_sessions(recording.messages())
+    if not recorded:
         raise UnreadableRecording(
             f"{options.path} holds no session{recording.summary}; to replay the scans of a robot, give --scenario, and "
             "--robots or --sensor"
         )
     with service_at(options.url) as client:
-        replays = replay_sessions(client, sessions, options.mesh)
+        replays = replay_sessions(client, recorded, options.mesh)
     report = SessionsReport(recording.recovered, recording.damage, replays)
     if options.json:
-        _print_json(report.document())
+        _print_json(sessions.document(report))
     else:
-        show_sessions(console, report)
+        sessions.show(console, report)
     return 0 if report.agrees else 1
 
 
@@ -173,9 +172,9 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         metavar="NAME[,NAME]",
         type=_names,
-        default=[list(RULES)],
+        default=[list(PAPER_RULES)],
         help=f"update rules, built in ({', '.join(BUILT_IN)}) or provided to the service by another package "
-        f"(default {','.join(RULES)})",
+        f"(default {','.join(PAPER_RULES)})",
     )
     bag = parser.add_argument_group("scans of robots, in a bag or recording")
     bag.add_argument(

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from voa_cli.replay.sessions import show_damage
 from voa_client.formatting import share
-from voa_recordings.replay.looks import Look, LooksReport, RobotReport
+from voa_recordings.replay.looks import LooksReport, ReplayedLook, ReplayedRobot
 
 
 def document(report: LooksReport) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def document(report: LooksReport) -> dict[str, Any]:
     }
 
 
-def _robot(robot: RobotReport) -> dict[str, Any]:
+def _robot(robot: ReplayedRobot) -> dict[str, Any]:
     return {
         "robot": robot.robot,
         "session": robot.session,
@@ -36,20 +36,20 @@ def _robot(robot: RobotReport) -> dict[str, Any]:
     }
 
 
-def _look(look: Look) -> dict[str, Any]:
+def _look(look: ReplayedLook) -> dict[str, Any]:
     request = look.request.model_dump(mode="json", exclude_none=True)
-    answer = look.answer
+    response = look.response
     return {
         "robot": look.robot,
         "stamp": look.request.scan.stamp,
         "sensor": request.get("sensor"),
         "sensor_pose": request.get("sensor_pose"),
         "refused": look.refused,
-        "update": None if answer is None else answer.update.model_dump(mode="json"),
-        "version": None if answer is None else answer.version,
-        "belief": None if answer is None else answer.belief,
-        "best_grasp": None if answer is None else answer.best_grasp,
-        "expected_score": None if answer is None else answer.expected_score,
+        "update": None if response is None else response.update.model_dump(mode="json"),
+        "version": None if response is None else response.version,
+        "belief": None if response is None else response.belief,
+        "best_grasp": None if response is None else response.best_grasp,
+        "expected_score": None if response is None else response.expected_score,
     }
 
 
@@ -73,7 +73,7 @@ def show(console: Console, report: LooksReport) -> None:
     show_damage(console, report.damage, report.messages)
 
 
-def lidar_place(look: Look) -> str:
+def lidar_place(look: ReplayedLook) -> str:
     """Return the place of the lidar in a few words: a sensor's name, or x and y in metres and yaw in degrees."""
     pose = look.request.sensor_pose
     if pose is None:
@@ -81,7 +81,7 @@ def lidar_place(look: Look) -> str:
     return f"x {pose.x:.3f} y {pose.y:.3f} yaw {degrees(pose.yaw_rad):.1f}°"
 
 
-def _time(look: Look) -> str:
+def _time(look: ReplayedLook) -> str:
     """Return the time of the look's last revolution by the robot's clock; "" if it has none."""
     stamp = look.request.scan.stamp
     last = stamp.get("to") if isinstance(stamp, dict) else None
@@ -91,9 +91,9 @@ def _time(look: Look) -> str:
     return f"{datetime.fromtimestamp(seconds, UTC):%m-%d %H:%M:%S}.{parts // 10_000_000:02}"
 
 
-def _outcome(look: Look) -> tuple[str, str, str]:
-    if look.answer is None:
+def _outcome(look: ReplayedLook) -> tuple[str, str, str]:
+    if look.response is None:
         return escape(f"refused: {look.refused}"), "", ""
-    update = look.answer.update
+    update = look.response.update
     result = ("accepted" if update.accepted else "not accepted") + (f": {update.reason}" if update.reason else "")
-    return result, escape(look.answer.best_grasp or "none"), share(look.answer.expected_score, 3)
+    return result, escape(look.response.best_grasp or "none"), share(look.response.expected_score, 3)

@@ -59,7 +59,7 @@ class Level:
     Attributes:
         disturbance: its name.
         level: its size.
-        stated: whether the robot stated the uncertainty of its pose.
+        stated: True if the robot stated the uncertainty of its pose.
         rule: name of the update rule.
         rate: successes with the look.
         blind: successes without a look, in the same drops.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from voa_client import Client
 from voa_evaluation.grasp_scores import GraspScores
-from voa_evaluation.looks.setting import update_of
+from voa_evaluation.looks.setting import evaluated_update
 from voa_fleet.episodes.forecasts import Forecast, forecast_of
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.geometry import PoseUncertainty, SensorConfiguration, UncertainSensorPose
@@ -66,7 +66,7 @@ def register(client: Client, target: FleetObject, scores: GraspScores, rules: Se
     base = scores.scenario(target.scenario)
     scenarios = {}
     for rule in rules:
-        changed = {"name": f"{target.name}, {rule}", "object": mesh.id, "update": update_of(rule, base.update)}
+        changed = {"name": f"{target.name}, {rule}", "object": mesh.id, "update": evaluated_update(rule, base.update)}
         scenarios[rule] = client.create_scenario(base.model_copy(update=changed))
     return RegisteredObject(scenarios, {rule: forecast_of(client, scenario) for rule, scenario in scenarios.items()})
 

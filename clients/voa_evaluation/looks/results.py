@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from voa_client import Client
+from voa_core.rules.inverse_rmsd import InverseRmsd
 from voa_evaluation.grasp_scores import GraspScores
 from voa_evaluation.looks.calibration import Bin, calibration
 from voa_evaluation.looks.outcomes import Level, Outcome, levels, outcomes
@@ -18,7 +19,7 @@ from voa_fleet.episodes.policies import policy_named
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.scenarios import Scenario
 
-_EXAMPLE_RULE = "inverse_rmsd"
+_EXAMPLE_RULE = InverseRmsd.name
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ class EvaluatedLook:
         reason: why the scan was not accepted, or `nearest`; "" if it was accepted.
         truth: belief in the true pose after the look.
         grasp: name of the best grasp; None if no grasp can succeed.
-        result: how its attempt ended; "none" where nothing was attempted.
+        result: end of the attempt; "none" where nothing was attempted.
     """
 
     sensor: str | None

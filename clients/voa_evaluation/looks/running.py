@@ -16,7 +16,7 @@ from voa_evaluation.looks.requests import (
     register,
 )
 from voa_evaluation.looks.rows import EvaluatedLook, Row, Rows
-from voa_evaluation.looks.setting import BELIEFS, RULES, Setting
+from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES, Setting
 from voa_evaluation.looks.trials import Trial, TrialBench, make_trial
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.sessions import UpdatedEstimate
@@ -50,7 +50,7 @@ def set_up(client: Client, target: FleetObject, scores: GraspScores, setting: Se
     Raises:
         VoaClientError: the service refuses a request, or does not answer.
     """
-    return Subject(target, TrialBench(target, setting.seed), scores, register(client, target, scores, RULES))
+    return Subject(target, TrialBench(target, setting.seed), scores, register(client, target, scores, EVALUATED_RULES))
 
 
 def measure_scores(target: FleetObject, setting: Setting, progress: Progress | None = None) -> GraspScores:

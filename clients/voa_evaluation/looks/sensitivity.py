@@ -28,7 +28,7 @@ class Disturbance:
         title: in pictures and sentences.
         unit: of the levels.
         levels: sizes, from 0.
-        stated: whether the robot can state it to the service, as a standard deviation of its pose.
+        stated: True if the robot can state it to the service, as a standard deviation of its pose.
     """
 
     name: str
@@ -53,15 +53,15 @@ class Point:
     Attributes:
         disturbance: its name.
         level: its size.
-        stated: whether the robot stated the uncertainty of its pose to the service.
+        stated: True if the robot stated the uncertainty of its pose to the service.
         rule: name of the update rule.
         object: name of the object.
         drop: index of the drop.
         sensor: name of the sensor configuration of the look; None: no look was worth more than min_gain.
         reason: why the scan was not accepted, or `nearest`; "" if it was accepted.
         grasp: name of the best grasp after the look.
-        success: whether it lifted the object.
-        blind: whether the best grasp without a look lifted the object.
+        success: True if it lifted the object.
+        blind: True if the best grasp without a look lifted the object.
     """
 
     disturbance: str

@@ -6,18 +6,19 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
-from voa_core.rules.registry import RULES as BUILT_IN_RULES
+from voa_core.rules.registry import RULES
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.imperfections import Imperfections
 from voa_msgs.updates import UpdateRule
-from voa_recordings.replay.experiments import update_of as default_update
+from voa_recordings.replay.experiments import paper_update
 
 Belief = Literal["uniform", "hinted"]
 """Kind of belief before the look: `uniform` as in the paper, or `hinted`: a different one for each drop."""
 
 BELIEFS: tuple[Belief, ...] = ("uniform", "hinted")
-RULES = tuple(BUILT_IN_RULES)
-RULE_DESCRIPTIONS: Mapping[str, str] = MappingProxyType({name: rule.meaning for name, rule in BUILT_IN_RULES.items()})
+EVALUATED_RULES = tuple(RULES)
+"""Names of the update rules under which looks are evaluated: all that are built in."""
+RULE_DESCRIPTIONS: Mapping[str, str] = MappingProxyType({name: rule.meaning for name, rule in RULES.items()})
 
 
 def default_imperfections() -> Imperfections:
@@ -50,10 +51,10 @@ class Setting:
     policies: tuple[str, ...] = tuple(POLICIES)
 
 
-def update_of(rule: str, own: UpdateRule) -> UpdateRule:
+def evaluated_update(rule: str, own: UpdateRule) -> UpdateRule:
     """Return the update rule of that name for a scenario whose update is `own`.
 
     It has the scenario's no-return value, and otherwise the rule's defaults. `margin` shares the belief among the
     nearest poses where none is within the margin, as in the experiments of the paper.
     """
-    return own if rule == own.rule else default_update(rule, own.no_return_m)
+    return own if rule == own.rule else paper_update(rule, own.no_return_m)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from voa_evaluation.looks.calibration import Bin
 from voa_evaluation.looks.outcomes import Level, Outcome
 from voa_evaluation.looks.sensitivity import DISTURBANCES
-from voa_evaluation.looks.setting import BELIEFS, RULES
+from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES
 from voa_evaluation.looks.worth import Gain, Worth
 from voa_evaluation.statistics import Interval
 from voa_fleet.show.figures import new_figure
@@ -63,7 +63,7 @@ def voa_against_achieved(file: Path, worths: Sequence[Worth], gains: Sequence[Ga
     objects = list(dict.fromkeys(worth.object for worth in worths))
     figure = new_figure(12.0, 7.6)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for axes, rule in zip(panels.flat, RULES, strict=False):
+    for axes, rule in zip(panels.flat, EVALUATED_RULES, strict=False):
         _diagonal(axes, [worth.voa for worth in worths])
         for name, (colour, marker) in zip(objects, _OBJECT_STYLES, strict=False):
             for kind in BELIEFS:
@@ -84,7 +84,7 @@ def voa_against_achieved(file: Path, worths: Sequence[Worth], gains: Sequence[Ga
             if gain.rule == rule and gain.kind == "uniform"
         )
         axes.set_title(f"{rule}\ntau, uniform: {taus}", fontsize=9)
-    _legend_panel(panels, len(RULES))
+    _legend_panel(panels, len(EVALUATED_RULES))
     figure.suptitle("VOA of a sensor configuration against the value that it achieved", fontsize=11)
     figure.supxlabel(f"mean VOA, gain in {_UNIT} expected beforehand", fontsize=10)
     figure.supylabel(f"achieved value, gain in {_UNIT}, 95 % intervals", fontsize=10)
@@ -95,7 +95,7 @@ def calibration_plot(file: Path, bins: Sequence[Bin]) -> None:
     """Draw the mean achieved value of looks against their VOA, in bins, a panel per update rule."""
     figure = new_figure(12.0, 7.4)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for axes, rule in zip(panels.flat, RULES, strict=False):
+    for axes, rule in zip(panels.flat, EVALUATED_RULES, strict=False):
         _diagonal(axes, [each.voa for each in bins])
         for kind, colour, marker in zip(BELIEFS, (BLUE, ORANGE), "os", strict=True):
             own = [each for each in bins if (each.rule, each.kind) == (rule, kind)]
@@ -114,7 +114,7 @@ def calibration_plot(file: Path, bins: Sequence[Bin]) -> None:
                     bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.4},
                 )
         axes.set_title(rule, fontsize=10)
-    _legend_panel(panels, len(RULES))
+    _legend_panel(panels, len(EVALUATED_RULES))
     figure.suptitle("Calibration: looks grouped by VOA; the number beside a point counts its looks", fontsize=11)
     figure.supxlabel(f"mean VOA of the group, gain in {_UNIT}", fontsize=10)
     figure.supylabel(f"mean achieved value of the group, gain in {_UNIT}, 95 % intervals", fontsize=10)
@@ -126,7 +126,7 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
     overall = [outcome for outcome in outcomes if outcome.object is None]
     figure = new_figure(12.0, 6.2)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for axes, rule in zip(panels.flat, RULES, strict=False):
+    for axes, rule in zip(panels.flat, EVALUATED_RULES, strict=False):
         for kind, colour, marker, shift in zip(BELIEFS, (BLUE, ORANGE), "os", (-0.14, 0.14), strict=True):
             own = [outcome for outcome in overall if (outcome.rule, outcome.kind) == (rule, kind)]
             shares = [outcome.rate.share for outcome in own]
@@ -150,7 +150,7 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
         axes.grid(axis="x", color="#dddddd", linewidth=0.8)
         axes.set_title(rule, fontsize=10)
     panels[0][0].invert_yaxis()
-    _legend_panel(panels, len(RULES))
+    _legend_panel(panels, len(EVALUATED_RULES))
     drops = overall[0].rate.drops if overall else 0
     figure.suptitle(f"Success rate per policy, all objects, the same {drops} drops for every policy", fontsize=11)
     figure.supxlabel("share of grasps that lifted the object, 95 % intervals", fontsize=10)
@@ -160,9 +160,9 @@ def success_by_policy(file: Path, outcomes: Sequence[Outcome]) -> None:
 def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
     """Draw success with the recommended look against each disturbance, stated and not, a row per update rule."""
     figure = new_figure(12.0, 12.5, None)
-    panels = figure.subplots(len(RULES), len(DISTURBANCES), sharey=True)
+    panels = figure.subplots(len(EVALUATED_RULES), len(DISTURBANCES), sharey=True)
     figure.subplots_adjust(left=0.07, right=0.985, bottom=0.045, top=0.945, wspace=0.08, hspace=0.2)
-    for row, rule in zip(panels, RULES, strict=True):
+    for row, rule in zip(panels, EVALUATED_RULES, strict=True):
         for axes, disturbance in zip(row, DISTURBANCES, strict=True):
             own = [level for level in levels if (level.rule, level.disturbance) == (rule, disturbance.name)]
             plain = [level for level in own if not level.stated]
@@ -175,7 +175,7 @@ def sensitivity_curves(file: Path, levels: Sequence[Level]) -> None:
                 _curve(axes, [*plain[:1], *stated], ORANGE, "s", "with the look, its uncertainty stated", shift)
             axes.set_ylim(0.0, 1.05)
             axes.grid(color="#e5e5e5", linewidth=0.7)
-            if rule == RULES[-1]:
+            if rule == EVALUATED_RULES[-1]:
                 axes.set_xlabel(f"{disturbance.title}, {disturbance.unit}", fontsize=8)
             if disturbance is DISTURBANCES[0]:
                 axes.set_ylabel(f"{rule}\nsuccess rate", fontsize=9)

@@ -45,7 +45,10 @@ class LidarDriver(Protocol):
     """Driver of a lidar."""
 
     def revolution(self, timeout_s: float) -> Sequence[float] | None:
-        """Return the ranges of the next revolution, metres; None where none comes in time."""
+        """Return the ranges of the next revolution, metres, as REP-117 has them; None where none comes in time.
+
+        inf is a beam with nothing in range, NaN or -inf one without a measurement.
+        """
 
 
 class ArmDriver(Protocol):
@@ -105,7 +108,10 @@ class ExampleSensorRobot:
         if ranges is None:
             raise DeviceError(f"{self.name}: no scan within {self.scan_timeout_s} s; does the lidar turn?")
         # FILL IN (3): where beams are not those of the scenario's lidar, state angle_min and angle_increment as well.
-        return Scan(ranges=[float(value) for value in ranges])
+        return Scan(
+            ranges=[float(value) if math.isfinite(value) else None for value in ranges],
+            no_return=[index for index, value in enumerate(ranges) if value == math.inf],
+        )
 
 
 @dataclass

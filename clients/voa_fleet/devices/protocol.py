@@ -21,9 +21,9 @@ class GraspOutcome:
 
     Attributes:
         grasp: name of the grasp.
-        success: whether the object was lifted.
-        detail: how the attempt ended, in words; "" where the device does not know.
-        moved_m: how far the object has moved over the table, where that is known.
+        success: True if the object was lifted.
+        detail: end of the attempt, in words; "" where the device does not know.
+        moved_m: distance by which the object has moved over the table, metres; None: it is not known.
     """
 
     grasp: str

@@ -169,17 +169,16 @@ class SimulatedSensorRobot:
         """Return the pose at which the robot believes to be, with the standard deviations that it states."""
         return UncertainSensorPose(**self._believed.model_dump(), std=self.stated)
 
-    @property
-    def true_pose(self) -> SensorPose:
-        """Pose at which the robot really is; a real robot does not know it."""
-        return self._true
-
     def take_scan(self) -> Scan:
-        """Take a scan of one revolution, with the errors of the scene."""
+        """Take a scan of one revolution, with the errors of the scene, as the message for the service."""
+        return scan_message(self.measure())
+
+    def measure(self) -> Floats:
+        """Measure one revolution with the errors of the scene: (beams,), metres, not rounded; 0 where no return."""
         self.scene.moved(REVOLUTION_S)
         mujoco.mj_kinematics(self.scene.world.model, self.scene.data)
         ranges = true_ranges(self.scene.world, self.scene.data, self._lidar, self._true)
-        return scan_message(with_errors(ranges, self._lidar, self.scene.imperfections, self.scene.rng))
+        return with_errors(ranges, self._lidar, self.scene.imperfections, self.scene.rng)
 
 
 @dataclass(eq=False)

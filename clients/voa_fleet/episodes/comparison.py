@@ -18,7 +18,7 @@ class Tally:
 
     Attributes:
         policy: name of the policy.
-        lifted: whether the object was lifted, for each drop in order.
+        lifted: for each drop in order, True if the object was lifted.
         looks: number of looks in all episodes.
         expected: sum of the success probabilities that the service expected of the attempted grasps.
     """

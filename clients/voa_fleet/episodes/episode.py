@@ -27,7 +27,7 @@ from voa_fleet.episodes.events import (
     ignore,
 )
 from voa_fleet.episodes.forecasts import forecast_of
-from voa_fleet.episodes.looks import LookChannel, TakenLook
+from voa_fleet.episodes.looks import EpisodeLook, LookChannel
 from voa_fleet.episodes.policies import Policy, Situation
 from voa_fleet.world.clocks import Clock
 from voa_msgs.rankings import VoaRequest
@@ -80,7 +80,7 @@ class Episode:
     pair: str
     policy: str
     before: Session
-    looks: tuple[TakenLook, ...]
+    looks: tuple[EpisodeLook, ...]
     grasp: str | None
     expected_score: float
     outcome: GraspOutcome | None
@@ -139,7 +139,7 @@ def run_episode(
 
 @dataclass(frozen=True, eq=False)
 class _Surroundings:
-    """What a policy's situations are made from: fixed for an episode."""
+    """Everything that the situations of an episode are made from, apart from its looks."""
 
     pair: Pair
     scenario: Scenario
@@ -147,7 +147,7 @@ class _Surroundings:
     reachable: list[str]
     rng: np.random.Generator
 
-    def situation(self, looks: list[TakenLook]) -> Situation:
+    def situation(self, looks: list[EpisodeLook]) -> Situation:
         session = looks[-1].after if looks else self.session
         client = self.pair.client
         return Situation(
@@ -163,10 +163,10 @@ class _Surroundings:
 
 def _take_looks(
     surroundings: _Surroundings, policy: Policy, most_looks: int, publish: Callable[[Step], None]
-) -> tuple[TakenLook, ...]:
+) -> tuple[EpisodeLook, ...]:
     pair, scenario = surroundings.pair, surroundings.scenario
     sensors = {sensor.name: sensor for sensor in scenario.sensors}
-    looks: list[TakenLook] = []
+    looks: list[EpisodeLook] = []
     while True:
         choice = policy.choose(surroundings.situation(looks))
         if choice.sensor is None or len(looks) == most_looks:

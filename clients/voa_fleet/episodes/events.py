@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from voa_fleet.devices.protocol import GraspOutcome
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_msgs.geometry import SensorPose
 from voa_msgs.rankings import Ranking
 from voa_msgs.sessions import Session, UpdatedSession
@@ -25,7 +25,7 @@ class LookChosen:
         sensor: name of the sensor configuration; None: grasp.
         ranking: the service's ranking of the looks, where the policy requested it.
         min_gain: net value that a look has to exceed for the service to recommend it.
-        used_up: whether the policy wants another look and the episode allows no more.
+        used_up: True if the policy wants another look and the episode allows no more.
     """
 
     sensor: str | None
@@ -46,7 +46,7 @@ class RobotArrived:
 class LookTaken:
     """The session has processed a look."""
 
-    look: TakenLook
+    look: EpisodeLook
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from voa_msgs.sessions import ScanRequest, Session, SessionRequest, UpdateReport
 
 
 @dataclass(frozen=True)
-class TakenLook:
-    """A look that has reached the session.
+class EpisodeLook:
+    """A look of an episode, after it has reached the session.
 
     Attributes:
         sensor: name of the sensor configuration to which the robot was sent.
@@ -35,7 +35,7 @@ class LookChannel(Protocol):
     def open(self, scenario: Scenario) -> Session:
         """Open the session that receives the looks from now on."""
 
-    def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
+    def look(self, session: Session, sensor: SensorConfiguration) -> EpisodeLook:
         """Look from where the robot stands; return when the session has accepted or refused the look."""
 
 
@@ -66,7 +66,7 @@ class ClientChannel:
         """
         return self.client.create_session(SessionRequest(scenario=scenario.id))
 
-    def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
+    def look(self, session: Session, sensor: SensorConfiguration) -> EpisodeLook:
         """Send the median of some revolutions, and where they were taken.
 
         Raises:
@@ -79,7 +79,7 @@ class ClientChannel:
             ScanRequest(sensor=sensor.name, scan=scan) if pose.std is None else ScanRequest(sensor_pose=pose, scan=scan)
         )
         after = self.client.apply_scan(session.id, request)
-        return TakenLook(sensor.name, request, after, after.update)
+        return EpisodeLook(sensor.name, request, after, after.update)
 
 
 def client_channel(

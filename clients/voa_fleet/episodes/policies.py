@@ -180,11 +180,6 @@ _BUILT_IN: Mapping[str, Callable[[], Policy]] = MappingProxyType(
 )
 
 
-def policy_names() -> list[str]:
-    """Return the names of all policies: the built-in ones, then those of installed packages."""
-    return [*POLICIES, *_installed()]
-
-
 def policy_named(name: str) -> Policy:
     """Make the policy of that name.
 

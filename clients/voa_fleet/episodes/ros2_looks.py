@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from voa_client import Client, ConflictError, InvalidRequestError, ProblemError
 from voa_fleet.devices.protocol import DeviceError, SensorRobot
 from voa_fleet.episodes.look_scans import FRAME, REVOLUTIONS, driver_scan
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.world.clocks import Clock
 from voa_fleet.world.lidar import LidarGeometry
 from voa_msgs.geometry import PoseUncertainty, SensorConfiguration
@@ -39,7 +39,7 @@ _FITTING = "`voa fleet --ros2 --print-mapping`, with the other options unchanged
 
 
 @dataclass(frozen=True)
-class MappedRobot:
+class MappingEntry:
     """An entry of a mapping.
 
     Attributes:
@@ -53,12 +53,12 @@ class MappedRobot:
     std: PoseUncertainty | None
 
 
-def mapping(robots: Sequence[MappedRobot], revolutions: int = REVOLUTIONS) -> str:
+def mapping(robots: Sequence[MappingEntry], revolutions: int = REVOLUTIONS) -> str:
     """Write the robots.toml with which a service makes looks of what these robots publish."""
     return "\n".join(_entry(robot, revolutions) for robot in robots)
 
 
-def _entry(mapped: MappedRobot, revolutions: int) -> str:
+def _entry(mapped: MappingEntry, revolutions: int) -> str:
     lines = [
         "[[robot]]",
         f'name = "{mapped.robot}"',
@@ -115,7 +115,7 @@ class Ros2Channel:
                 f"runs as `voa serve --robots FILE` with a mapping of it to scenario {scenario.id!r}: {_FITTING}"
             ) from error
 
-    def look(self, session: Session, sensor: SensorConfiguration) -> TakenLook:
+    def look(self, session: Session, sensor: SensorConfiguration) -> EpisodeLook:
         """Publish from where the robot stands until the service has made a look for this session.
 
         Where no look follows, the revolutions are published again: messages get lost, and the service may only then
@@ -183,12 +183,12 @@ class Ros2Channel:
             f"that it received: {why}; expected a mapping of {self.revolutions} revolutions in a look: {_FITTING}"
         )
 
-    def _taken(self, session: Session, sensor: SensorConfiguration, version: int | None) -> TakenLook:
+    def _taken(self, session: Session, sensor: SensorConfiguration, version: int | None) -> EpisodeLook:
         after = self.client.get_session(session.id)
         if after.version == version:
-            return TakenLook(sensor.name, None, after, None)
+            return EpisodeLook(sensor.name, None, after, None)
         newest = list(self.client.history(session.id))[-1]
-        return TakenLook(sensor.name, ScanRequest.model_validate(newest.request), after, newest.update)
+        return EpisodeLook(sensor.name, ScanRequest.model_validate(newest.request), after, newest.update)
 
 
 def _is_about_robots(error: ProblemError) -> bool:

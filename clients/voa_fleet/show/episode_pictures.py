@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 from voa_client.formatting import share, signed
 from voa_fleet.episodes.comparison import Tally
 from voa_fleet.episodes.episode import Episode
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.show.figures import new_figure
 from voa_fleet.world.frames import matrix_of
 from voa_fleet.world.lidar import LidarGeometry, lidar_geometry
@@ -174,7 +174,9 @@ def _scene_from_above(axes: Axes, target: FleetObject, truth: str, episode: Epis
         )
 
 
-def _points(look: TakenLook, stand: SensorPose, lidar: LidarGeometry, target: FleetObject) -> list[tuple[float, float]]:
+def _points(
+    look: EpisodeLook, stand: SensorPose, lidar: LidarGeometry, target: FleetObject
+) -> list[tuple[float, float]]:
     """Returns within the workspace, in the world frame, metres."""
     if look.request is None:
         return []

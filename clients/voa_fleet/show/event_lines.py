@@ -13,7 +13,7 @@ from voa_fleet.episodes.events import (
     SessionOpened,
     Step,
 )
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_msgs.sessions import Session
 
 _FEW = 3
@@ -63,7 +63,7 @@ def _choice(chosen: LookChosen) -> str:
     return f"look from {chosen.sensor} next ({worth}{rest})"
 
 
-def _update(look: TakenLook) -> str:
+def _update(look: EpisodeLook) -> str:
     if look.update is None:
         return "not accepted; "
     if not look.update.accepted:

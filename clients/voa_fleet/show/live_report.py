@@ -30,7 +30,7 @@ class LiveReport:
     Attributes:
         console: on which it prints.
         pairs: names of the pairs.
-        lines: whether it prints a line for every event, beside the table.
+        lines: True if it prints a line for every event, beside the table.
         pace: called after every event, outside of the lock, to give a reader time.
     """
 

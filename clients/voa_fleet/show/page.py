@@ -192,7 +192,7 @@ def write_page(
         title: of the page.
         lead: blocks before the first section.
         sections: in order.
-        contents: whether a list of the sections with links to them follows the lead.
+        contents: True if a list of the sections with links to them follows the lead.
     """
     file.write_text(page(title, lead, sections, contents=contents), encoding="utf-8")
 

@@ -28,7 +28,7 @@ class PairState:
         ranking: the latest one; None: the policy requested none.
         looks: names of the sensor configurations from which looks were taken.
         at_s: time of the latest event, seconds.
-        success: whether the grasp succeeded; None: it was not attempted yet.
+        success: True if the grasp succeeded; None: it was not attempted yet.
     """
 
     pair: str

@@ -9,4 +9,6 @@
 | compute the arm's motion, attempt a grasp     | `kinematics`, `attempts`                            |
 | measure ranges                                | `lidar`                                             |
 | let time pass                                 | `clocks`                                            |
+
+The other files serve these: `frames` for rotations, `groups` for which geometries the lidar sees and which touch.
 """

@@ -60,7 +60,7 @@ class Attempt:
     """An attempt of a grasp and its measurements.
 
     Attributes:
-        result: how the attempt ended.
+        result: end of the attempt.
         rise_m: by how much the object rose.
         tool_error_m: distance of the tool from the grasp at the end of the approach.
         gap_m: distance between the fingers after closing; the opening if they did not close.

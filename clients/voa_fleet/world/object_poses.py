@@ -29,7 +29,7 @@ class Drop:
     Attributes:
         index: number of the drop in its series, from 0.
         pose: name of the scenario's pose in which the object lies; the robots do not know it.
-        place: where the object really lies: the pose and its noise.
+        place: true position and orientation of the object: the pose and its noise.
     """
 
     index: int

@@ -13,7 +13,7 @@ from voa_msgs.sessions import HistoryEntry, ScanRequest, Session
 from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE
 from voa_recordings.files.sessions import topic_of
 from voa_recordings.files.writer import RecordingWriter
-from voa_recordings.recorder.inbox import Answer, Received
+from voa_recordings.recorder.inbox import FetchedDocument, ReceivedSample
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.messages import NANOSECONDS, LaserScan, Odometry, PoseWithCovariance
 from voa_ros.topics import InvalidRmwAttachment, InvalidTopic, RmwAttachment, parse_key
@@ -59,9 +59,9 @@ class Filing:
         self._announced_type = announced_type
         self._recognised: dict[str, str] = {}  # by key, for later payloads of the key that cannot be decoded
 
-    def file(self, item: Received | Answer) -> str | None:
-        """Write a sample or an answer; return the id of the session that has a new version by it, or None."""
-        if isinstance(item, Answer):
+    def file(self, item: ReceivedSample | FetchedDocument) -> str | None:
+        """Write an item of the inbox; return the id of the session that a sample brings a new version of, or None."""
+        if isinstance(item, FetchedDocument):
             self._json(item.session, item.what, item.body, (item.log_ns, item.sent_ns), self._keys.rpc("*"))
             return None
         below = item.key.removeprefix(f"{self._keys.root}/").split("/")
@@ -79,7 +79,7 @@ class Filing:
                 self._scan(session, item)
         return None
 
-    def _scan(self, session: str, item: Received) -> None:
+    def _scan(self, session: str, item: ReceivedSample) -> None:
         times = _times(item)
         if item.payload.startswith(_CDR_HEADER):
             topic = topic_of(session, "scan")
@@ -94,7 +94,7 @@ class Filing:
         model = _MODELS.get(what)
         self._writer.add_json(topic_of(session, what), model, body, log_ns=times[0], publish_ns=times[1], key=key)
 
-    def _ros(self, item: Received) -> None:
+    def _ros(self, item: ReceivedSample) -> None:
         topic, named = _of_key(item.key)
         named = named or self._announced_type(item.key)
         message = _decoded(item.payload, named)
@@ -140,7 +140,7 @@ def _decoded(payload: bytes, named: str | None) -> tuple[str, LaserScan | Odomet
 
 
 def _published(
-    item: Received, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
+    item: ReceivedSample, attached: RmwAttachment | None, message: LaserScan | Odometry | PoseWithCovariance | None
 ) -> int:
     """Return the time of sending: by the router, the publisher, or the message's own stamp, in this order."""
     stamped = None if message is None else message.stamp.sec * NANOSECONDS + message.stamp.nanosec
@@ -148,7 +148,7 @@ def _published(
     return next((time for time in times if time is not None and time > 0), item.log_ns)
 
 
-def _times(item: Received) -> tuple[int, int]:
+def _times(item: ReceivedSample) -> tuple[int, int]:
     return item.log_ns, item.log_ns if item.sent_ns is None else item.sent_ns
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pydantic import BaseModel
 
 from voa_client import Client, NotFoundError, VoaClientError
-from voa_recordings.recorder.inbox import Answer, Inbox
+from voa_recordings.recorder.inbox import FetchedDocument, Inbox
 
 _AT_MOST_EVERY_S = 0.5  # a history is fetched whole, so not at each version of a session that changes quickly
 _END_S = 10.0
@@ -78,4 +78,4 @@ class Histories:
 
     def _put(self, session: str, what: str, body: BaseModel) -> None:
         now = self._now_ns()
-        self._inbox.put(Answer(session, what, body.model_dump_json().encode(), now, now))
+        self._inbox.put(FetchedDocument(session, what, body.model_dump_json().encode(), now, now))

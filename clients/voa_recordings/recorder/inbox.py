@@ -7,8 +7,8 @@ MOST_WAITING = 16_384
 
 
 @dataclass(frozen=True)
-class Received:
-    """A sample, as received.
+class ReceivedSample:
+    """A sample that was received on Zenoh, before it is written to the recording.
 
     Attributes:
         key: on which it was published.
@@ -30,7 +30,7 @@ class Received:
 
 
 @dataclass(frozen=True)
-class Answer:
+class FetchedDocument:
     """A message that was fetched from the service: JSON for one of a session's topics in the recording."""
 
     session: str
@@ -48,17 +48,17 @@ class Inbox:
     """
 
     def __init__(self, most: int = MOST_WAITING) -> None:
-        self._held: queue.Queue[Received | Answer] = queue.Queue(most)
+        self._held: queue.Queue[ReceivedSample | FetchedDocument] = queue.Queue(most)
         self.dropped = 0
 
-    def put(self, item: Received | Answer) -> None:
+    def put(self, item: ReceivedSample | FetchedDocument) -> None:
         """Append an item, or count it as dropped if the queue is full."""
         try:
             self._held.put_nowait(item)
         except queue.Full:
             self.dropped += 1
 
-    def get(self, seconds: float) -> Received | Answer | None:
+    def get(self, seconds: float) -> ReceivedSample | FetchedDocument | None:
         """Remove and return the oldest item; None: none arrived within `seconds`."""
         try:
             return self._held.get(timeout=seconds) if seconds > 0.0 else self._held.get_nowait()

@@ -8,9 +8,9 @@ from typing import Any
 import zenoh
 from zenoh.handlers import Callback
 
-from voa_client.zenoh_session import declare_latched_subscriber
 from voa_recordings.recorder.copies import Copies
-from voa_recordings.recorder.inbox import Inbox, Received
+from voa_recordings.recorder.inbox import Inbox, ReceivedSample
+from voa_ros.latched import declare_latched_subscriber
 from voa_ros.messages import NANOSECONDS
 
 _RMW_CHUNKS = 4
@@ -90,8 +90,8 @@ def _callback(
     return Callback(receive, indirect=False)
 
 
-def _received(sample: zenoh.Sample, log_ns: int) -> Received:
-    return Received(
+def _received(sample: zenoh.Sample, log_ns: int) -> ReceivedSample:
+    return ReceivedSample(
         key=str(sample.key_expr),
         payload=sample.payload.to_bytes(),
         attachment=b"" if sample.attachment is None else sample.attachment.to_bytes(),

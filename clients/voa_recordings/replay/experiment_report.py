@@ -21,7 +21,7 @@ class LookValue(BaseModel):
 
     Attributes:
         voa: Value of Assistance over predicted scans, computed before the look.
-        aecd: the same expectation over the scans that were measured; None unless every pose has a measured scan.
+        aecd: the value over measured instead of predicted scans; None unless every pose has a measured scan.
         beliefs: after the scan that was measured at each pose, by that pose's name, in the order of the poses.
     """
 

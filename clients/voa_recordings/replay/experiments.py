@@ -8,20 +8,17 @@ import math
 from collections.abc import Callable, Sequence
 
 from voa_client import Client
-from voa_msgs import updates
 from voa_msgs.geometry import CandidateSensor, SensorConfiguration
 from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import RankingRequest
 from voa_msgs.scenarios import GivenScores, Grasp, MeasuredScores, Pose, PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import Scan, UpdateRequest
-from voa_msgs.updates import MarginUpdate, UpdateRule
+from voa_msgs.updates import BUILT_IN, PAPER_RULES, MarginUpdate, PluginUpdate, UpdateRule, default_update
 from voa_recordings.experiment import RecordedExperiment
 from voa_recordings.experiment_parts import InvalidExperiment
 from voa_recordings.replay.experiment_report import BeforeLooks, ExperimentReport, LookValue
 from voa_recordings.replay.prediction_errors import Predictions, Source, prediction_errors
 
-RULES = tuple(rule for rule in updates.BUILT_IN if rule != "beam")
-"""Update rules of the papers, which are replayed unless others are named."""
 _LONGEST_NAME = 100
 
 
@@ -29,7 +26,7 @@ def replay_experiment(
     client: Client,
     experiment: RecordedExperiment,
     source: Source,
-    rules: Sequence[str] = RULES,
+    rules: Sequence[str] = PAPER_RULES,
     progress: Callable[[int, int], None] | None = None,
 ) -> ExperimentReport:
     """Send every measured scan of an experiment to a service, and report the values of looks.
@@ -54,7 +51,9 @@ def replay_experiment(
     total = len(rules) * len(experiment.sensors)
     values: dict[str, dict[str, LookValue]] = {}
     for done, rule in enumerate(rules):
-        scenario = client.create_scenario(_scenario(experiment, update_of(rule, experiment.no_return_m), predictions))
+        scenario = client.create_scenario(
+            _scenario(experiment, paper_update(rule, experiment.no_return_m), predictions)
+        )
         ranking = client.rank_once(RankingRequest(scenario=scenario.id, belief=belief))
         before = BeforeLooks(best_grasp=ranking.best_grasp_before, expected_score=ranking.expected_score_before)
         voa = {look.sensor: look.voa for look in ranking.ranking}
@@ -116,7 +115,8 @@ def predict_from_mesh(client: Client, experiment: RecordedExperiment) -> Predict
     if not all({"x", "y", "yaw_deg"} <= sensor.model_fields_set for sensor in experiment.sensors):
         raise InvalidExperiment(f"{experiment.name}: predictions from the mesh need x, y and yaw_deg of every sensor")
     mesh = client.create_object(experiment.mesh, experiment.name, experiment.scale)
-    scenario = client.create_scenario(_scenario(experiment, MarginUpdate(rule="margin"), None, mesh.id))
+    any_update = default_update(PAPER_RULES[0])  # a scenario needs one, and predictions do not depend on it
+    scenario = client.create_scenario(_scenario(experiment, any_update, None, mesh.id))
     levels = sorted({height for height in heights.values() if height is not None})
     stands = [
         CandidateSensor(name=f"{index}@{level}", x=own.x, y=own.y, yaw_rad=own.yaw_rad, height_m=level)
@@ -184,16 +184,16 @@ def _sensors(experiment: RecordedExperiment) -> list[SensorConfiguration]:
 
 def rule_name(update: UpdateRule) -> str:
     """Name of an update rule, built in or of another package."""
-    return update.name if isinstance(update, updates.PluginUpdate) else update.rule
+    return update.name if isinstance(update, PluginUpdate) else update.rule
 
 
-def update_of(rule: str, no_return_m: float | None) -> UpdateRule:
-    """Return an update rule with its default parameters.
+def paper_update(rule: str, no_return_m: float | None) -> UpdateRule:
+    """Return an update rule with its default parameters, as the papers use it.
 
-    `margin` shares the belief among the nearest poses where none matches, as the paper's lab did.
+    There, `margin` shares the belief among the nearest poses where a scan matches none; the others always match.
 
     Args:
         rule: its name; one that is not built in is a rule that another package provides to the service.
         no_return_m: range that a no-return counts as, metres; None: the lidar's `range_max`.
     """
-    return updates.update_of(rule, no_return_m, "nearest" if rule == "margin" else "reject")
+    return default_update(rule, no_return_m, "nearest" if BUILT_IN.get(rule) is MarginUpdate else "reject")

@@ -23,24 +23,24 @@ from voa_ros.topics import LASER_SCAN, MessageType, match_key
 
 
 @dataclass(frozen=True)
-class Look:
-    """A look of a recording, with the service's answer, or with the reason why the service refused it."""
+class ReplayedLook:
+    """A look of a recording, with the service's response, or with the reason why the service refused it."""
 
     robot: str
     request: ScanRequest
-    answer: UpdatedSession | None
+    response: UpdatedSession | None
     refused: str | None
 
 
 @dataclass(frozen=True)
-class RobotReport:
+class ReplayedRobot:
     """Scans and looks of one robot in a recording.
 
     Attributes:
         robot: its name in the mapping.
         session: id of the session that received its looks.
-        scans: how many the recording has of it.
-        looks: how many were sent.
+        scans: number of its scans in the recording.
+        looks: number of its looks that were sent.
         waiting_for: the condition for another look that was not met at the end; None: there is none.
         warnings: probable mistakes in how the robot was used.
         unreadable: why the newest message that could not be used was not; None: all could.
@@ -63,13 +63,13 @@ class LooksReport:
         scenario: that the sessions are on.
         robots: in the order of the mapping.
         looks: in the order of the recording.
-        messages: how many were read from the recording.
+        messages: number of messages that were read from the recording.
         damage: of the recording, as predicates ("ends in the middle"); None: none.
     """
 
     scenario: Scenario
-    robots: Sequence[RobotReport]
-    looks: Sequence[Look]
+    robots: Sequence[ReplayedRobot]
+    looks: Sequence[ReplayedLook]
     messages: int
     damage: str | None
 
@@ -99,7 +99,7 @@ def replay_looks(
         if target not in sessions:
             sessions[target] = client.create_session(SessionRequest(scenario=scenario.id)).id
         robots.append(_Robot(mapping, sessions[target], LookPipeline(mapping, grid, most)))
-    looks: list[Look] = []
+    looks: list[ReplayedLook] = []
     try:
         _send_looks(client, recording, robots, looks)
     except UnreadableRecording:
@@ -142,24 +142,24 @@ class _Robot:
         self.scans += type_ == LASER_SCAN
         return taken if isinstance(taken, GatheredLook) else None
 
-    def send(self, client: Client, taken: GatheredLook) -> Look:
+    def send(self, client: Client, taken: GatheredLook) -> ReplayedLook:
         """Send a look; if it is not accepted, the next revolutions of the same stop make another."""
         key = look_name(self.name, self.session, self._accepted + 1, taken)
         try:
-            answer = client.apply_scan(self.session, taken.request, key=key)
+            response = client.apply_scan(self.session, taken.request, key=key)
         except ProblemError as error:
             refused = f"{error.kind}: {error.problem.detail}"
             self._looks.rejected(refused)
-            return Look(self.name, taken.request, None, refused)
-        if answer.update.accepted:
+            return ReplayedLook(self.name, taken.request, None, refused)
+        if response.update.accepted:
             self._accepted += 1
         else:
-            self._looks.rejected(answer.update.reason or "not accepted")
-        return Look(self.name, taken.request, answer, None)
+            self._looks.rejected(response.update.reason or "not accepted")
+        return ReplayedLook(self.name, taken.request, response, None)
 
-    def report(self, looks: int) -> RobotReport:
+    def report(self, looks: int) -> ReplayedRobot:
         """Sum up what was received, and `looks`, the number of looks that were sent."""
-        return RobotReport(
+        return ReplayedRobot(
             robot=self.name,
             session=self.session,
             scans=self.scans,
@@ -178,7 +178,7 @@ class _Robot:
         return None
 
 
-def _send_looks(client: Client, recording: Recording, robots: Sequence[_Robot], looks: list[Look]) -> None:
+def _send_looks(client: Client, recording: Recording, robots: Sequence[_Robot], looks: list[ReplayedLook]) -> None:
     """Append each look that was sent to `looks`; raises UnreadableRecording where no robot has a scan."""
     for message in recording.messages():
         for robot in robots:

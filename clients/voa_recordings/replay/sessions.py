@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from voa_client import Client
 from voa_recordings.files.sessions import RecordedSession
@@ -23,7 +22,7 @@ class SessionsReport:
     """The sessions of a recording, rebuilt.
 
     Attributes:
-        messages: how many were read from the recording.
+        messages: number of messages that were read from the recording.
         damage: of the recording, as predicates ("ends in the middle"); None: none.
         sessions: by their id in the recording.
     """
@@ -37,10 +36,6 @@ class SessionsReport:
         """True if at least one session was rebuilt, and every rebuilt one has exactly the recorded belief."""
         same = [each.rebuilt.same for each in self.sessions if each.rebuilt is not None]
         return bool(same) and all(same)
-
-    def document(self) -> dict[str, Any]:
-        """Return the document of `voa replay --json`."""
-        return {"messages": self.messages, "damage": self.damage, "sessions": [_entry(each) for each in self.sessions]}
 
 
 def replay_sessions(client: Client, sessions: Sequence[RecordedSession], mesh: Path | None) -> list[SessionReplay]:
@@ -63,13 +58,3 @@ def replay_sessions(client: Client, sessions: Sequence[RecordedSession], mesh: P
                 f"{mesh} is object {stored}, but the sessions need {', '.join(objects)}: give the mesh of one of these"
             )
     return [SessionReplay(each, None if each.file is None else rebuild_session(client, each.file)) for each in sessions]
-
-
-def _entry(replay: SessionReplay) -> dict[str, Any]:
-    rebuilt = replay.rebuilt
-    return {
-        "recorded": replay.recorded.session,
-        "lacks": replay.recorded.lacks,
-        "same": None if rebuilt is None else rebuilt.same,
-        "session": None if rebuilt is None else rebuilt.session.model_dump(mode="json"),
-    }

@@ -16,5 +16,4 @@ A request passes the parts in this order:
 | `headers`      | the headers `ETag`, `If-Match` and `Idempotency-Key`                               |
 | `problems`     | turns every error into a problem document (RFC 9457)                               |
 | `openapi`      | the OpenAPI document, with the service's limits and problems                       |
-| `asgi`         | the types of ASGI                                                                  |
 """

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from voa_core.errors import InvalidInput, UnknownName
 from voa_core.lidars import BeamGrid, LidarModel
 from voa_msgs import lidars
+from voa_ros import grids
 
 _REQUIRED_FIELDS = ("beams", "angle_min", "angle_increment", "range_min", "range_max", "zero")
 _DEFAULT_NOISE = {"noise_m": 0.01, "noise_ratio": 0.02, "dropout": 0.05}
@@ -41,3 +42,8 @@ def lidar_model(lidar: lidars.Lidar) -> LidarModel:
     values = lidar.model_dump(exclude={"preset"})
     grid = BeamGrid(values.pop("beams"), values.pop("angle_min"), values.pop("angle_increment"))
     return LidarModel(grid=grid, **values)
+
+
+def beam_grid(lidar: LidarModel) -> grids.BeamGrid:
+    """Return the beams of a lidar, as looks of ROS 2 robots are gathered on them."""
+    return grids.BeamGrid(lidar.grid.beams, lidar.grid.angle_min, lidar.grid.angle_increment)

@@ -1,7 +1,7 @@
 """Builds the mathematics of stored scenarios, and keeps their cuts, predictions and weights in a bounded cache."""
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,12 +19,12 @@ from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.weights import Weigher
-from voa_msgs import large_json
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.failures import Failure, UnknownReference, not_found
 from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
 from voa_service.ports import Store
+from voa_service.requests import large_json
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
@@ -128,7 +128,7 @@ class Models:
         def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
             return self._cache.get(("prediction", id_, key), make)
 
-        scenario = scenario_of(request, contours_at, remember, self._installed)
+        scenario = replace(scenario_of(request, contours_at, remember, self._installed), seed=id_)
 
         def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
             def make() -> Weigher:

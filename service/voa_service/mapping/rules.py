@@ -30,14 +30,14 @@ def load_installed_rules() -> InstalledRules:
     installed: dict[str, RuleFactory] = {}
     for entry in entry_points(group=GROUP):
         if entry.name in installed:
-            log.error("update_rule_not_loaded", rule=entry.name, source=entry.value, reason="the name is taken")
+            log.error("an update rule is not loaded", rule=entry.name, source=entry.value, reason="the name is taken")
             continue
         try:
             installed[entry.name] = entry.load()
         except Exception:
-            log.exception("update_rule_not_loaded", rule=entry.name, source=entry.value)
+            log.exception("an update rule is not loaded", rule=entry.name, source=entry.value)
         else:
-            log.info("update_rule_loaded", rule=entry.name, source=entry.value)
+            log.info("an update rule is loaded", rule=entry.name, source=entry.value)
     return MappingProxyType(installed)
 
 

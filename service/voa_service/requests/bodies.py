@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from voa_msgs.reading import models_of, within
 from voa_service.failures import InvalidRequest, MalformedJson, malformed, of_message
+from voa_service.requests.large_json import python_float, python_int
 from voa_service.requests.limits import check_size, limited_objects
 from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
@@ -95,7 +96,7 @@ def json_value(payload: bytes, limits: Limits) -> Any:
     try:
         if len(payload) <= LARGE_BYTES:
             return json.loads(text, object_pairs_hook=made)
-        return json.loads(text, object_pairs_hook=made, parse_float=_float, parse_int=_int)
+        return json.loads(text, object_pairs_hook=made, parse_float=python_float, parse_int=python_int)
     except json.JSONDecodeError as error:
         raise malformed(error.msg, text, error.pos) from error
     except (ValueError, RecursionError) as error:  # a number of thousands of digits, or nested too deep
@@ -114,15 +115,6 @@ def message(kind: type[M], fields: Any, limits: Limits) -> M:
         if error.error_count() > _MANY:
             _refuse_many_names(kind, fields)
         raise of_message(kind, error, "body") from error
-
-
-def _float(text: str) -> float:
-    """Read a number, in Python code so that other threads can run between two numbers."""
-    return float(text)
-
-
-def _int(text: str) -> int:
-    return int(text)
 
 
 def _refuse_many_names(kind: type[BaseModel], fields: Any) -> None:

@@ -7,7 +7,7 @@ from pydantic import BaseModel
 
 from voa_msgs.base import Message
 from voa_msgs.keys import Attachment
-from voa_msgs.large_json import text
+from voa_service.requests.large_json import text
 from voa_service.rpc.parameters import Identified, InSession
 from voa_service.services import Services
 

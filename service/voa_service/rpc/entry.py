@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import structlog
 
 from voa_msgs import WIRE_VERSION
-from voa_msgs.large_json import dumped
 from voa_service.failures import Failure, NotFound, document, wire_failure
 from voa_service.guard import guarded
 from voa_service.requests.attachments import read_attachment
+from voa_service.requests.large_json import dumped
 from voa_service.rpc.calls import Call
 from voa_service.rpc.methods import methods_of
 from voa_service.runtime.logs import is_wanted

@@ -1,6 +1,5 @@
 """Versions of a session for its followers, in bounded pieces."""
 
-from voa_service.guard import guarded
 from voa_service.runtime.feeds import Version
 from voa_service.usecases.sessions import Sessions
 
@@ -8,14 +7,13 @@ _MOST_VERSIONS = 32
 _MOST_BYTES = 2**18
 
 
-@guarded()
 def versions_since(sessions: Sessions, id_: str, seen: int | None) -> list[Version] | None:
     """Read versions of a session after `seen`, the oldest first; without `seen`, the newest; None: no such session.
 
     At most 32 versions of together at most 256 kB, and at least one where there is one.
 
     Raises:
-        Failure: the store cannot be read.
+        StoreError: the store cannot be read.
     """
     states = sessions.states_since(id_, seen, _MOST_VERSIONS)
     if states is None:

@@ -6,18 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from voa_msgs import large_json
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_msgs.warnings import Warnings
+from voa_ros.grids import BeamGrid
 from voa_service.failures import TooLarge, not_found
+from voa_service.mapping.lidars import beam_grid
 from voa_service.mapping.models import Models
 from voa_service.mapping.predictions import predictions_message
 from voa_service.mapping.scenarios import filled_in
 from voa_service.mapping.sensors import candidates
 from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Clock, Store
+from voa_service.requests import large_json
 from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 from voa_store.records import ListedScenario, StoredScenario
@@ -74,6 +76,17 @@ class Scenarios:
         if stored is None:
             raise not_found("scenario", id_)
         return self._message(ScenarioRequest.model_validate(large_json.loads(stored.body)), stored)
+
+    def beam_grid(self, id_: str) -> BeamGrid:
+        """Return the beams of a scenario's lidar, on which looks of ROS 2 robots are gathered.
+
+        Raises:
+            NotFound: there is no such scenario.
+        """
+        model = self.models.get(id_)
+        if model is None:
+            raise not_found("scenario", id_)
+        return beam_grid(model.scenario.lidar)
 
     def warnings(self, id_: str) -> Warnings:
         """Search a scenario thoroughly for probable mistakes, which may take long.

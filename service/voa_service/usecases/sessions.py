@@ -81,14 +81,6 @@ class Sessions:
             self.committed(state.id, state)
         return response
 
-    def get(self, id_: str) -> Session:
-        """Read a session at its newest version.
-
-        Raises:
-            NotFound: there is no such session.
-        """
-        return self.message(self.state(id_))
-
     def response(self, id_: str) -> StoredResponse:
         """Read a session as JSON with its version; the response is kept until the session changes.
 

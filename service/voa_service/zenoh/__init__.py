@@ -11,7 +11,6 @@ Functions that a Zenoh thread calls return at once: they put their work into a b
 | `ros2`         | subscribes to the ROS 2 topics of mapped robots, and applies their looks                  |
 | `mapped_robot` | a mapped robot: gathers its messages into looks for the session that it belongs to        |
 | `samples`      | a message on a topic of a mapped robot                                                    |
-| `latched`      | subscribes to topics whose newest message is kept, such as AMCL's pose                    |
 | `applying`     | applies a look to its session once, whichever replicas do so                              |
 | `ledger`       | knows which looks of a robot its session has, so that each stop counts once               |
 | `replicas`     | the replicas that are alive, and which of them is responsible for a sample                |

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 from voa_ros.looks import GatheredLook, look_name
-from voa_service.failures import Failure, IdempotencyKeyReused, LookCounted, NotAccepted
-from voa_service.guard import guarded
+from voa_service.failures import NotAccepted
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.robots import LookOutcome
 from voa_service.usecases.updates import Updates
 from voa_service.zenoh.ledger import LookLedger
+from voa_store.errors import KeyReused, LookRepeated
 from voa_store.records import RobotLook
 
 _TRIES = 5
@@ -31,7 +31,6 @@ class DueLook:
     since: int
 
 
-@guarded()
 def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
     """Apply a look to its session, unless another replica has applied it.
 
@@ -42,7 +41,7 @@ def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
         The outcome, accepted or not; None where the session already has this look.
 
     Raises:
-        Failure: the look could not be applied.
+        Failure, StoreError: the look could not be applied.
     """
     for _ in range(_TRIES):
         number = due.ledger.next_number(due.taken, due.since)
@@ -64,11 +63,10 @@ def _applied(updates: Updates, due: DueLook, number: int) -> LookOutcome | None:
     body = request.model_dump_json(exclude_unset=True, exclude_none=True).encode()
     counted = RobotLook(due.robot, number, due.taken.digest)
     try:
-        with guarded():
-            response = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
-    except Failure as failure:
-        if failure.kind in (LookCounted.kind, IdempotencyKeyReused.kind):
-            return None
+        response = updates.apply_scan(session, request, write_of("scan", body, key, look=counted))
+    except (LookRepeated, KeyReused):
+        return None
+    except Exception:
         due.ledger.doubt(due.taken)
         raise
     return LookOutcome.model_validate_json(response.body)

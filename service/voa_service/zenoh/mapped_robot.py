@@ -9,7 +9,6 @@ import time
 
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
-from voa_ros.grids import BeamGrid
 from voa_ros.looks import GatheredLook
 from voa_ros.pipeline import ContradictoryHeader, LookPipeline, Received, UnusableMessage
 from voa_ros.robot_places import AttachmentPlace
@@ -193,7 +192,10 @@ class MappedRobot:
                     self._follow()
                 self._absent = None
             except Failure as failure:  # looks are gathered on while the database fails for a moment
-                self._absent = failure if self._looks is None or failure.kind in _ABSENT else None
+                is_absent = self._looks is None or failure.kind in _ABSENT
+                self._absent = failure if is_absent else None
+                if is_absent:
+                    self._missing = f"the mapping's scenario or session: {failure.detail}"
         if self._absent is None:
             return self._looks_or_fail()
         if received == LASER_SCAN:
@@ -207,20 +209,14 @@ class MappedRobot:
 
     def _follow(self) -> None:
         sessions, mapping = self._services.sessions, self.mapping
-        try:
-            with guarded():
-                if mapping.session is not None:
-                    scenario = sessions.state(mapping.session).scenario
-                    session: str | None = mapping.session
-                else:
-                    scenario = mapping.scenario or ""
-                    session = self._services.claims.peek(self.name, scenario)
-                if scenario != self._scenario or self._looks is None:
-                    self._begin_on(scenario)
-        except Failure as failure:
-            if failure.kind in _ABSENT or self._looks is None:
-                self._missing = f"the mapping's scenario or session: {failure.detail}"
-            raise
+        if mapping.session is not None:
+            scenario = sessions.state(mapping.session).scenario
+            session: str | None = mapping.session
+        else:
+            scenario = mapping.scenario or ""
+            session = self._services.claims.peek(self.name, scenario)
+        if scenario != self._scenario or self._looks is None:
+            self._begin_on(scenario)
         self._missing = self._none() if session is None else None
         if session is None:
             self._leave()
@@ -235,12 +231,8 @@ class MappedRobot:
 
     def _begin_on(self, scenario: str) -> None:
         """Begin to gather looks on the beam grid of a scenario's lidar."""
-        model = self._services.sessions.models.get(scenario)
-        if model is None:
-            raise not_found("scenario", scenario)
-        grid = model.scenario.lidar.grid
+        beams = self._services.scenarios.beam_grid(scenario)
         self._scenario = scenario
-        beams = BeamGrid(grid.beams, grid.angle_min, grid.angle_increment)
         self._looks = LookPipeline(self.mapping, beams, self._services.limits.beams)
         self._same_stop = same_stop(self.mapping.look, beams)
         if self._requested:

@@ -18,6 +18,7 @@ import structlog
 import zenoh
 from zenoh.handlers import Callback
 
+from voa_ros.latched import declare_latched_subscriber
 from voa_ros.robots import RobotMapping, Subscription, load
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, match_key
 from voa_service.failures import Failure, InvalidRequest, NotAccepted, Overloaded, TooLarge
@@ -25,7 +26,6 @@ from voa_service.guard import guarded
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.deferred import Deferred
-from voa_service.zenoh.latched import declare_latched_subscriber
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
 from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.outbox import Outbox
@@ -197,7 +197,8 @@ class Ros2:
         """Apply a look unless the session has it; after a failure the robot's stop may make another look."""
         robot, due = look.robot, look.due
         try:
-            outcome = apply_look(self._services.updates, due)
+            with guarded():
+                outcome = apply_look(self._services.updates, due)
         except Failure as failure:
             robot.rejected(due, failure.kind)
             raise

@@ -1,1 +1,1 @@
-"""Alembic's revisions of the tables; `store.migrate` runs them when the service starts."""
+"""Alembic's revisions of the tables; `voa_store.migrate` runs them when the service starts."""

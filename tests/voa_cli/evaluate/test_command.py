@@ -18,7 +18,7 @@ from voa_cli.evaluate.looks import QUICK_NOTICE
 from voa_client import Client
 from voa_evaluation.looks.requests import estimate_before_look, register
 from voa_evaluation.looks.running import measure_scores
-from voa_evaluation.looks.setting import BELIEFS, RULES, Setting
+from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES, Setting
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
 
@@ -52,7 +52,7 @@ def test_the_same_seed_gives_the_same_files_and_json_is_one_document(
     report = json.loads(said.out)
     assert set(report) == {"grasp-score", "observation", "voa"}
     assert (report["voa"]["drops"], report["voa"]["seed"]) == (1, 5)
-    assert len(report["voa"]["policies"]) == 2 * len(BELIEFS) * len(RULES) * len(POLICIES)
+    assert len(report["voa"]["policies"]) == 2 * len(BELIEFS) * len(EVALUATED_RULES) * len(POLICIES)
     files = sorted(file.name for file in reported.iterdir())
     assert files == sorted(file.name for file in tmp_path.iterdir())
     assert {"report.html", "voa-looks.csv", "grasp-score-block.csv", "observation-block-sensors.csv"} <= set(files)
@@ -69,7 +69,7 @@ def test_totals_of_the_page_are_those_of_the_rows(reported: Path) -> None:
         counted[key] += int(row["success"])
         drops[key] += 1
     policies = [row for row in rows_of(reported / "voa-policies.csv") if row["object"] == "all"]
-    assert len(policies) == len(BELIEFS) * len(RULES) * len(POLICIES)
+    assert len(policies) == len(BELIEFS) * len(EVALUATED_RULES) * len(POLICIES)
     for row in policies:
         key = row["belief"], row["rule"], row["policy"]
         assert (int(row["successes"]), int(row["drops"])) == (counted[key], drops[key])
@@ -78,7 +78,7 @@ def test_totals_of_the_page_are_those_of_the_rows(reported: Path) -> None:
 
 def test_every_look_is_in_the_rows_and_counts_there(reported: Path) -> None:
     looks = rows_of(reported / "voa-looks.csv")
-    assert len(looks) == len(BELIEFS) * len(RULES) * 9
+    assert len(looks) == len(BELIEFS) * len(EVALUATED_RULES) * 9
     by_place: Counter[tuple[str, str, str]] = Counter()
     for look in looks:
         by_place[look["belief"], look["rule"], look["sensor"]] += int(look["success"])
@@ -164,7 +164,7 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     assert "report.html" in capsys.readouterr().out
     assert 'class="notice"' not in (out / "report.html").read_text(encoding="utf-8")
     rows = {(row["rule"], row["sensor"]): row for row in rows_of(out / "voa-recorded.csv")}
-    assert {rule for rule, _ in rows} == set(RULES)
+    assert {rule for rule, _ in rows} == set(EVALUATED_RULES)
     assert rows["exponential", "Q2"]["aecd"] == ""
     assert rows["exponential", "Q2"]["poses_measured"] == "1"
     page = (out / "report.html").read_text(encoding="utf-8")

@@ -196,6 +196,11 @@ def test_defaults_of_beam_come_from_the_lidar() -> None:
     assert sum(parameters[share] for share in ("z_hit", "z_short", "z_no_return", "z_random")) == pytest.approx(1.0)
     assert parameters["temper"] == pytest.approx(0.25)
     assert defaults("beam", lidar_of(4))["temper"] == 1.0
+    fine = lidar_of(8, increment=math.radians(-0.25))
+    assert defaults("beam", fine)["temper"] == pytest.approx(0.0625)
+    assert defaults("beam", fine, spread=True) == defaults("beam", fine) | {"temper": pytest.approx(0.125)}
+    assert defaults("beam", lidar_of(120), spread=True)["temper"] == 1.0
+    assert defaults("gaussian", fine, spread=True) == defaults("gaussian", fine)
 
 
 def test_beam_defaults_stay_shares_for_a_lidar_that_loses_nearly_everything() -> None:

@@ -136,3 +136,19 @@ def test_what_fails_is_reported(mug: FleetObject, base: ScriptedBase, lidar: Scr
         arm.attempt("TD90")
     with pytest.raises(DeviceError, match="the controller stopped the program 'grasp_td0'"):
         arm.attempt("TD0")
+
+
+class FixedLidar:
+    """A lidar that measures the same ranges at every revolution."""
+
+    def __init__(self, *ranges: float) -> None:
+        self._ranges = ranges
+
+    def revolution(self, timeout_s: float) -> tuple[float, ...]:
+        return self._ranges
+
+
+def test_beams_with_nothing_in_range_and_beams_without_a_measurement_differ() -> None:
+    robot = ExampleSensorRobot(ScriptedBase(), FixedLidar(0.5, math.inf, math.nan, -math.inf, 1.5))
+    scan = robot.take_scan()
+    assert (scan.ranges, scan.no_return) == ([0.5, None, None, None, 1.5], [1])

@@ -31,7 +31,7 @@ from voa_fleet.episodes.events import (
 )
 from voa_fleet.episodes.looks import client_channel
 from voa_fleet.episodes.policies import policy_named
-from voa_fleet.episodes.ros2_looks import MappedRobot, Ros2Channel, mapping
+from voa_fleet.episodes.ros2_looks import MappingEntry, Ros2Channel, mapping
 from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry
@@ -263,14 +263,14 @@ def mapped(lab: Lab, client: Client, scenario: str) -> None:
             return False
         return True
 
-    lab.robots.write_text(mapping([MappedRobot(ROBOT, scenario, None)]))
+    lab.robots.write_text(mapping([MappingEntry(ROBOT, scenario, None)]))
     wait_for(is_read, "the mapping")
 
 
 def test_a_robot_that_is_mapped_to_another_scenario_is_refused(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
-        lab.robots.write_text(mapping([MappedRobot(ROBOT, "another", None)]))
+        lab.robots.write_text(mapping([MappingEntry(ROBOT, "another", None)]))
         channel = silent(client, bench, scenario)
         wait_for(lambda: "another" in refusal(channel, scenario), "the mapping to be read")
         assert f"mapping of it to scenario {scenario.id!r}" in refusal(channel, scenario)

@@ -16,7 +16,6 @@ from voa_fleet.episodes.policies import (
     Situation,
     description_of,
     policy_named,
-    policy_names,
 )
 from voa_fleet.errors import InvalidPolicy, UnknownName
 from voa_fleet.world.objects import FleetObject
@@ -151,7 +150,6 @@ def test_a_policy_of_an_installed_package_is_listed_and_described(
     )
     installed(tmp_path, "mine", "policy_of_mine:Mine", source)
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert policy_names() == [*POLICIES, "mine"]
     assert description_of("mine") == "The second place"
     assert description_of("none") == POLICIES["none"]
     assert policy_named("mine").name == "mine"

@@ -19,7 +19,7 @@ from voa_fleet.episodes.events import (
     SessionOpened,
     Step,
 )
-from voa_fleet.episodes.looks import TakenLook
+from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.show.event_lines import event_line
 from voa_fleet.show.live_report import LiveReport
 from voa_fleet.show.tables import PairState, belief_table
@@ -79,7 +79,7 @@ def session(belief: list[float]) -> Session:
 
 
 def looked(report: UpdateReport | None) -> LookTaken:
-    return LookTaken(TakenLook("Q1", None, session([0.9, 0.1]), report))
+    return LookTaken(EpisodeLook("Q1", None, session([0.9, 0.1]), report))
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from voa_msgs.keys import Keys
 from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_recordings.files.writer import RecordingWriter
 from voa_recordings.recorder.filing import Filing
-from voa_recordings.recorder.inbox import Answer, Received
+from voa_recordings.recorder.inbox import FetchedDocument, ReceivedSample
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import RmwAttachment
@@ -28,7 +28,9 @@ ODOM = encode_odometry(Odometry(STAMP, "odom", "base", POSE))
 AMCL = encode_pose(PoseWithCovariance(STAMP, "map", POSE))
 
 
-def filed(*items: Received | Answer) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
+def filed(
+    *items: ReceivedSample | FetchedDocument,
+) -> tuple[list[tuple[str, str | None, Any]], list[str | None], Filing]:
     """Topic, type and message of each; the sessions that moved."""
     file = BytesIO()
     writer = RecordingWriter(file, TYPES)
@@ -122,7 +124,7 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
         received(KEYS.scan("s1", "r1"), SCAN, attachment=b"no JSON"),
         received(KEYS.refused("s1", "r1"), b"{}"),
         received(f"{KEYS.root}/other/s1", b"{}"),
-        Answer("s1", "history", b"{}", NEXT, NEXT),
+        FetchedDocument("s1", "history", b"{}", NEXT, NEXT),
     )
     assert Counter((topic, kind) for topic, kind, _ in result) == {
         ("/voa/s1/belief", "Session"): 1,

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 import pytest
 
 from tests.support.scenarios import core_scenario
+from voa_core.estimates import Estimate
 from voa_core.filtering import Belief
 from voa_core.updating import Update
 from voa_service.mapping.estimates import (
@@ -21,7 +22,7 @@ from voa_store.records import SessionState
 
 HALVES = Belief.of([0.5, 0.5, 0.0])
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
-REFUSED = Update(belief=HALVES, accepted=False, reason="no_beams", log_evidence=None)
+REFUSED = Update(Estimate.of(HALVES), accepted=False, reason="no_beams", log_evidence=None)
 
 
 def state(belief: Belief) -> SessionState:

@@ -74,7 +74,7 @@ def test_a_rule_that_cannot_be_loaded_is_logged_and_left_out(installed: Path) ->
     with structlog.testing.capture_logs() as logs:
         rules = load_installed_rules()
     assert set(rules) == set(RULES)
-    refused = [(entry["rule"], entry["source"]) for entry in logs if entry["event"] == "update_rule_not_loaded"]
+    refused = [(entry["rule"], entry["source"]) for entry in logs if entry["event"] == "an update rule is not loaded"]
     assert len(refused) == 2
     assert ("broken", "broken_rules:make") in refused
     assert {rule for rule, _ in refused} == {"broken", "plain"}

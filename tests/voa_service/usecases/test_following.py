@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from tests.support.serving import Service, scan_of
-from voa_service.failures import NotReady
 from voa_service.usecases import following
 from voa_service.usecases.following import versions_since
 from voa_store.errors import Unavailable
@@ -60,12 +59,10 @@ def test_a_session_that_does_not_exist_has_no_versions(service: Service) -> None
     assert versions_since(service.inside.sessions, "nothing", None) is None
 
 
-def test_a_store_that_cannot_be_read_is_a_failure(
-    service: Service, session: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_of_the_store_passes(service: Service, session: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def away(*_: Any) -> None:
         raise Unavailable("the database is away")
 
     monkeypatch.setattr(type(service.inside.sessions), "states_since", away)
-    with pytest.raises(NotReady, match="the database is away"):
+    with pytest.raises(Unavailable, match="the database is away"):
         versions_since(service.inside.sessions, session, None)

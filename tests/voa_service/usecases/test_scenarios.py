@@ -90,7 +90,7 @@ def test_more_predictions_than_a_response_may_hold_are_refused_with_the_most(sce
 
 
 @pytest.mark.parametrize("read", ["get", "warnings", "predict"])
-def test_a_scenario_that_does_not_exist_is_refused_with_its_id(scenarios: Scenarios, read: str) -> None:
+def test_a_scenario_that_does_not_exist_is_refused(scenarios: Scenarios, read: str) -> None:
     arguments: dict[str, tuple[Any, ...]] = {"predict": (None,)}
     with pytest.raises(NotFound, match="there is no scenario 'nothing'"):
         getattr(scenarios, read)("nothing", *arguments.get(read, ()))

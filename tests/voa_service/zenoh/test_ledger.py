@@ -13,6 +13,7 @@ from tests.voa_service.zenoh.test_ros2 import laser_scan
 from voa_ros.robots import RobotMapping, load
 from voa_ros.topics import LASER_SCAN
 from voa_service.failures import Failure
+from voa_service.guard import guarded
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
 from voa_service.zenoh.samples import Sample
@@ -48,7 +49,8 @@ class Process:
         for _ in range(min(most, len(self.due))):
             due = self.due.pop(0)
             try:
-                answer = apply_look(self.service.inside.updates, due)
+                with guarded():
+                    answer = apply_look(self.service.inside.updates, due)
             except Failure as failure:
                 self.robot.rejected(due, failure.kind)
                 continue

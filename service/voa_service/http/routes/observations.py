@@ -11,9 +11,11 @@ from voa_msgs.sessions import (
 )
 from voa_service.failures import (
     BeamGridMismatch,
+    Damaged,
     IdempotencyKeyReused,
     MeshRequired,
     NotFound,
+    RuleFailed,
     StaleVersion,
     UnknownReference,
 )
@@ -25,7 +27,7 @@ from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
 from voa_store.records import StoredResponse
 
-_WRITE_PROBLEMS = (NotFound, StaleVersion, IdempotencyKeyReused)
+_WRITE_PROBLEMS = (NotFound, StaleVersion, IdempotencyKeyReused, Damaged)
 
 
 def routes(services: Services) -> APIRouter:
@@ -36,7 +38,7 @@ def routes(services: Services) -> APIRouter:
     @router.post(
         "/sessions/{id}/scans",
         response_model=UpdatedSession,
-        responses=problems(*_WRITE_PROBLEMS, UnknownReference, MeshRequired, BeamGridMismatch),
+        responses=problems(*_WRITE_PROBLEMS, UnknownReference, MeshRequired, BeamGridMismatch, RuleFailed),
         response_description="The session after the scan, with its version as ETag.",
     )
     async def apply_scan(

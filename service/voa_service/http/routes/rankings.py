@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from voa_msgs.rankings import Definition, RankedGrasps, Ranking, VoaRequest
-from voa_service.failures import MeshRequired, NotFound, TooLarge, UnknownReference
+from voa_service.failures import Damaged, MeshRequired, NotFound, RuleFailed, TooLarge, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import SessionId, answer, unless_gone
@@ -22,7 +22,7 @@ def routes(services: Services) -> APIRouter:
     @router.get(
         "/sessions/{id}/voa",
         response_model=Ranking,
-        responses=problems(NotFound, TooLarge, MeshRequired),
+        responses=problems(NotFound, TooLarge, MeshRequired, Damaged, RuleFailed),
         response_description="The looks, the largest net value first.",
     )
     async def rank_looks(
@@ -43,7 +43,7 @@ def routes(services: Services) -> APIRouter:
     @router.post(
         "/sessions/{id}/voa",
         response_model=Ranking,
-        responses=problems(NotFound, UnknownReference, MeshRequired),
+        responses=problems(NotFound, UnknownReference, MeshRequired, Damaged, RuleFailed),
         response_description="The looks, the largest net value first.",
     )
     async def rank_given_looks(id: SessionId, http: Request, request: VoaRequest | None = None) -> Response:
@@ -57,7 +57,7 @@ def routes(services: Services) -> APIRouter:
     @router.get(
         "/sessions/{id}/grasps",
         response_model=RankedGrasps,
-        responses=problems(NotFound, UnknownReference),
+        responses=problems(NotFound, UnknownReference, Damaged),
         response_description="The grasps, the largest expected score first.",
     )
     async def rank_grasps(

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from fastapi import Path, Query, Request, Response
 from pydantic import BaseModel
 
-from voa_msgs.large_json import dumped
 from voa_service.http.headers import etag
+from voa_service.requests.large_json import dumped
 from voa_service.runtime.queues import WorkQueue
 from voa_store.records import StoredResponse
 

@@ -8,7 +8,14 @@ from voa_msgs.sessions import (
     SessionPage,
     SessionRequest,
 )
-from voa_service.failures import ClaimConflict, IdempotencyKeyReused, NotFound, StaleVersion, UnknownReference
+from voa_service.failures import (
+    ClaimConflict,
+    Damaged,
+    IdempotencyKeyReused,
+    NotFound,
+    StaleVersion,
+    UnknownReference,
+)
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
@@ -52,7 +59,7 @@ def routes(services: Services) -> APIRouter:
     @router.get(
         "/sessions/{id}",
         response_model=Session,
-        responses=problems(NotFound),
+        responses=problems(NotFound, Damaged),
         response_description="The session, with its version as ETag.",
     )
     async def get_session(id: SessionId) -> Response:
@@ -62,7 +69,7 @@ def routes(services: Services) -> APIRouter:
     @router.delete(
         "/sessions/{id}",
         status_code=204,
-        responses=problems(NotFound, StaleVersion, IdempotencyKeyReused),
+        responses=problems(NotFound, StaleVersion, IdempotencyKeyReused, Damaged),
         response_description="The session was deleted.",
     )
     async def delete_session(
@@ -78,7 +85,7 @@ def routes(services: Services) -> APIRouter:
     @router.get(
         "/sessions/{id}/history",
         response_model=HistoryPage,
-        responses=problems(NotFound),
+        responses=problems(NotFound, Damaged),
         response_description="A page of versions in ascending order, the prior first.",
     )
     async def get_history(

@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request, Response
 
 from voa_msgs.rankings import Ranking, RankingRequest
 from voa_msgs.sessions import UpdatedEstimate, UpdateRequest
-from voa_service.failures import BeamGridMismatch, MeshRequired, UnknownReference
+from voa_service.failures import BeamGridMismatch, MeshRequired, RuleFailed, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.rankings import ranked
@@ -19,7 +19,7 @@ def routes(services: Services) -> APIRouter:
     @router.post(
         "/updates",
         response_model=UpdatedEstimate,
-        responses=problems(UnknownReference, MeshRequired, BeamGridMismatch),
+        responses=problems(UnknownReference, MeshRequired, BeamGridMismatch, RuleFailed),
         response_description="The estimate after the scan; `version` is null.",
     )
     async def update_once(request: UpdateRequest) -> Response:
@@ -29,7 +29,7 @@ def routes(services: Services) -> APIRouter:
     @router.post(
         "/rankings",
         response_model=Ranking,
-        responses=problems(UnknownReference, MeshRequired),
+        responses=problems(UnknownReference, MeshRequired, RuleFailed),
         response_description="The looks, the largest net value first; `version` is null.",
     )
     async def rank_once(request: RankingRequest, http: Request) -> Response:

@@ -84,14 +84,16 @@ def dumped(message: BaseModel, *, exclude_unset: bool = False) -> bytes:
 
 def loads(text: str) -> Any:
     """Read JSON that the service wrote, in steps between which other threads can run."""
-    return json.loads(text, parse_float=_float, parse_int=_int)
+    return json.loads(text, parse_float=python_float, parse_int=python_int)
 
 
-def _float(text: str) -> float:
+def python_float(text: str) -> float:
+    """Read a number in a function of Python's, so that other threads get their turn while many are read."""
     return float(text)
 
 
-def _int(text: str) -> int:
+def python_int(text: str) -> int:
+    """Read a whole number in a function of Python's, so that other threads get their turn while many are read."""
     return int(text)
 
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.serving import data_scenario, json_of
-from voa_msgs.large_json import blocks, dumped, loads, plain, text
 from voa_msgs.scenarios import Scenario, ScenarioRequest
+from voa_service.requests.large_json import blocks, dumped, loads, plain, text
 
 LEAVES = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
 VALUES = st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=30)

@@ -1,0 +1,47 @@
+"""The page of the commands lists every command of `voa` with its options, and every target of the Makefile."""
+
+import contextlib
+import re
+
+import pytest
+
+from tests.deploy.pages import REPOSITORY, page
+from voa_cli.main import COMMANDS, main
+
+ROWS = dict(re.findall(r"(?m)^\| `voa ([^`]+)` \| [^|]+ \| ([^|]*) \|$", page("commands").text))
+"""Options of each command, by its words."""
+OPTION = re.compile(r"(?m)^  (?:-\w(?: [A-Z]+)?, )?(--[a-z][\w-]*)")
+
+
+def words_of(row: str) -> list[str]:
+    """Words of a command without its arguments."""
+    return [word for word in row.split() if re.fullmatch(r"[a-z][a-z-]*", word)]
+
+
+def printed_help(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    with contextlib.suppress(SystemExit):
+        main([*words, "--help"])
+    return capsys.readouterr().out
+
+
+def test_every_command_is_listed() -> None:
+    assert {words_of(row)[0] for row in ROWS} == set(COMMANDS)
+
+
+def test_every_evaluation_and_every_command_about_sessions_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    listed = {tuple(words) for row in ROWS if len(words := words_of(row)) == 2}
+    evaluations = re.findall(r"(?m)^  ([a-z-]+)  ", printed_help(["evaluate"], capsys))
+    (sessions,) = set(re.findall(r"(?m)^  ([a-z]+(?: \| [a-z]+)+)$", printed_help(["sessions"], capsys)))
+    expected = {("evaluate", each) for each in evaluations} | {("sessions", each) for each in sessions.split(" | ")}
+    assert listed == expected
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_a_command_is_listed_with_all_of_its_options(row: str, capsys: pytest.CaptureFixture[str]) -> None:
+    printed = printed_help(words_of(row), capsys)
+    assert set(re.findall(r"`(--[\w-]+)`", ROWS[row])) == set(OPTION.findall(printed)) - {"--help"}
+
+
+def test_every_target_of_the_makefile_is_listed() -> None:
+    targets = re.findall(r"(?m)^([a-z]+):.*##", (REPOSITORY / "Makefile").read_text(encoding="utf-8"))
+    assert set(re.findall(r"(?m)^\| `make ([a-z]+)` \|", page("commands").text)) == set(targets)

@@ -1,0 +1,98 @@
+"""Estimates in progress: a belief, and all that its next update depends on beside the observation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from voa_core.absence import log_odds_of, probability_of
+from voa_core.checks import Floats
+from voa_core.filtering import Belief, condition
+from voa_core.places import Place, index_of_place
+
+
+@dataclass(frozen=True)
+class Attempts:
+    """Outcomes of the attempts of one grasp: its index in the table, and how often it succeeded and failed."""
+
+    grasp: int
+    successes: int
+    failures: int
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Estimate of where the object lies: the belief, and the looks and attempts that future observations relate to.
+
+    An estimate is rebuilt from its observations, in their order, to the last bit.
+
+    Attributes:
+        belief: over the poses, given that the object is at one of them.
+        base: the belief without the looks: the prior, or what replaced it, and the outcomes of grasps since.
+        places: the places that were looked from since, the oldest first.
+        attempts: the outcomes of grasps since, by grasp.
+        log_odds_absent: ln of the odds that the object lies at none of the poses; None: that it does is certain.
+    """
+
+    belief: Belief
+    base: Belief
+    places: tuple[Place, ...] = ()
+    attempts: tuple[Attempts, ...] = ()
+    log_odds_absent: float | None = None
+
+    @classmethod
+    def of(cls, belief: Belief, absent: float | None = None) -> "Estimate":
+        """Begin an estimate with a belief.
+
+        Args:
+            belief: over the poses.
+            absent: probability, above 0 and below 1, that the object lies at none of them; None: it does for certain.
+
+        Raises:
+            InvalidInput: `absent` is not between 0 and 1.
+        """
+        return cls(belief, belief, log_odds_absent=None if absent is None else log_odds_of(absent))
+
+    @property
+    def absent(self) -> float | None:
+        """Probability that the object lies at none of the poses; None where that is not considered."""
+        return None if self.log_odds_absent is None else probability_of(self.log_odds_absent)
+
+    def attempts_of(self, grasp: int) -> Attempts:
+        """Outcomes of the attempts of a grasp, by its index in the table."""
+        return next((each for each in self.attempts if each.grasp == grasp), Attempts(grasp, 0, 0))
+
+    def restarted(self, belief: Belief) -> "Estimate":
+        """Begin again with another belief: earlier looks and attempts no longer count; absence keeps its odds."""
+        return replace(self, belief=belief, base=belief, places=(), attempts=())
+
+    def with_place(self, place: Place, belief: Belief) -> "Estimate":
+        """Replace the place whose viewpoint is that of `place`, or add it as the newest, and set the belief."""
+        index = index_of_place(self.places, place.viewpoint)
+        places = (*self.places, place) if index is None else _replaced(self.places, index, place)
+        return replace(self, belief=belief, places=places)
+
+    def with_more_copies(self, index: int, log_copies: Sequence[Floats]) -> "Estimate":
+        """Compute a place again with more displaced copies of each pose, and the belief from all places.
+
+        Args:
+            index: of the place in `places`.
+            log_copies: (n, J) ln w of each copy of each pose for each of the place's looks, in their order.
+
+        Raises:
+            ValueError: the number of looks is not that of the place.
+        """
+        place = self.places[index]
+        if len(log_copies) != len(place.looks):
+            raise ValueError(f"place {index} has {len(place.looks)} looks, and {len(log_copies)} were compared again")
+        rebuilt = Place(place.viewpoint, (), np.zeros((len(self.base.p), 1)))
+        for number, each in zip(place.looks, log_copies, strict=True):
+            rebuilt = rebuilt.with_look(number, each)
+        places = _replaced(self.places, index, rebuilt)
+        posterior = condition(self.base, np.sum([each.log_weights for each in places], axis=0))
+        # More copies include the fewer, so what was possible is possible still.
+        return replace(self, belief=posterior.belief if posterior else self.belief, places=places)
+
+
+def _replaced(places: tuple[Place, ...], index: int, place: Place) -> tuple[Place, ...]:
+    return (*places[:index], place, *places[index + 1 :])

@@ -1,0 +1,62 @@
+"""Weights after several looks together: the products of the weights of each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voa_core.choices import LookWeights
+from voa_core.filtering import Belief
+from voa_core.kernels import Array
+from voa_core.updating import UpdatePolicy
+
+
+@dataclass(frozen=True, eq=False)
+class JointWeights:
+    """Weights of every pose after looks from several places, sample by sample.
+
+    Attributes:
+        parts: weights of the looks, in the order in which they are taken; of as many samples each.
+    """
+
+    parts: tuple[LookWeights, ...]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the weights: float64 or float32."""
+        return self.parts[0].dtype
+
+    @property
+    def matrix(self) -> None:
+        """None: the products of weights are not kept."""
+        return None
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of each pose."""
+        return self.parts[0].samples
+
+    @property
+    def simulated(self) -> bool:
+        """True if the scans are drawn from the sensor model."""
+        return self.parts[0].simulated
+
+    def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+        """Products of the weights W[rows, columns] of all looks, each row scaled by a positive number of its own."""
+        product = self.parts[0].weights(rows, columns)
+        for part in self.parts[1:]:
+            product = product * part.weights(rows, columns)
+        return product
+
+    def seen_with(self, belief: Belief, policy: UpdatePolicy) -> "JointWeights":
+        """Weights with which scans that do not show the object change nothing, under the belief before all looks."""
+        return JointWeights(tuple(part.seen_with(belief, policy) for part in self.parts))
+
+    def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
+        """Compute the belief after all looks of each of the samples `rows`, look by look and in logarithms."""
+        after = list(before)
+        for part in self.parts:
+            after = part.beliefs(rows, after, policy)
+        return after
