@@ -39,7 +39,7 @@ class ScriptedBase:
         return self.here
 
     def standard_deviations(self) -> tuple[float, float]:
-        return 0.01, 0.02
+        return 0.002, 0.005
 
 
 @dataclass
@@ -119,7 +119,7 @@ def test_the_lidar_is_where_it_was_sent_and_not_the_base(
     ((x, y, _),) = base.goals
     assert math.hypot(x - sensor.x, y - sensor.y) == pytest.approx(float(np.hypot(*LIDAR_ON_ROBOT)))
     assert pose.std is not None
-    assert (pose.std.xy_m, pose.std.yaw_rad) == (0.01, 0.02)
+    assert (pose.std.xy_m, pose.std.yaw_rad) == (0.002, 0.005)
 
 
 def test_what_fails_is_reported(mug: FleetObject, base: ScriptedBase, lidar: ScriptedLidar) -> None:
