@@ -1,5 +1,8 @@
 import errno
+import json
 import runpy
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -29,3 +32,14 @@ def test_a_cache_that_cannot_be_written_is_read(monkeypatch: pytest.MonkeyPatch,
     sealed = SealedCacheLocator.from_function(function, __file__)
     assert sealed.get_cache_path() == writable.get_cache_path()
     assert sealed.get_source_stamp() == writable.get_source_stamp()
+
+
+def test_the_warm_up_compiles_all_that_the_service_uses(tmp_path: Path) -> None:
+    for precision in ("float64", "float32"):
+        (tmp_path / precision).mkdir()
+    command = [sys.executable, "-m", "tests.deploy.main_job", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=DEPLOY.parent, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert json.loads(done.stdout.splitlines()[-1]) == [], (
+        "in the image, these calls would fail: extend voa_core/warmup.py"
+    )
