@@ -236,9 +236,10 @@ class Following:
 
     def _send(self, call: Call[M]) -> Generator[Step, Result, M | VoaClientError]:
         result = yield Send(call, self.within(self._patience.attempt_s) or _SHORTEST_S)
-        assert isinstance(result, Response | VoaClientError)  # noqa: S101 - the contract of the caller
         if isinstance(result, VoaClientError):
             return result
+        if not isinstance(result, Response):
+            raise TypeError(f"expected the response to a request, or its error, got {type(result).__name__}")
         try:
             return read(call, result)
         except VoaClientError as error:
@@ -246,7 +247,8 @@ class Following:
 
     def _wait(self, seconds: float | None) -> Generator[Step, Result, Batch]:
         result = yield Wait(self.within(seconds), self.seen)
-        assert isinstance(result, Batch)  # noqa: S101 - the contract of the caller
+        if not isinstance(result, Batch):
+            raise TypeError(f"expected the news that arrived while waiting, got {type(result).__name__}")
         return result
 
     def _new(self, at: Version) -> Session:
