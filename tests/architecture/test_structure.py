@@ -155,7 +155,9 @@ TOPICS = {
     "voa_assets/test_recorded_mug.py": "data: the mug's recorded experiment",
     "voa_meshes/test_glb_refusals.py": "GLB files that are refused",
     "voa_store/test_after_kill.py": "the store after its process was killed",
+    "voa_store/test_concurrency.py": "calls of several stores on one database at the same time",
     "voa_store/test_conformance.py": "one suite for every database",
+    "voa_store/test_failures.py": "databases that are of another version, silent, full or locked",
     "voa_store/test_state_machine.py": "random sequences of calls against a model of the store",
 }
 """Tests that are named after a topic and not after a module, with the topic."""

@@ -78,7 +78,7 @@ MUTANTS = (
         file="service/voa_store/sql.py",
         old="_BY_ID.with_for_update()",
         new="_BY_ID",
-        tests="tests/voa_store/test_conformance.py",
+        tests="tests/voa_store/test_concurrency.py",
     ),
     Mutant(
         name="a session that existed already is published",

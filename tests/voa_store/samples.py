@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from threading import Barrier
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from sqlalchemy import Engine, create_engine
@@ -24,6 +24,7 @@ from voa_store.records import (
     StoredObject,
     StoredResponse,
     StoredScenario,
+    Upload,
     Write,
 )
 
@@ -132,3 +133,8 @@ def at_once(calls: Sequence[Callable[[], T]]) -> list[T]:
 
     with ThreadPoolExecutor(len(calls)) as pool:
         return list(pool.map(begin, calls))
+
+
+def upload(**changes: Any) -> Upload:
+    """Make an uploaded file, with some fields changed."""
+    return replace(Upload("0" * 64, "obj", 0.1 + 0.2, "+Z"), **changes)

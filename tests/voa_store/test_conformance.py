@@ -5,26 +5,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
 from functools import partial
-from itertools import pairwise
-from pathlib import Path
-from threading import Lock
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pytest
-from sqlalchemy import text
 
-from tests.support.postgres import Server
 from tests.voa_store.samples import (
     NOON,
     THREADS,
     Open,
     Result,
     at_once,
-    belief,
     change,
     create,
-    engine_of,
     key,
     mesh,
     never,
@@ -33,14 +26,13 @@ from tests.voa_store.samples import (
     scenario,
     session,
     stored_mesh,
+    upload,
     write,
 )
 from voa_core.filtering import Belief
 from voa_service.ports import Store
-from voa_store.engines import connect
-from voa_store.errors import KeyReused, SessionMissing, Unavailable, VersionMismatch
-from voa_store.records import HistoryKind, Listed, SessionState, StoredObject, StoredResponse, Upload
-from voa_store.sql import SqlStore
+from voa_store.errors import KeyReused, SessionMissing, VersionMismatch
+from voa_store.records import HistoryKind, Listed, SessionState, StoredObject, StoredResponse
 
 T = TypeVar("T")
 
@@ -84,10 +76,6 @@ def test_a_mesh_comes_back_bit_for_bit(store: Store) -> None:
         assert got.object.vertices.tobytes() == mesh().vertices.tobytes()
         assert got.object.faces.tobytes() == mesh().faces.tobytes()
         assert (got.name, got.created_at) == ("box", NOON)
-
-
-def upload(**changes: Any) -> Upload:
-    return replace(Upload("0" * 64, "obj", 0.1 + 0.2, "+Z"), **changes)
 
 
 def test_an_uploaded_file_is_identified_by_how_it_was_read(pair: tuple[Store, Store]) -> None:
@@ -435,222 +423,3 @@ def test_everything_is_there_after_reopening(opened: Open, store: Store) -> None
     assert [entry.state.version for entry in again.history("S", -1, 9)] == [0, 1]
     assert change(again, "S", write(key()), never) == StoredResponse("v1", 1)
     assert create(again, "T", key(scope="caller")) == StoredResponse("created S", 0)
-
-
-def test_what_one_store_answered_the_other_reads(pair: tuple[Store, Store]) -> None:
-    one, other = pair
-    create(one)
-    for version in range(1, 9):
-        writer, reader = (one, other) if version % 2 else (other, one)
-        change(writer, "S", write(), next_version)
-        newest = reader.get_session("S")
-        assert newest is not None
-        assert newest.version == version
-        assert len(reader.history("S", -1, 99)) == version + 1
-
-
-def test_writers_of_two_stores_lose_no_update_and_never_retry(pair: tuple[Store, Store]) -> None:
-    each = 15
-    create(pair[0])
-    steps, lock = 0, Lock()
-
-    def add_one(state: SessionState) -> Result:
-        nonlocal steps
-        with lock:
-            steps += 1
-        more = belief(*(state.belief.p + 1.0))
-        after = replace(state, version=state.version + 1, belief=more)
-        return Result(StoredResponse("", after.version), after)
-
-    def writer(store: Store) -> Callable[[], list[int]]:
-        def run() -> list[int]:
-            answers = [change(store, "S", write(), add_one) for _ in range(each)]
-            return [answer.version for answer in answers if answer is not None]
-
-        return run
-
-    answered = at_once([writer(store) for store in pair for _ in range(THREADS)])
-    count = len(answered) * each
-    assert sorted(version for versions in answered for version in versions) == list(range(1, count + 1))
-    assert all(a < b for versions in answered for a, b in pairwise(versions))
-    assert steps == count, "a step ran again: a retry"
-    newest = pair[1].get_session("S")
-    assert newest is not None
-    assert (newest.version, newest.belief.p.tolist()) == (count, [0.25 + count, 0.75 + count])
-    entries = pair[0].history("S", -1, count + 1)
-    assert [entry.state.belief.p[0] for entry in entries] == [0.25 + n for n in range(count + 1)]
-
-
-def test_of_writers_that_saw_the_same_version_one_gets_through(pair: tuple[Store, Store]) -> None:
-    create(pair[0])
-
-    def attempt(store: Store) -> Callable[[], str]:
-        def run() -> str:
-            try:
-                answer = change(store, "S", write(None, frozenset({0})), next_version)
-            except VersionMismatch:
-                return "version mismatch"
-            return answer.body if answer else "gone"
-
-        return run
-
-    outcomes = at_once([attempt(store) for store in pair for _ in range(THREADS)])
-    assert sorted(outcomes) == ["v1"] + ["version mismatch"] * (2 * THREADS - 1)
-
-
-@pytest.mark.parametrize("step", [next_version, refuse])
-def test_duplicates_of_one_key_at_once_have_one_effect_and_one_answer(
-    pair: tuple[Store, Store], step: Callable[[SessionState], Result]
-) -> None:
-    create(pair[0])
-    for round_ in range(5):
-        before = len(pair[0].history("S", -1, 99))
-        named = key(f"K{round_}")
-        calls = [
-            lambda store=store, named=named: change(store, "S", write(named), step)
-            for store in pair
-            for _ in range(THREADS)
-        ]
-        answers = at_once(calls)
-        assert len(set(answers)) == 1
-        assert len(pair[1].history("S", -1, 99)) == before + (step is next_version)
-
-
-def test_duplicates_of_one_creation_at_once_open_one_session(pair: tuple[Store, Store]) -> None:
-    for round_ in range(5):
-        named = key(f"K{round_}", "caller")
-        calls = [
-            lambda store=store, id_=f"{round_}-{n}", named=named: create(store, id_, named)
-            for n, store in enumerate(pair * THREADS)
-        ]
-        assert len(set(at_once(calls))) == 1
-        assert len(pair[0].list_sessions(99, None).items) == round_ + 1
-
-
-def test_duplicates_of_one_delete_at_once_all_succeed_and_without_a_key_one_does(pair: tuple[Store, Store]) -> None:
-    for named, expected in ((key("D"), 2 * THREADS), (None, 1)):
-        create(pair[0])
-        calls = [
-            lambda store=store, named=named: store.delete_session("S", named, None)
-            for store in pair
-            for _ in range(THREADS)
-        ]
-        assert sum(at_once(calls)) == expected
-        assert pair[0].get_session("S") is None
-
-
-def test_equal_content_put_at_once_is_new_once(pair: tuple[Store, Store]) -> None:
-    for round_ in range(5):
-        puts = [partial(store.put_scenario, scenario(f"R{round_}", str(n))) for n, store in enumerate(pair * THREADS)]
-        results = at_once(puts)
-        assert sum(new for _, new in results) == 1
-        assert len({stored for stored, _ in results}) == 1
-        meshes = at_once([partial(store.put_object, stored_mesh(0.01 * (round_ + 1))) for store in pair * THREADS])
-        assert sum(new for _, new in meshes) == 1
-
-
-def test_a_change_and_a_delete_at_once_leave_nothing_behind(pair: tuple[Store, Store]) -> None:
-    for _ in range(5):
-        create(pair[0])
-        changed, deleted = at_once(
-            [
-                lambda: change(pair[0], "S", write(), next_version),
-                lambda: pair[1].delete_session("S", None, None),
-            ]
-        )
-        assert deleted is True
-        assert changed in (None, StoredResponse("v1", 1))
-        assert pair[0].history("S", -1, 9) == []
-
-
-# ------------------------------------------------------------------------------------------- the database itself
-
-
-def test_ping_says_when_the_tables_are_of_another_version(store: Store, database_url: str) -> None:
-    store.ping()
-    engine = engine_of(database_url)
-    with engine.begin() as connection:
-        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
-    engine.dispose()
-    with pytest.raises(RuntimeError, match="another version"):
-        store.ping()
-
-
-def test_stores_that_open_an_empty_database_at_the_same_time_share_it(database_url: str) -> None:
-    stores = at_once([lambda: SqlStore(database_url) for _ in range(THREADS)])
-    try:
-        stores[0].put_scenario(scenario("A"))
-        for n, store in enumerate(stores):
-            store.ping()
-            create(store, f"S{n}")
-        assert len(stores[-1].list_sessions(99, None).items) == THREADS
-    finally:
-        for store in stores:
-            store.close()
-
-
-def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_again(postgres: Server) -> None:
-    store = SqlStore(postgres.new_database())
-    store.put_scenario(scenario("A"))
-    create(store)
-    postgres.stop()
-    try:
-        calls: list[Callable[[], object]] = [
-            lambda: store.get_session("S"),
-            lambda: store.session_mark("S"),
-            lambda: store.robot_looks("A", "r", 1),
-            lambda: store.robot_session("r", "A"),
-            lambda: store.settle_robot("r", "A"),
-            lambda: store.claim_robot("r", "S"),
-            lambda: store.find_upload(upload()),
-            lambda: store.history("S", -1, 9),
-            lambda: store.list_sessions(9, None),
-            lambda: store.put_object(stored_mesh()),
-            lambda: create(store, "T", key()),
-            lambda: change(store, "S", write(key()), next_version),
-            lambda: store.delete_session("S", None, None),
-            store.ping,
-        ]
-        for call in calls:
-            with pytest.raises(Unavailable):
-                call()
-    finally:
-        postgres.start()
-    assert change(store, "S", write(key()), next_version) == StoredResponse("v1", 1)
-    store.close()
-
-
-def test_a_full_database_file_is_a_failure_and_room_again_is_enough(tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path / 'voa.db'}"
-    store = SqlStore(url)
-    store.put_scenario(scenario("A"))
-    create(store)
-    engine = store._writer
-    with engine.connect() as connection:
-        connection.exec_driver_sql("PRAGMA max_page_count = 1")  # SQLite takes the present size where that is more
-
-    def fill() -> None:
-        while True:
-            change(store, "S", write(request='"' + "x" * 1000 + '"'), next_version)
-
-    with pytest.raises(Unavailable):
-        fill()
-    newest = store.get_session("S")
-    assert newest is not None
-    assert len(store.history("S", -1, 9999)) == newest.version + 1
-    with engine.connect() as connection:
-        connection.exec_driver_sql("PRAGMA max_page_count = 1000000")
-    assert change(store, "S", write(), next_version) == StoredResponse(f"v{newest.version + 1}", newest.version + 1)
-    store.close()
-
-
-def test_a_row_that_is_held_is_not_waited_for_without_end_and_own_options_hold(postgres: Server) -> None:
-    own = postgres.new_database() + "?options=-c%20application_name%3Dlab&connect_timeout=7"
-    engines = connect(own)
-    with engines.writer.connect() as connection:
-        shown = [
-            connection.execute(text(f"SHOW {name}")).scalar_one()
-            for name in ("lock_timeout", "idle_in_transaction_session_timeout", "application_name")
-        ]
-    engines.dispose()
-    assert shown == ["3200ms", "10s", "lab"]
