@@ -32,6 +32,7 @@ PREDICTIONS: dict[str, Any] = {"sensors": ["Q1"]}
 SESSION: dict[str, Any] = {"scenario": SCENARIO_ID, "prior": [0.5, 0.5]}
 CLAIM: dict[str, Any] = {"session": "4f1c0a5e9b7d2c38"}
 BELIEF: dict[str, Any] = {"belief": [0.25, 0.75]}
+LOOK: dict[str, Any] = {"sensor": "Q1", "robot": "scout"}
 OUTCOME: dict[str, Any] = {"grasp": "G1", "success": True}
 UPDATE: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **SCAN}
 RANKING: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **VOA}

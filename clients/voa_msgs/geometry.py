@@ -40,12 +40,23 @@ class CandidateSensor(SensorPose):
     """Cost of a look from here, in units of success probability; it is subtracted from the VOA."""
 
 
+class Location(Message):
+    """Point on the floor, in the world frame."""
+
+    x: Real
+    """X coordinate, metres."""
+    y: Real
+    """Y coordinate, metres."""
+
+
 def _form(sensor: Any) -> str:
     return "name" if isinstance(sensor, str) else "pose"
 
 
 Candidate = Annotated[Annotated[Name, Tag("name")] | Annotated[CandidateSensor, Tag("pose")], Discriminator(_form)]
 """Name of a sensor configuration of the scenario, or any sensor pose."""
+Departure = Annotated[Annotated[Name, Tag("name")] | Annotated[Location, Tag("pose")], Discriminator(_form)]
+"""Name of a sensor configuration of the scenario, or a point on the floor."""
 
 
 class PoseUncertainty(Message):
@@ -55,6 +66,15 @@ class PoseUncertainty(Message):
     """Standard deviation of x, and of y, metres."""
     yaw_rad: NotNegative = 0.0
     """Standard deviation of the yaw, radians."""
+
+
+class Spread(Message):
+    """Standard deviations of the object about a listed pose, in the plane of the table; at least one is above 0."""
+
+    xy_m: NotNegative = 0.0
+    """Standard deviation of x, and of y, metres."""
+    yaw_rad: NotNegative = 0.0
+    """Standard deviation of the yaw about the position of the pose, radians."""
 
 
 class UncertainSensorPose(SensorPose):

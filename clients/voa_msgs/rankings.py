@@ -3,27 +3,54 @@
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from voa_msgs import examples
-from voa_msgs.base import Distribution, Id, Message, Name
+from voa_msgs.base import Distribution, Id, Message, Name, NotNegative
 from voa_msgs.bounds import LimitedBy
 from voa_msgs.examples import exemplified
-from voa_msgs.geometry import Candidate
+from voa_msgs.geometry import Candidate, Departure, PoseUncertainty
+from voa_msgs.warnings import ProbableMistake
 
 Definition = Literal["posterior", "executed"]
 """Definition of VOA: expected gain of the best expected score, or of the score of the grasp that is then executed."""
+
+Scans = Literal["exact", "simulated"]
+"""Predicted scans over which looks are valued: one exact scan of each pose, or noisy scans of displaced poses."""
+MOST_PENDING = 64
+"""Most looks under way that a ranking can take into account, and most that a session keeps."""
+MOST_SAMPLES = 4_096
+"""Most simulated scans of each pose and place."""
 
 
 class VoaRequest(Message):
     """Request for a ranking of looks by Value of Assistance."""
 
-    model_config = exemplified(examples.VOA)
+    model_config = exemplified(examples.VOA) | ConfigDict(serialize_by_alias=True, validate_by_name=True)
 
     sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
     """Looks to rank: names of sensor configurations, or any sensor poses; null: all sensors of the scenario."""
-    definition: Definition = "posterior"
-    """Definition of VOA: gain of the best expected score (`posterior`), or of the executed grasp's (`executed`)."""
+    scans: Scans | None = None
+    """Predicted scans: `exact`, one of each pose as in the papers; `simulated`, noisy scans of displaced poses, as the
+    update will weigh them; null: `simulated` where the scenario has a spread, or `sensor_std` or the session's last
+    sensor pose a standard deviation, else `exact`."""
+    samples: Annotated[int, Ge(1), Le(MOST_SAMPLES)] | None = None
+    """Number of simulated scans of each pose; null: as many as make 256 of all poses together, and at least 1."""
+    definition: Definition | None = None
+    """Definition of VOA: gain of the best expected score (`posterior`), or of the executed grasp's (`executed`); null:
+    `posterior` over exact scans, `executed` over simulated ones."""
+    sensor_std: PoseUncertainty | None = None
+    """Standard deviations of the sensor poses at which the robot will arrive; null: those of the session's last sensor
+    pose, and without one they are exact."""
+    lookahead: Annotated[int, Ge(1), Le(2)] = 2
+    """Number of looks that the recommendation plans: 1, or 2 where no single look is worth its cost."""
+    from_: Departure | None = Field(default=None, alias="from")
+    """Point from which the robot drives: the name of a sensor configuration, or x and y in metres; null: driving costs
+    nothing."""
+    cost_per_m: NotNegative = 0.0
+    """Cost of driving one metre in a straight line, in units of success probability; it needs `from`."""
+    pending: Annotated[list[Candidate], Len(0, MOST_PENDING), LimitedBy("sensors")] | None = None
+    """Looks that are under way: the value of a look is what it adds to them; null: those announced in the session."""
     grasps: Annotated[list[Name], Len(1), LimitedBy("grasps")] | None = None
     """Names of the grasps that the arm can reach now; null: all of the scenario's."""
     sensor_belief: Distribution | None = None
@@ -43,6 +70,8 @@ class RankingRequest(VoaRequest):
     """Identifier of the scenario."""
     belief: Distribution | None
     """Belief: one probability per pose, in the order of the scenario; null: the scenario's prior."""
+    absent: Annotated[float, Ge(0.0), Le(1.0)] | None = None
+    """Probability that the object lies at none of the poses, for the warnings; null: the scenario's `absent`."""
 
 
 class Outcome(Message):
@@ -66,28 +95,36 @@ class RankedSensor(Message):
     voa: float
     """Value of Assistance: expected gain in the probability of a successful grasp; it may be negative."""
     standard_error: float | None
-    """Standard error of `voa`, in success probability; null: `voa` is exact."""
+    """Standard error of `voa` from the number of simulated scans, in success probability; null: scans are exact."""
+    score_standard_error: float | None = None
+    """Standard error of `voa` from the number of attempts behind the grasp scores, in success probability; null: the
+    scores are given probabilities."""
     cost: float
-    """Cost of the look, in units of success probability."""
+    """Cost of the look, the drive included, in units of success probability."""
     net_value: float
     """Net value, in success probability: `voa` - `cost`; the ranking is sorted by it."""
     expected_score_after: float
     """Expected probability of a successful grasp after the look, 0 to 1."""
     ties_with_first: bool
-    """True if the net value equals that of the first look in the ranking within 1e-6; true for the first look."""
+    """True if the net value does not surely differ from that of the first look: within two standard errors of the
+    difference, and for exact scans within 1e-6; true for the first look."""
+    looks_taken: int = 0
+    """Number of accepted looks that the session has taken from this place; 0 without a session."""
     outcomes: list[Outcome] | None = None
     """Expected result at each pose with a probability above 0; null unless the request sets `outcomes`."""
 
 
 class Look(Message):
-    """Recommendation to look: the net value of the best look exceeds `min_gain`."""
+    """Recommendation to look: the net value of the best look, or of the best two together, exceeds `min_gain`."""
 
     action: Literal["look"]
     """Always `look`."""
     sensor: str
     """Name of the sensor configuration, or of the sensor pose in the request, to look from."""
     net_value: float
-    """Value of Assistance of the look less its cost, in success probability."""
+    """Value of Assistance of the look less its cost, in success probability; with `then`, of both looks."""
+    then: str | None = None
+    """Second look, where no look is worth its cost alone and two are together; null: the look is worth it alone."""
 
 
 class GraspNow(Message):
@@ -108,6 +145,14 @@ class Ranking(Message):
     """Version of the session whose belief was used; null: the belief was stated in the request."""
     definition: Definition
     """Definition of VOA: gain of the best expected score (`posterior`), or of the executed grasp's (`executed`)."""
+    scans: Scans = "exact"
+    """Predicted scans: `exact`, one of each pose; `simulated`, noisy scans of displaced poses."""
+    samples: int | None = None
+    """Number of simulated scans of each pose; null: scans are exact."""
+    lookahead: int = 1
+    """Number of looks that the recommendation would have planned; 1 above 64 places."""
+    value_of_perfect_information: float | None = None
+    """Gain in success probability if the pose were known: the most that looks can be expected to gain."""
     method: Literal["exact", "sampled"]
     """Method: an expectation over all poses (`exact`), or over a sample of them (`sampled`)."""
     precision: Literal["float64", "float32"]
@@ -120,6 +165,8 @@ class Ranking(Message):
     """Looks, the largest net value first."""
     recommendation: Annotated[Look | GraspNow, Field(discriminator="action")]
     """Recommended action: look from a place, or grasp now."""
+    warnings: list[ProbableMistake] = Field(default=[])
+    """Warnings about the recommendation, above all that the object is probably not there; empty: none."""
 
 
 class RankedGrasp(Message):

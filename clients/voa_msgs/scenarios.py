@@ -3,14 +3,14 @@
 from datetime import datetime
 from typing import Annotated, Any
 
-from annotated_types import Ge, Le, Len
+from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from voa_msgs import examples
 from voa_msgs.base import Free, Id, Message, Name, Page, Point2, Point3, Quaternion, Range, Ranges
 from voa_msgs.bounds import LimitedBy
 from voa_msgs.examples import exemplified
-from voa_msgs.geometry import Candidate, SensorConfiguration
+from voa_msgs.geometry import Candidate, SensorConfiguration, Spread
 from voa_msgs.lidars import Lidar
 from voa_msgs.priors import Prior
 from voa_msgs.updates import BeamUpdate, UpdateRule
@@ -104,6 +104,11 @@ class ScenarioRequest(Message):
     """Rectangle that contains the object; returns from outside it are ignored; null: every return counts."""
     min_gain: Annotated[float, Ge(0.0), Le(1.0)] = 0.005
     """Net value, in success probability, above which a look is recommended."""
+    spread: Spread | None = None
+    """Spread of the object about each listed pose: standard deviations in the plane; needs a mesh; null: the object
+    lies exactly at a listed pose."""
+    absent: Annotated[float, Gt(0.0), Lt(1.0)] | None = None
+    """Probability, before the first scan, that the object lies at none of the poses; null: it lies at one of them."""
     predictions: (
         Annotated[dict[Name, Annotated[dict[Name, Ranges], LimitedBy("poses")]], LimitedBy("sensors")] | None
     ) = None

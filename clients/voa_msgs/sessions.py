@@ -1,16 +1,16 @@
 """Sessions, and the observations that change their beliefs: scans, outcomes of grasps, replaced beliefs."""
 
 from datetime import datetime
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from annotated_types import Ge, Len
-from pydantic import Field, JsonValue, model_validator
+from annotated_types import Ge, Le, Len
+from pydantic import Field, JsonValue
 
 from voa_msgs import examples
 from voa_msgs.base import Distribution, Free, Id, Message, Name, NotNegative, Page, Ranges, Real
 from voa_msgs.bounds import LimitedBy, OneMistake
 from voa_msgs.examples import exemplified
-from voa_msgs.geometry import UncertainSensorPose
+from voa_msgs.looks import AnnouncedLook, AtPlace, Place
 from voa_msgs.priors import Prior
 from voa_msgs.warnings import ProbableMistake
 
@@ -50,6 +50,9 @@ class Estimate(Message):
     """Expected score of the best grasp, the probability that it succeeds, 0 to 1."""
     entropy_nats: float
     """Entropy of the belief, nats; 0: the pose is certain."""
+    absent: float | None = None
+    """Probability that the object lies at none of the poses, 0 to 1; belief and expected score hold where it lies at
+    one of them; null: that is taken for certain."""
     last_fit_rmsd_mm: float | None
     """Root mean square difference of the newest accepted scan to its best-fitting pose, mm; null: no scan yet."""
     warnings: list[ProbableMistake] = Field(default=[])
@@ -61,6 +64,10 @@ class Session(Estimate):
 
     id: str
     """Identifier of the session."""
+    places: list[Place] = Field(default=[])
+    """Places from which looks were taken since the belief was last replaced, the oldest first."""
+    under_way: list[AnnouncedLook] = Field(default=[])
+    """Announced looks whose scans have not arrived yet, the oldest first."""
     created_at: datetime
     """Time at which the session was opened, UTC."""
     updated_at: datetime
@@ -82,6 +89,8 @@ class SessionSummary(Message):
     """Expected score of the best grasp, the probability that it succeeds, 0 to 1."""
     entropy_nats: float
     """Entropy of the belief, nats; 0: the pose is certain."""
+    absent: float | None = None
+    """Probability that the object lies at none of the poses, 0 to 1; null: that it lies at one is taken for certain."""
     last_fit_rmsd_mm: float | None
     """Root mean square difference of the newest accepted scan to its best-fitting pose, mm; null: no scan yet."""
     created_at: datetime
@@ -116,23 +125,13 @@ class Scan(Message):
     """Any JSON of the user's own, such as the time of the scan; the service stores it and returns it unchanged."""
 
 
-class ScanRequest(Message):
+class ScanRequest(AtPlace):
     """Request to update a belief by a scan, with the place of the lidar: exactly one of `sensor` and `sensor_pose`."""
 
     model_config = exemplified(examples.SCAN)
 
-    sensor: Name | None = None
-    """Name of the sensor configuration from which the scan was taken; null: `sensor_pose` states where."""
-    sensor_pose: UncertainSensorPose | None = None
-    """Pose of the lidar from which the scan was taken; null: `sensor` states where."""
     scan: Scan
     """Scan, as the driver of the lidar reports it."""
-
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        if (self.sensor is None) == (self.sensor_pose is None):
-            raise ValueError("exactly one of 'sensor' and 'sensor_pose' is expected")
-        return self
 
 
 class UpdateRequest(ScanRequest):
@@ -144,22 +143,29 @@ class UpdateRequest(ScanRequest):
     """Identifier of the scenario."""
     belief: Distribution | None
     """Belief before the scan: one probability per pose, in the order of the scenario; null: the scenario's prior."""
+    absent: Annotated[float, Ge(0.0), Le(1.0)] | None = None
+    """Probability, before the scan, that the object lies at none of the poses; null: the scenario's `absent`."""
 
 
 Reason = Literal["no_beams", "nothing_seen", "bad_fit", "no_match", "nearest"]
-"""Reason why a scan was not accepted; or `nearest`: no pose explains it, and the nearest poses share the belief."""
+"""Reason why a scan was not accepted, or does not count for the poses.
+
+`nearest`: no pose explains the scan, and the nearest poses share the belief. `nothing_seen` and `no_match` with an
+accepted scan: it moved `absent` alone.
+"""
 
 
 class UpdateReport(Message):
     """Effect of an observation on the belief."""
 
     accepted: bool
-    """True if the observation changed the belief and the version; false: it changed nothing."""
+    """True if the observation changed the belief or `absent`, and the version; false: it changed nothing."""
     reason: Reason | None
-    """Reason why the observation was not accepted; `nearest`: no pose explains it, and the nearest poses share the
-    belief; null: accepted as usual."""
+    """Reason why the observation was not accepted; or, where it was accepted, `nearest`: no pose explains it, and the
+    nearest poses share the belief; `nothing_seen` or `no_match`: it moved `absent` alone; null: accepted as usual."""
     log_evidence: float | None
-    """Logarithm of the evidence: ln sum_p b[p] w[p], with belief b and weights w; null: not computed."""
+    """Logarithm of the evidence: ln sum_p b[p] w[p], with belief b and weights w, which for a further look from one
+    place are relative to the earlier ones; null: not computed."""
     fit_rmsd_mm: float | None
     """Root mean square difference of scan and prediction of `best_fit_pose` over all compared beams, mm."""
     fit_hit_rmsd_mm: float | None
@@ -180,7 +186,7 @@ class BeliefRequest(Message):
 
 
 class OutcomeRequest(Message):
-    """Request to update the belief by the outcome of a grasp attempt that left the object where it was."""
+    """Request to update the belief by the outcome of a grasp attempt."""
 
     model_config = exemplified(examples.OUTCOME)
 
@@ -188,6 +194,9 @@ class OutcomeRequest(Message):
     """Name of the grasp that was attempted."""
     success: bool
     """True if the grasp succeeded."""
+    object_moved: Annotated[float, Ge(0.0), Le(1.0)] = 0.0
+    """Probability that the attempt moved the object. Above 0, the session's prior is mixed into the belief with this
+    share, and earlier looks and outcomes no longer count."""
 
 
 class HistoryEntry(Message):
@@ -203,6 +212,9 @@ class HistoryEntry(Message):
     """Body of the request, as it was received."""
     update: UpdateReport | None
     """Effect of a scan or an outcome; null for a prior or a replaced belief."""
+    absent: float | None = None
+    """Probability, at this version, that the object lies at none of the poses; null: that it lies at one is taken for
+    certain."""
 
 
 class HistoryPage(Page):

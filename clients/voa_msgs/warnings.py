@@ -19,6 +19,7 @@ WarningKind = Literal[
     "poor-fit",
     "pose-height",
     "pose-never-seen",
+    "probably-absent",
     "scan-mirrored",
     "scan-turned",
     "twin-poses",
