@@ -194,7 +194,7 @@ class OutcomeRequest(Message):
     """Name of the grasp that was attempted."""
     success: bool
     """True if the grasp succeeded."""
-    object_moved: Annotated[float, Ge(0.0), Le(1.0)] = 0.0
+    object_moved: Annotated[float, Ge(0.0), Le(1.0)] = Field(default=0.0, exclude_if=lambda moved: moved == 0.0)
     """Probability that the attempt moved the object. Above 0, the session's prior is mixed into the belief with this
     share, and earlier looks and outcomes no longer count."""
 
