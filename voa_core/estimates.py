@@ -8,7 +8,7 @@ import numpy as np
 from voa_core.absence import log_odds_of, probability_of
 from voa_core.checks import Floats
 from voa_core.filtering import Belief, condition
-from voa_core.places import Place, index_of_place
+from voa_core.places import Place, index_of_place, log_ratio
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,13 @@ class Estimate:
 
     Attributes:
         belief: over the poses, given that the object is at one of them.
-        base: the belief without the looks: the prior, or what replaced it, and the outcomes of grasps since.
-        places: the places that were looked from since, the oldest first.
-        attempts: the outcomes of grasps since, by grasp.
+        places: the places that were looked from since the belief began, the oldest first. For an update by a scan, the
+            place of that scan is enough.
+        attempts: the outcomes of grasps since the belief began, by grasp.
         log_odds_absent: ln of the odds that the object lies at none of the poses; None: that it does is certain.
     """
 
     belief: Belief
-    base: Belief
     places: tuple[Place, ...] = ()
     attempts: tuple[Attempts, ...] = ()
     log_odds_absent: float | None = None
@@ -51,7 +50,7 @@ class Estimate:
         Raises:
             InvalidInput: `absent` is not between 0 and 1.
         """
-        return cls(belief, belief, log_odds_absent=None if absent is None else log_odds_of(absent))
+        return cls(belief, log_odds_absent=None if absent is None else log_odds_of(absent))
 
     @property
     def absent(self) -> float | None:
@@ -64,7 +63,7 @@ class Estimate:
 
     def restarted(self, belief: Belief) -> "Estimate":
         """Begin again with another belief: earlier looks and attempts no longer count; absence keeps its odds."""
-        return replace(self, belief=belief, base=belief, places=(), attempts=())
+        return replace(self, belief=belief, places=(), attempts=())
 
     def with_place(self, place: Place, belief: Belief) -> "Estimate":
         """Replace the place whose viewpoint is that of `place`, or add it as the newest, and set the belief."""
@@ -73,7 +72,9 @@ class Estimate:
         return replace(self, belief=belief, places=places)
 
     def with_more_copies(self, index: int, log_copies: Sequence[Floats]) -> "Estimate":
-        """Compute a place again with more displaced copies of each pose, and the belief from all places.
+        """Compute a place again with more displaced copies of each pose, and with it the belief and the odds.
+
+        A pose that the place has ruled out with fewer copies stays ruled out.
 
         Args:
             index: of the place in `places`.
@@ -85,13 +86,19 @@ class Estimate:
         place = self.places[index]
         if len(log_copies) != len(place.looks):
             raise ValueError(f"place {index} has {len(place.looks)} looks, and {len(log_copies)} were compared again")
-        rebuilt = Place(place.viewpoint, (), np.zeros((len(self.base.p), 1)))
+        rebuilt = Place(place.viewpoint, (), np.zeros((len(self.belief.p), 1)))
         for number, each in zip(place.looks, log_copies, strict=True):
             rebuilt = rebuilt.with_look(number, each)
-        places = _replaced(self.places, index, rebuilt)
-        posterior = condition(self.base, np.sum([each.log_weights for each in places], axis=0))
-        # More copies include the fewer, so what was possible is possible still.
-        return replace(self, belief=posterior.belief if posterior else self.belief, places=places)
+        after = replace(self, places=_replaced(self.places, index, rebuilt))
+        posterior = condition(self.belief, log_ratio(place, rebuilt))
+        if posterior is None:  # more copies include the fewer, so that what was possible is possible still
+            return after
+        odds = self.log_odds_absent
+        return replace(
+            after,
+            belief=posterior.belief,
+            log_odds_absent=None if odds is None else odds - posterior.log_evidence,
+        )
 
 
 def _replaced(places: tuple[Place, ...], index: int, place: Place) -> tuple[Place, ...]:

@@ -117,8 +117,14 @@ def log_increment(before: Place | None, after: Place, log_copies: Floats) -> Flo
     """
     if after.copies == 1:
         return log_copies[:, 0]  # without rounding, as if the looks had nothing in common
-    if before is None:
-        return after.log_weights
+    return after.log_weights if before is None else log_ratio(before, after)
+
+
+def log_ratio(before: Place, after: Place) -> Floats:
+    """Logarithms of the weights of the poses by a place, divided by those by another state of it, (n,).
+
+    A pose that is impossible before is impossible after.
+    """
     possible = before.log_weights > -np.inf
-    increment: Floats = np.full(len(possible), -np.inf)
-    return np.subtract(after.log_weights, before.log_weights, out=increment, where=possible)
+    ratio: Floats = np.full(len(possible), -np.inf)
+    return np.subtract(after.log_weights, before.log_weights, out=ratio, where=possible)

@@ -87,7 +87,7 @@ def update_estimate(estimate: Estimate, evidence: Evidence, policy: UpdatePolicy
 
         b'[p] ~ b0[p] prod_places (1/J) sum_j prod_looks w(o, o~(p, a, delta_j))
 
-    with b0 the estimate's `base`. A scan is not accepted if, in this order, it has no beam to compare, does not show
+    with b0 the belief without the looks. A scan is not accepted if, in this order, it has no beam to compare, does not show
     the object, or its best fit is too bad. Otherwise Bayes' rule applies, or the policy for a scan that no possible
     pose explains. Where absence is considered, a scan that does not show the object, or that no pose explains, is
     accepted and moves the odds of absence alone.
@@ -154,11 +154,10 @@ def update_by_outcome(belief: Belief, log_weights: Floats) -> Update:
 
 
 def _conditioned(estimate: Estimate, log_weights: Floats) -> Update:
-    posterior, base = condition(estimate.belief, log_weights), condition(estimate.base, log_weights)
-    if posterior is None or base is None:
+    posterior = condition(estimate.belief, log_weights)
+    if posterior is None:
         return Update(estimate, False, "no_match", None)
-    after = replace(estimate, belief=posterior.belief, base=base.belief)
-    return Update(after, True, None, posterior.log_evidence)
+    return Update(replace(estimate, belief=posterior.belief), True, None, posterior.log_evidence)
 
 
 def update_estimate_by_outcome(
@@ -202,7 +201,7 @@ def update_estimate_by_outcome(
                 "start", "the estimate before the first observation, as the object may have moved", "none"
             )
         mixed = mixture(result.belief, start.belief, object_moved)
-        return replace(result, estimate=replace(start, belief=mixed, base=mixed))
+        return replace(result, estimate=replace(start, belief=mixed))
     counted = Attempts(grasp, earlier.successes + success, earlier.failures + (not success))
     others = tuple(each for each in estimate.attempts if each.grasp != grasp)
     return replace(result, estimate=replace(result.estimate, attempts=(*others, counted)))

@@ -207,13 +207,6 @@ MUTANTS = (
         tests="tests/voa_core/test_estimates.py",
     ),
     Mutant(
-        name="the base forgets the outcomes",
-        file="voa_core/updating.py",
-        old="belief=posterior.belief, base=base.belief)",
-        new="belief=posterior.belief)",
-        tests="tests/voa_core/test_estimates.py",
-    ),
-    Mutant(
         name="a belief may sum to 1.001",
         file="voa_core/filtering.py",
         old="SUM_TOLERANCE = 1e-6",
