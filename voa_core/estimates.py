@@ -1,12 +1,8 @@
 """Estimates in progress: a belief, and all that its next update depends on beside the observation."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from voa_core.absence import log_odds_of, probability_of
-from voa_core.checks import Floats
 from voa_core.filtering import Belief, condition
 from voa_core.places import Place, index_of_place, log_ratio
 
@@ -71,24 +67,23 @@ class Estimate:
         places = (*self.places, place) if index is None else _replaced(self.places, index, place)
         return replace(self, belief=belief, places=places)
 
-    def with_more_copies(self, index: int, log_copies: Sequence[Floats]) -> "Estimate":
+    def with_more_copies(self, index: int, rebuilt: Place) -> "Estimate":
         """Compute a place again with more displaced copies of each pose, and with it the belief and the odds.
 
         A pose that the place has ruled out with fewer copies stays ruled out.
 
         Args:
             index: of the place in `places`.
-            log_copies: (n, J) ln w of each copy of each pose for each of the place's looks, in their order.
+            rebuilt: the place with the same looks in more copies.
 
         Raises:
             ValueError: the number of looks is not that of the place.
         """
         place = self.places[index]
-        if len(log_copies) != len(place.looks):
-            raise ValueError(f"place {index} has {len(place.looks)} looks, and {len(log_copies)} were compared again")
-        rebuilt = Place(place.viewpoint, (), np.zeros((len(self.belief.p), 1)))
-        for number, each in zip(place.looks, log_copies, strict=True):
-            rebuilt = rebuilt.with_look(number, each)
+        if len(rebuilt.looks) != len(place.looks):
+            raise ValueError(
+                f"place {index} has {len(place.looks)} looks, and {len(rebuilt.looks)} were compared again"
+            )
         after = replace(self, places=_replaced(self.places, index, rebuilt))
         posterior = condition(self.belief, log_ratio(place, rebuilt))
         if posterior is None:  # more copies include the fewer, so that what was possible is possible still

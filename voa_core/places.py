@@ -78,6 +78,11 @@ class Place:
         """Number J of displaced copies of each pose."""
         return int(self.log_sums.shape[1])
 
+    @property
+    def nbytes(self) -> int:
+        """Memory held, in bytes."""
+        return self.log_sums.nbytes
+
     @cached_property
     def log_weights(self) -> Floats:
         """Logarithms of the weights of the poses by all looks of the place, (n,): means over the copies."""
@@ -99,10 +104,18 @@ class Place:
 
 def index_of_place(places: Sequence[Place], viewpoint: Viewpoint | None) -> int | None:
     """Index of the oldest place that a look from the viewpoint shares; None: the look begins a place of its own."""
+    return index_of_viewpoint([place.viewpoint for place in places], viewpoint)
+
+
+def index_of_viewpoint(firsts: Sequence[Viewpoint | None], viewpoint: Viewpoint | None) -> int | None:
+    """Index of the oldest place that a look from the viewpoint shares, from the viewpoints of the places' first looks.
+
+    None: the look begins a place of its own.
+    """
     if viewpoint is None:
         return None
-    for index, place in enumerate(places):
-        if place.viewpoint is not None and viewpoint.shares_place(place.viewpoint):
+    for index, first in enumerate(firsts):
+        if first is not None and viewpoint.shares_place(first):
             return index
     return None
 

@@ -87,10 +87,10 @@ def update_estimate(estimate: Estimate, evidence: Evidence, policy: UpdatePolicy
 
         b'[p] ~ b0[p] prod_places (1/J) sum_j prod_looks w(o, o~(p, a, delta_j))
 
-    with b0 the belief without the looks. A scan is not accepted if, in this order, it has no beam to compare, does not show
-    the object, or its best fit is too bad. Otherwise Bayes' rule applies, or the policy for a scan that no possible
-    pose explains. Where absence is considered, a scan that does not show the object, or that no pose explains, is
-    accepted and moves the odds of absence alone.
+    with b0 the belief without the looks. A scan is not accepted if, in this order, it has no beam to compare, does not
+    show the object, or its best fit is too bad. Otherwise Bayes' rule applies, or the policy for a scan that no
+    possible pose explains. Where absence is considered, a scan that does not show the object, or that no pose explains,
+    is accepted and moves the odds of absence alone.
 
     Args:
         estimate: before the scan.

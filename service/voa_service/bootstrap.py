@@ -30,7 +30,9 @@ from voa_service.settings import Settings
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.following import versions_since
 from voa_service.usecases.health import HealthCheck
+from voa_service.usecases.looks import AnnouncedLooks
 from voa_service.usecases.objects import Objects
+from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
@@ -104,6 +106,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         claims.check,
         limits.history_bytes,
     )
+    places = LookedFrom(store, cache)
     reader = SubprocessMeshReader(settings.mesh_seconds, memory.mesh, limits.faces)
     feeds = Feeds(
         changes,
@@ -122,8 +125,9 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
-                updates=Updates(sessions, metrics.observation),
-                rankings=Rankings(sessions, models, threads, Cache(_RANKINGS_BYTES), limits),
+                updates=Updates(sessions, places, metrics.observation),
+                looks=AnnouncedLooks(sessions),
+                rankings=Rankings(sessions, models, places, threads, Cache(_RANKINGS_BYTES), limits),
                 robots=robots,
                 claims=claims,
                 health=HealthCheck(store, now, ids(), memory.message()),

@@ -1,6 +1,6 @@
 """Ports of the use cases: the store, the clock, the source of ids and the mesh reader that they are built with."""
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from datetime import datetime
 from typing import Protocol
@@ -15,6 +15,7 @@ from voa_store.records import (
     ListedSession,
     RobotLook,
     SessionChange,
+    SessionMark,
     SessionState,
     StoredObject,
     StoredResponse,
@@ -111,8 +112,8 @@ class Store(Protocol):
     def get_session(self, id_: str) -> SessionState | None:
         """Read the newest version of a session; None: there is no such session."""
 
-    def session_mark(self, id_: str) -> Hashable | None:
-        """Return a value that differs after every change of a session, read cheaply; None: there is no such session."""
+    def session_mark(self, id_: str) -> SessionMark | None:
+        """Return values that differ after every change of a session, read cheaply; None: there is no such session."""
 
     def robot_session(self, robot: str, scenario: str) -> str | None:
         """Find the session that the next look of a robot, mapped to a scenario, belongs to; None: there is none.

@@ -10,6 +10,7 @@ from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
+from voa_service.usecases.looks import AnnouncedLooks
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.rankings import Rankings
 from voa_service.usecases.robots import Robots
@@ -27,6 +28,7 @@ class Services:
         scenarios: use cases about scenarios.
         sessions: use cases about whole sessions.
         updates: use cases that change a session's belief.
+        looks: use cases that announce looks.
         rankings: use cases that rank looks and grasps.
         robots: reports on robots.
         claims: use cases about claims of robots.
@@ -50,6 +52,7 @@ class Services:
     scenarios: Scenarios
     sessions: Sessions
     updates: Updates
+    looks: AnnouncedLooks
     rankings: Rankings
     robots: Robots
     claims: Claims

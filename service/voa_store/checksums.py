@@ -36,7 +36,7 @@ def of_entry(before: bytes, entry: Any, belief: str) -> bytes:
 
     Args:
         before: the checksum of the version before; of version 0: `NOTHING`.
-        entry: an object with its columns `session` to `report` and `last_fit_rmsd_mm` as attributes.
+        entry: an object with its columns `session` to `report`, `last_fit_rmsd_mm` and `looks` as attributes.
         belief: the digest of its belief.
 
     Returns:
@@ -44,15 +44,15 @@ def of_entry(before: bytes, entry: Any, belief: str) -> bytes:
     """
     request, report = of_blob(entry.request), of_blob(entry.report)
     small = f"{entry.session!r} {entry.version!r} {entry.kind!r} {entry.at!r} {entry.last_fit_rmsd_mm!r}"
-    return _of(f"{before.hex()} {small} {request} {report} {belief}")
+    return _of(f"{before.hex()} {small} {request} {report} {belief}{_of_looks(entry)}")
 
 
 def of_session(session: Any, newest: bytes, belief: str, prior: str) -> bytes:
     """Compute the checksum of a session's row.
 
     Args:
-        session: an object with the columns `id`, `scenario`, `version`, `last_fit_rmsd_mm`, `created_at`, `updated_at`
-            and `summary` as attributes.
+        session: an object with the columns `id`, `scenario`, `version`, `last_fit_rmsd_mm`, `created_at`, `updated_at`,
+            `summary` and `looks` as attributes.
         newest: the checksum of the newest version of its history.
         belief: the digest of its belief.
         prior: the digest of its prior.
@@ -62,7 +62,7 @@ def of_session(session: Any, newest: bytes, belief: str, prior: str) -> bytes:
     """
     small = f"{session.id!r} {session.scenario!r} {session.version!r} {session.last_fit_rmsd_mm!r}"
     times = f"{session.created_at!r} {session.updated_at!r}"
-    return _of(f"{newest.hex()} {small} {times} {of_blob(session.summary)} {belief} {prior}")
+    return _of(f"{newest.hex()} {small} {times} {of_blob(session.summary)} {belief} {prior}{_of_looks(session)}")
 
 
 def check_session(row: Row[Any]) -> str:
@@ -84,6 +84,12 @@ def damaged(session: str, version: int) -> DamagedData:
         "`voa doctor --database-url URL`, then restore a backup or delete the session",
         version,
     )
+
+
+def _of_looks(row: Any) -> str:
+    """Digest the column `looks`; rows without looks, and those from before that column, have no such digest."""
+    looks = getattr(row, "looks", None)
+    return "" if looks is None else f" {of_blob(looks)}"
 
 
 def _of(columns: str) -> bytes:

@@ -86,7 +86,7 @@ def _checksum(connection: Connection, id_: str, version: int) -> bytes:
 
 
 def _size(row: Row[Any]) -> int:
-    return len(row.request) + len(row.report or "") + len(row.belief)
+    return len(row.request) + len(row.report or "") + len(row.belief) + len(row.looks or "")
 
 
 def _next_rows(rows: int, held: int, read: int, most_bytes: int) -> int:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Generic, Literal, TypeVar
+from typing import Generic, Literal, NamedTuple, TypeVar
 
 from voa_core.filtering import Belief
 from voa_core.objects import Object
@@ -51,7 +51,7 @@ class StoredScenario:
 
 @dataclass(frozen=True, eq=False)
 class SessionState:
-    """A session at one version: scenario, belief, prior and times."""
+    """A session at one version: scenario, belief, prior, times and looks."""
 
     id: str
     scenario: str
@@ -63,6 +63,18 @@ class SessionState:
     updated_at: datetime
     summary: str | None = None
     """Facts about the belief that lists show, as JSON; None in sessions from before summaries were stored."""
+    looks: str | None = None
+    """Record of the looks and attempts since the belief began, on which later updates depend, as JSON; None: none."""
+    under_way: str | None = None
+    """Announced looks whose scans have not arrived yet, as JSON; None: none. They belong to no version."""
+
+
+class SessionMark(NamedTuple):
+    """Values of a session's row that differ after every change of the session."""
+
+    version: int
+    updated_at: str
+    under_way: str | None
 
 
 @dataclass(frozen=True)
@@ -131,6 +143,8 @@ class StoredResponse:
 
 
 HistoryKind = Literal["prior", "scan", "outcome", "belief"]
+WriteKind = HistoryKind | Literal["look"]
+"""Kind of a write; the announcement of a look makes no version, and so no entry of the history."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +174,7 @@ class RobotLook:
 class Write:
     """A request to change a session, as it was received."""
 
-    kind: HistoryKind
+    kind: WriteKind
     request: str
     """Body of the request as it was received."""
     key: IdempotencyKey | None
@@ -177,7 +191,8 @@ class SessionChange:
     Attributes:
         state: the session, locked, at the version that the caller accepts. None: the write was answered before under
             its idempotency key; `response` is that stored response, and nothing may be changed.
-        after: the session's new state; None: the write changes nothing.
+        after: the session's state after the write; None: the write changes nothing. Where its version is that of
+            `state`, announced looks alone have changed.
         report: JSON for the history: the result of an observation.
     """
 

@@ -39,6 +39,7 @@ def written(
         "request": write.request,
         "report": report,
         "last_fit_rmsd_mm": fit,
+        "looks": state.looks,
     }
     newest = checksums.of_entry(before, SimpleNamespace(**entry), digest)
     session: Columns = {
@@ -49,11 +50,12 @@ def written(
         "created_at": state.created_at.isoformat(),
         "updated_at": entry["at"],
         "summary": state.summary,
+        "looks": state.looks,
     }
     own = checksums.of_session(SimpleNamespace(**session), newest, digest, prior)
-    changing = ("version", "last_fit_rmsd_mm", "updated_at", "summary")
+    changing = ("version", "last_fit_rmsd_mm", "updated_at", "summary", "looks")
     columns = {name: session[name] for name in changing} | {"belief": belief, "newest": newest, "checksum": own}
-    return columns, entry | {"belief": belief, "checksum": newest}
+    return columns | {"under_way": state.under_way}, entry | {"belief": belief, "checksum": newest}
 
 
 def blob(belief: Belief) -> bytes:
@@ -90,6 +92,8 @@ def session_of(row: Row[Any]) -> SessionState:
         datetime.fromisoformat(row.created_at),
         datetime.fromisoformat(row.updated_at),
         row.summary,
+        row.looks,
+        row.under_way,
     )
 
 
@@ -102,5 +106,7 @@ def entry_of(session: SessionState, row: Row[Any]) -> HistoryEntry:
         last_fit_rmsd_mm=row.last_fit_rmsd_mm,
         updated_at=datetime.fromisoformat(row.at),
         summary=None,
+        looks=row.looks,
+        under_way=None,
     )
     return HistoryEntry(state, row.kind, row.request, row.report)

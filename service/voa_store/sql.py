@@ -5,7 +5,7 @@ idempotency key, verify the checksum, check the version, apply, append to the hi
 for each other and never retry. A response is sent only after its transaction is committed and on the disk.
 """
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from sqlalchemy import Connection, bindparam, delete, insert, literal_column, select, text, update
@@ -26,6 +26,7 @@ from voa_store.records import (
     Listed,
     ListedSession,
     SessionChange,
+    SessionMark,
     SessionState,
     StoredResponse,
     Write,
@@ -46,7 +47,7 @@ _BY_ID = select(sessions).where(sessions.c.id == bindparam("by_id"), sessions.c.
 _LOCK = _BY_ID.with_for_update()
 _UPDATE = update(sessions).where(sessions.c.id == bindparam("by_id"))
 _DELETE = delete(sessions).where(sessions.c.id == bindparam("by_id"))
-_MARK = select(sessions.c.version, sessions.c.updated_at).where(
+_MARK = select(sessions.c.version, sessions.c.updated_at, sessions.c.under_way).where(
     sessions.c.id == bindparam("by_id"), sessions.c.version > literal_column(str(GONE))
 )
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
@@ -165,10 +166,11 @@ class SqlStore(Contents, RobotRecords):
         checksums.check_session(row)
         return session_of(row)
 
-    def session_mark(self, id_: str) -> Hashable | None:
-        """Return a value that differs after every change of a session, read cheaply; None: there is no such session."""
+    def session_mark(self, id_: str) -> SessionMark | None:
+        """Return values that differ after every change of a session, read cheaply; None: there is no such session."""
         # PostgreSQL cannot store a NUL in a text, so no id contains one.
-        return None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
+        row = None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
+        return None if row is None else SessionMark(*row)
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
         """List at most `limit` sessions after a cursor, oldest first."""
@@ -201,7 +203,9 @@ class SqlStore(Contents, RobotRecords):
             _check_version(row.version, write.if_match)
             change = SessionChange(session_of(row))
             yield change
-            if change.after is not None:
+            if change.after is not None and change.after.version == row.version:
+                connection.execute(_UPDATE, {"by_id": id_, "under_way": change.after.under_way})
+            elif change.after is not None:
                 columns, entry = written(change.after, write, change.report, row.newest, prior)
                 connection.execute(_UPDATE, {"by_id": id_, **columns})
                 connection.execute(_INSERT[history], entry)

@@ -59,9 +59,12 @@ sessions = Table(
     Column("summary", Text),
     Column("newest", LargeBinary),
     Column("checksum", LargeBinary),
+    Column("looks", Text),
+    Column("under_way", Text),
 )
 """Sessions at their newest version. `summary` holds the facts about the belief that lists show, null in rows from
-before it was stored; `newest` is the checksum of the newest row of the history, `checksum` that of this row."""
+before it was stored; `newest` is the checksum of the newest row of the history, `checksum` that of this row; `looks` is
+described by `records.SessionState`; `under_way`, which no checksum covers, holds announced looks, as JSON."""
 
 history = Table(
     "history",
@@ -75,6 +78,7 @@ history = Table(
     Column("belief", LargeBinary, nullable=False),
     Column("last_fit_rmsd_mm", Float),
     Column("checksum", LargeBinary),
+    Column("looks", Text),
 )
 """Every version of a session; `checksum` covers the row and the checksum of the version before."""
 

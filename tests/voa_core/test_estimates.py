@@ -21,7 +21,7 @@ from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
-from voa_core.places import Viewpoint
+from voa_core.places import Place, Viewpoint
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rules.registry import defaults, rule_of
 from voa_core.scans import Scan
@@ -178,6 +178,14 @@ def test_a_single_copy_and_several_meet_at_one_place() -> None:
     assert copies_needed(Estimate.of(Belief.uniform(2)), vague) == 2
 
 
+def place_of(log_copies: Sequence[Floats]) -> Place:
+    """A place at Q1 with looks of these log weights, numbered 0, 2, ..."""
+    place = Place(Q1, (), np.zeros((len(log_copies[0]), 1)))
+    for number, each in enumerate(log_copies):
+        place = place.with_look(2 * number, each)
+    return place
+
+
 def test_a_place_is_computed_again_with_more_copies() -> None:
     rng = np.random.default_rng(4)
     many = [look(rng.uniform(-3.0, 0.0, (3, 8)), viewpoint, log_absent=-1.5) for viewpoint in (Q1, Q2, Q1, Q1)]
@@ -188,7 +196,7 @@ def test_a_place_is_computed_again_with_more_copies() -> None:
     assert copies_needed(with_four, many[3]) == 8
     with pytest.raises(ValueError, match="8 copies"):
         update_estimate(with_four, many[3], POLICY)
-    rebuilt = with_four.with_more_copies(0, [many[0].log_copies, many[2].log_copies])
+    rebuilt = with_four.with_more_copies(0, place_of([many[0].log_copies, many[2].log_copies]))
     actual = update_estimate(rebuilt, many[3], POLICY, 3).estimate
     assert [place.looks for place in actual.places] == [place.looks for place in expected.places]
     by_hand = twin.belief_of_places([0.2, 0.3, 0.5], twin_places([*(many[i] for i in (0, 2, 3)), fewer[1]]))
@@ -196,7 +204,7 @@ def test_a_place_is_computed_again_with_more_copies() -> None:
     np.testing.assert_allclose(actual.belief.p, by_hand[0], rtol=0, atol=1e-12)
     assert actual.log_odds_absent == pytest.approx(expected.log_odds_absent)
     with pytest.raises(ValueError, match="place 0 has 2 looks, and 1 were compared again"):
-        with_four.with_more_copies(0, [many[0].log_copies])
+        with_four.with_more_copies(0, place_of([many[0].log_copies]))
 
 
 def test_a_pose_that_a_place_has_ruled_out_stays_ruled_out_with_more_copies() -> None:
@@ -204,10 +212,10 @@ def test_a_pose_that_a_place_has_ruled_out_stays_ruled_out_with_more_copies() ->
     first[0, :4] = -np.inf
     ruled_out = apply(Estimate.of(Belief.uniform(2)), [look(first[:, :4])])
     assert ruled_out.belief.p.tolist() == [0.0, 1.0]
-    rebuilt = ruled_out.with_more_copies(0, [first])
+    rebuilt = ruled_out.with_more_copies(0, place_of([first]))
     assert rebuilt.belief.p.tolist() == [0.0, 1.0]
     assert rebuilt.places[0].copies == 8
-    assert ruled_out.with_more_copies(0, [np.full((2, 8), -np.inf)]).belief is ruled_out.belief
+    assert ruled_out.with_more_copies(0, place_of([np.full((2, 8), -np.inf)])).belief is ruled_out.belief
 
 
 def test_a_scan_that_is_not_accepted_leaves_the_estimate_as_it_is() -> None:

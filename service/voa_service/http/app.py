@@ -14,6 +14,7 @@ from voa_service.http.refusals import refusal_response
 from voa_service.http.routes import (
     events,
     health,
+    looks,
     objects,
     observations,
     rankings,
@@ -47,7 +48,7 @@ def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, observations, events, rankings, stateless, robots, health):
+    for module in (objects, scenarios, sessions, observations, looks, events, rankings, stateless, robots, health):
         app.include_router(module.routes(services))
     problems.install(app)
     openapi.install(app, services.limits)

@@ -1,16 +1,19 @@
 """Beliefs and priors: from messages to the mathematics."""
 
+import math
 from collections.abc import Sequence
 from hashlib import sha256
 
 import numpy as np
 
 from voa_core.errors import UnknownName
+from voa_core.estimates import Estimate
 from voa_core.filtering import Belief
 from voa_core.poses import PoseSet
 from voa_core.priors import Category, pose_model
 from voa_core.scenario import Scenario
 from voa_msgs import priors
+from voa_msgs.sessions import UpdateRequest
 
 BeliefInput = Belief | Sequence[float] | None
 """A belief from the store, or from a request (one probability for each pose), or None: the scenario's prior."""
@@ -30,6 +33,20 @@ def belief_of(given: BeliefInput, scenario: Scenario, field: str = "belief") -> 
     if given is None:
         return scenario.prior
     return given if isinstance(given, Belief) else Belief.of(given, field, len(scenario.poses))
+
+
+def estimate_of(request: UpdateRequest, scenario: Scenario) -> Estimate:
+    """Return the estimate that a request states, with the defaults of its scenario; it knows no places.
+
+    Raises:
+        InvalidInput: the request's numbers are not a belief over the scenario's poses.
+    """
+    belief, absent = belief_of(request.belief, scenario), request.absent
+    if absent is None:
+        absent = scenario.absent
+    if absent in {0.0, 1.0}:  # as rounded in an earlier response: no scan can change it
+        return Estimate(belief, log_odds_absent=-math.inf if absent == 0.0 else math.inf)
+    return Estimate.of(belief, absent)
 
 
 def prior_of(prior: list[float] | priors.PoseModelPrior | None, poses: PoseSet) -> Belief:

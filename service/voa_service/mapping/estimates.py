@@ -2,8 +2,10 @@
 
 import json
 from collections.abc import Sequence
+from datetime import datetime
 from typing import Any
 
+from voa_core.absence import probability_of
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
 from voa_core.grasps import best_grasp
@@ -11,40 +13,68 @@ from voa_core.scenario import Scenario
 from voa_core.updating import Update
 from voa_msgs.sessions import Session, UpdatedSession, UpdateReport
 from voa_msgs.warnings import ProbableMistake
+from voa_service.mapping.looks import LookRecord, place_messages, record_of
+from voa_service.mapping.under_way import announced_looks
 from voa_store.records import SessionState
 
+ABSENT = 0.5
+"""Probability of absence above which a warning says that the object is probably not there."""
 
-def belief_summary(scenario: Scenario, belief: Belief) -> dict[str, Any]:
-    """Return the fields of a message that summarise a belief: best grasp, its expected score, entropy in nats."""
+
+def belief_summary(scenario: Scenario, belief: Belief, absent: float | None) -> dict[str, Any]:
+    """Return the fields of a message that summarise an estimate: best grasp, its expected score, entropy, absence."""
     choice = best_grasp(scenario.table, belief.p)
     return {
         "best_grasp": None if choice.index is None else scenario.table.names[choice.index],
         "expected_score": choice.expected_score,
         "entropy_nats": belief.entropy_nats,
+        "absent": absent,
     }
 
 
-def summary_of(scenario: Scenario, belief: Belief) -> str:
-    """Return the summary of a belief that is stored with a session for lists, as JSON."""
-    return json.dumps(belief_summary(scenario, belief))
+def summary_of(scenario: Scenario, belief: Belief, record: LookRecord) -> str:
+    """Return the summary of an estimate that is stored with a session for lists, as JSON."""
+    return json.dumps(belief_summary(scenario, belief, absent_of(record)))
 
 
-def estimate_fields(scenario: Scenario, belief: Belief) -> dict[str, Any]:
-    """Return the fields of `voa_msgs.sessions.Estimate` that follow from a belief over n poses."""
+def absent_of(record: LookRecord) -> float | None:
+    """Return the probability that the object lies at none of the poses; None: that it lies at one is certain."""
+    return None if record.log_odds_absent is None else probability_of(record.log_odds_absent)
+
+
+def absence_warnings(absent: float | None) -> list[ProbableMistake]:
+    """Return a warning where the object probably lies at none of the poses."""
+    if absent is None or absent <= ABSENT:
+        return []
+    detail = (
+        f"the object probably lies at none of the poses (absent = {absent:.3g}): belief and expected scores hold only "
+        "if it lies at one of them; look again, or put the object back, before a grasp is tried"
+    )
+    return [ProbableMistake(kind="probably-absent", detail=detail)]
+
+
+def estimate_fields(scenario: Scenario, belief: Belief, absent: float | None) -> dict[str, Any]:
+    """Return the fields of `voa_msgs.sessions.Estimate` that follow from a belief over n poses, and from absence."""
     beliefs = {"poses": list(scenario.poses.names), "belief": belief.p.tolist()}
-    return beliefs | belief_summary(scenario, belief)
+    return beliefs | belief_summary(scenario, belief, absent)
 
 
-def session_message(scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake]) -> Session:
-    """Convert a session's state to a message."""
-    return Session(**_session_fields(scenario, state), warnings=list(warnings))
+def session_message(
+    scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake], now: datetime
+) -> Session:
+    """Convert a session's state to a message; announced looks that have expired by `now` are left out."""
+    return Session(**_session_fields(scenario, state, warnings, now))
 
 
 def updated_session_message(
-    scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake], report: UpdateReport
+    scenario: Scenario,
+    state: SessionState,
+    warnings: Sequence[ProbableMistake],
+    report: UpdateReport,
+    now: datetime,
 ) -> UpdatedSession:
     """Convert a session's state after an observation to a message, with the report of the update."""
-    return UpdatedSession(**_session_fields(scenario, state), warnings=list(warnings), update=report)
+    return UpdatedSession(**_session_fields(scenario, state, warnings, now), update=report)
 
 
 def update_report(scenario: Scenario, update: Update, evidence: Evidence | None = None) -> UpdateReport:
@@ -68,12 +98,19 @@ def update_report(scenario: Scenario, update: Update, evidence: Evidence | None 
     )
 
 
-def _session_fields(scenario: Scenario, state: SessionState) -> dict[str, Any]:
-    return estimate_fields(scenario, state.belief) | {
+def _session_fields(
+    scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake], now: datetime
+) -> dict[str, Any]:
+    record = record_of(state.looks)
+    absent = absent_of(record)
+    return estimate_fields(scenario, state.belief, absent) | {
         "id": state.id,
         "scenario": state.scenario,
         "version": state.version,
         "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
         "created_at": state.created_at,
         "updated_at": state.updated_at,
+        "places": place_messages(record.places),
+        "under_way": announced_looks(state.under_way, now),
+        "warnings": [*warnings, *absence_warnings(absent)],
     }

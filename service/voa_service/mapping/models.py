@@ -18,6 +18,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
+from voa_core.simulated_weights import SimulatedWeights
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.failures import Failure, UnknownReference, not_found
@@ -45,11 +46,14 @@ class Model:
         weigher: returns the weights between the predictions of a sensor configuration. Its arguments are the sensor
             configuration, the precision, True to keep the weights in the cache, and a check that ends the computation
             by an exception.
+        kept: returns the weights of simulated scans of a key, computed by the function beside it where the cache does
+            not hold them.
     """
 
     scenario: Scenario
     mesh: Mesh | None
     weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
+    kept: Callable[[Hashable, Callable[[], SimulatedWeights], Check], SimulatedWeights]
 
     @property
     def nbytes(self) -> int:
@@ -137,7 +141,10 @@ class Models:
 
             return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
 
-        return Model(scenario, mesh, weigher)
+        def kept(key: Hashable, make: Callable[[], SimulatedWeights], check: Check) -> SimulatedWeights:
+            return self._cache.get(("simulated", id_, key), make, check)
+
+        return Model(scenario, mesh, weigher, kept)
 
     def mistakes(self, id_: str) -> tuple[Mistake, ...]:
         """Search for probable mistakes in a stored scenario, at a bounded cost; the result is kept.
@@ -175,16 +182,14 @@ class Models:
 
         return contours_at
 
-    def precision(self, sensors: int, poses: int) -> tuple[Precision, bool]:
+    def precision(self, weights: int) -> tuple[Precision, bool]:
         """Choose the precision of a ranking's weights; the second value is True if the weights fit into the cache.
 
         The precision depends on the settings and the number of weights, never on the machine's memory.
 
         Args:
-            sensors: number of sensor configurations.
-            poses: number of poses; each sensor configuration has `poses**2` weights.
+            weights: number of weights of all sensor configurations together.
         """
-        weights = sensors * poses**2
         precision: Precision
         if self._precision == "auto":
             precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"

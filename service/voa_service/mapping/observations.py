@@ -1,84 +1,121 @@
-"""Observations: from messages about scans and grasp outcomes to updates of a belief."""
+"""Observations: from messages about scans and grasp outcomes to updates of an estimate."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, replace
 
 from voa_core.errors import UnknownName
+from voa_core.estimates import Estimate
 from voa_core.evidence import Evidence
-from voa_core.filtering import Belief
-from voa_core.grasps import log_outcome_weights
+from voa_core.lidars import SensorUncertainty
 from voa_core.mistakes.scans import mistakes_of_scan
+from voa_core.places import Viewpoint
 from voa_core.scenario import Scenario
-from voa_core.updating import Update, update, update_by_outcome
-from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
+from voa_core.updating import Update, update_estimate_by_outcome
+from voa_msgs.looks import AtPlace
+from voa_msgs.sessions import OutcomeRequest, ScanRequest
 from voa_msgs.warnings import ProbableMistake
-from voa_service.mapping.estimates import update_report
+from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.scans import scan_of
 from voa_service.mapping.sensors import place_of
 from voa_service.mapping.warnings import warning_messages
+from voa_store.records import SessionState
 
 
 @dataclass(frozen=True, eq=False)
-class UpdatedBelief:
-    """Result of applying an observation to a belief.
+class ScanObservation:
+    """A scan that was compared with every displaced copy of every pose; to apply it to an estimate is quick.
 
     Attributes:
-        belief: after the observation; unchanged where it was not accepted.
-        report: says whether the observation was accepted, and how well it fits.
+        scenario: with whose poses it was compared.
+        request: with the scan.
+        evidence: result of the comparison.
+        std: of the sensor pose; None: that is exact.
+        warnings: probable mistakes in the scan.
     """
 
-    belief: Belief
-    report: UpdateReport
-
-
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """A scan or a grasp outcome, already compared with every pose; to apply it to a belief is quick.
-
-    Attributes:
-        kind: of the observation.
-        scenario: whose poses it was compared with.
-        update: applies it to a belief.
-        evidence: of a scan's beams; None: it is an outcome.
-        warnings: probable mistakes in a scan.
-    """
-
-    kind: Literal["scan", "outcome"]
     scenario: Scenario
-    update: Callable[[Belief], Update]
-    evidence: Evidence | None = None
-    warnings: list[ProbableMistake] = field(default_factory=list)
+    request: ScanRequest
+    evidence: Evidence
+    std: SensorUncertainty | None
+    warnings: list[ProbableMistake]
 
-    def applied_to(self, belief: Belief) -> UpdatedBelief:
-        """Apply the observation to a belief over the scenario's n poses."""
-        result = self.update(belief)
-        return UpdatedBelief(result.belief, update_report(self.scenario, result, self.evidence))
+    @property
+    def listed(self) -> bool:
+        """True if the scan was taken from a sensor configuration of the scenario, by name."""
+        return self.request.sensor is not None
 
-    def fit_rmsd_mm(self, before: float | None) -> float | None:
-        """Return the session's smallest RMSD over all poses, millimetres, after this observation is accepted.
-
-        Args:
-            before: of the last accepted scan, which an outcome does not change.
-        """
-        return before if self.evidence is None else self.evidence.fit_rmsd_mm
+    def with_copies(self, copies: int) -> "ScanObservation":
+        """Return the observation compared with at least so many copies of each pose, unless all copies are alike."""
+        if not 1 < self.evidence.copies < copies:
+            return self
+        return replace(self, evidence=scan_evidence(self.scenario, self.request, copies))
 
 
-def scan_observation(scenario: Scenario, request: ScanRequest) -> Observation:
+def scan_observation(scenario: Scenario, request: ScanRequest) -> ScanObservation:
     """Compare a raw scan with the predictions of every pose, and search for probable mistakes in it.
 
     Raises:
         VoaError: the scan does not fit the scenario's lidar, or no prediction can be made.
     """
-    sensor, uncertainty = place_of(scenario, request)
+    sensor, std = place_of(scenario, request)
     scan = scan_of(request.scan, scenario.lidar)
-    evidence = scenario.evidence(scan, sensor, uncertainty)
-    warnings = warning_messages(mistakes_of_scan(scenario, scan, sensor, uncertainty, evidence))
-    return Observation("scan", scenario, lambda belief: update(belief, evidence, scenario.policy), evidence, warnings)
+    evidence = scenario.evidence(scan, sensor, std)
+    warnings = warning_messages(mistakes_of_scan(scenario, scan, sensor, std, evidence))
+    return ScanObservation(scenario, request, evidence, std, warnings)
 
 
-def outcome_observation(scenario: Scenario, request: OutcomeRequest) -> Observation:
-    """Weigh every pose by the outcome of a grasp attempt.
+def scan_evidence(scenario: Scenario, request: ScanRequest, copies: int) -> Evidence:
+    """Compare a raw scan with at least so many displaced copies of every pose."""
+    sensor, std = place_of(scenario, request)
+    return scenario.evidence(scan_of(request.scan, scenario.lidar), sensor, std, copies)
+
+
+def viewpoint_of(scenario: Scenario, request: AtPlace) -> Viewpoint:
+    """Return the viewpoint of a look from the place that a request names.
+
+    Raises:
+        UnknownName: the scenario lists no sensor configuration of that name.
+    """
+    sensor, _ = place_of(scenario, request)
+    return Viewpoint.of(sensor, scenario.lidar, listed=scenario.lists(sensor))
+
+
+@dataclass(frozen=True)
+class OutcomeObservation:
+    """The outcome of a grasp attempt.
+
+    Attributes:
+        scenario: with the grasp's scores.
+        grasp: index of the grasp in the scenario's table.
+        success: True if it succeeded.
+        object_moved: probability that the attempt moved the object.
+    """
+
+    scenario: Scenario
+    grasp: int
+    success: bool
+    object_moved: float
+
+    def updated(self, state: SessionState) -> tuple[Update, LookRecord]:
+        """Update a session's estimate; returns the update, and the record of looks and attempts after it."""
+        record = record_of(state.looks)
+        result = update_estimate_by_outcome(
+            record.estimate(state.belief),
+            self.scenario.table,
+            self.grasp,
+            self.success,
+            self.scenario.policy,
+            object_moved=self.object_moved,
+            start=Estimate.of(state.prior, self.scenario.absent),
+        )
+        if not result.accepted:
+            return result, record
+        if self.object_moved > 0.0:
+            return result, record.restarted(state.version + 1, result.estimate.log_odds_absent)
+        return result, replace(record, attempts=result.estimate.attempts)
+
+
+def outcome_observation(scenario: Scenario, request: OutcomeRequest) -> OutcomeObservation:
+    """Read the outcome of a grasp attempt.
 
     Raises:
         UnknownName: the scenario has no such grasp.
@@ -86,6 +123,4 @@ def outcome_observation(scenario: Scenario, request: OutcomeRequest) -> Observat
     names = scenario.table.names
     if request.grasp not in names:
         raise UnknownName("grasp", request.grasp, names)
-    scores = scenario.table.scores[names.index(request.grasp)]
-    log_weights = log_outcome_weights(scores, request.success, scenario.policy.score_floor)
-    return Observation("outcome", scenario, lambda belief: update_by_outcome(belief, log_weights))
+    return OutcomeObservation(scenario, names.index(request.grasp), request.success, request.object_moved)

@@ -41,12 +41,13 @@ def load_installed_rules() -> InstalledRules:
     return MappingProxyType(installed)
 
 
-def filled_update(update: updates.UpdateRule, lidar: LidarModel) -> updates.UpdateRule:
+def filled_update(update: updates.UpdateRule, lidar: LidarModel, *, spread: bool = False) -> updates.UpdateRule:
     """Return an update message with every parameter of its rule written out.
 
     Args:
         update: as received; null parameters take the rule's defaults.
         lidar: of the scenario; the defaults of some parameters depend on it.
+        spread: True if the scenario states a spread of the object, on which a default depends.
 
     Raises:
         VoaError: there is no such rule.
@@ -54,7 +55,7 @@ def filled_update(update: updates.UpdateRule, lidar: LidarModel) -> updates.Upda
     if isinstance(update, updates.PluginUpdate):
         usual = {"no_return_m": lidar.range_max}  # the defaults of other parameters are its package's
     else:
-        usual = defaults(update.rule, lidar)
+        usual = defaults(update.rule, lidar, spread=spread)
     stated = {name: value for name, value in update.model_dump().items() if value is not None}
     filled: updates.UpdateRule = type(update).model_validate(usual | {"reject_above_rmsd_mm": None} | stated)
     return filled

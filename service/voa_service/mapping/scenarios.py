@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from voa_core.cutting import Contours
-from voa_core.errors import InvalidInput
+from voa_core.displacements import Spread
+from voa_core.errors import InvalidInput, NoMesh
 from voa_core.grasps import GraspTable
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Remember
@@ -28,7 +29,7 @@ def filled_in(
         InvalidInput: the lidar lacks fields.
     """
     lidar = filled_lidar(request.lidar, presets)
-    update = filled_update(request.update, lidar_model(lidar))
+    update = filled_update(request.update, lidar_model(lidar), spread=request.spread is not None)
     return request.model_copy(update={"lidar": lidar, "update": update})
 
 
@@ -68,7 +69,20 @@ def scenario_of(
         prior=prior_of(request.prior, poses),
         workspace=_workspace(request),
         min_gain=request.min_gain,
+        spread=_spread(request, cuts is not None),
+        absent=request.absent,
     )
+
+
+def _spread(request: scenarios.ScenarioRequest, has_mesh: bool) -> Spread | None:
+    if request.spread is None:
+        return None
+    if not has_mesh:
+        raise NoMesh(
+            "a spread displaces the object, which needs its mesh: name an object beside the predictions, or leave "
+            "`spread` out"
+        )
+    return Spread(request.spread.xy_m, request.spread.yaw_rad)
 
 
 def _workspace(request: scenarios.ScenarioRequest) -> Workspace | None:

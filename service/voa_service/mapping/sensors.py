@@ -7,7 +7,7 @@ from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.scenario import Scenario
 from voa_msgs.geometry import CandidateSensor
 from voa_msgs.geometry import SensorConfiguration as SensorMessage
-from voa_msgs.sessions import ScanRequest
+from voa_msgs.looks import AtPlace
 
 
 def sensor_of(sensor: SensorMessage) -> SensorConfiguration:
@@ -15,12 +15,15 @@ def sensor_of(sensor: SensorMessage) -> SensorConfiguration:
     return SensorConfiguration(sensor.name, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m, sensor.cost)
 
 
-def candidates(scenario: Scenario, wanted: Sequence[str | CandidateSensor] | None) -> tuple[SensorConfiguration, ...]:
+def candidates(
+    scenario: Scenario, wanted: Sequence[str | CandidateSensor] | None, *, differ: bool = True
+) -> tuple[SensorConfiguration, ...]:
     """Return the sensor configurations that a request names or describes; None: all that the scenario lists.
 
     Args:
         scenario: whose listed configurations can be named.
         wanted: names of listed configurations, or sensor poses; a pose without a name is called by its index.
+        differ: True if no name may occur twice.
 
     Raises:
         UnknownName: the scenario lists no configuration of that name.
@@ -29,7 +32,7 @@ def candidates(scenario: Scenario, wanted: Sequence[str | CandidateSensor] | Non
     if wanted is None:
         return scenario.sensors
     sensors = tuple(_candidate(scenario, index, item) for index, item in enumerate(wanted))
-    if len({sensor.name for sensor in sensors}) != len(sensors):
+    if differ and len({sensor.name for sensor in sensors}) != len(sensors):
         raise InvalidInput("sensors", "names that differ", "a name twice")
     return sensors
 
@@ -41,8 +44,8 @@ def _candidate(scenario: Scenario, index: int, item: str | CandidateSensor) -> S
     return SensorConfiguration(name, item.x, item.y, item.yaw_rad, item.height_m, item.cost)
 
 
-def place_of(scenario: Scenario, request: ScanRequest) -> tuple[SensorConfiguration, SensorUncertainty | None]:
-    """Return the sensor configuration or pose from which a scan was taken, and its uncertainty; None: it is exact.
+def place_of(scenario: Scenario, request: AtPlace) -> tuple[SensorConfiguration, SensorUncertainty | None]:
+    """Return the sensor configuration or pose of a look, and its uncertainty; None: it is exact.
 
     Raises:
         UnknownName: the scenario lists no configuration of that name.

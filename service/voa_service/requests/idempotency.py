@@ -4,7 +4,7 @@ import hashlib
 
 from pydantic import BaseModel
 
-from voa_store.records import HistoryKind, IdempotencyKey, RobotLook, Write
+from voa_store.records import IdempotencyKey, RobotLook, Write, WriteKind
 
 ANYONE = "caller:anonymous"
 """Scope of the keys of calls that do not concern a session yet."""
@@ -31,7 +31,7 @@ def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel |
 
 
 def write_of(
-    kind: HistoryKind,
+    kind: WriteKind,
     received: bytes,
     key: IdempotencyKey | None,
     if_match: frozenset[int] | None = None,

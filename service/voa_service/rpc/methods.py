@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from voa_msgs.base import Message
+from voa_msgs.looks import LookAnnouncement
 from voa_msgs.objects import ObjectUpload
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import LookRequest
@@ -20,11 +21,11 @@ from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Sessio
 from voa_service.requests.attachments import add_place
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.rpc.calls import Call
-from voa_service.rpc.parameters import NoParameters, ObjectPage, Page, Reachable
+from voa_service.rpc.parameters import Announced, NoParameters, ObjectPage, Page, Reachable
 from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
-from voa_store.records import HistoryKind, StoredResponse
+from voa_store.records import StoredResponse, WriteKind
 
 Work = Callable[[Call], BaseModel | StoredResponse | bytes]
 """Work of a method: from a call to the response, as a message, a stored response, or JSON."""
@@ -58,6 +59,8 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "session.get": Method(_get_session, reads),
         "session.list": Method(_listing(sessions.list), reads),
         "session.delete": Method(_delete_session, writes),
+        "look.announce": Method(_write("look", LookAnnouncement, services.looks.announce), writes),
+        "look.cancel": Method(_cancel_look, writes),
         "belief.put": Method(_write("belief", BeliefRequest, updates.put_belief), writes),
         "scan.apply": Method(_write("scan", ScanRequest, updates.apply_scan), writes),
         "outcome.report": Method(_write("outcome", OutcomeRequest, updates.report_outcome), writes),
@@ -111,7 +114,7 @@ def _ranked(question_of: Callable[[Call], Question]) -> Work:
     return work
 
 
-def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any], StoredResponse]) -> Work:
+def _write(kind: WriteKind, body: type[Message], act: Callable[[str, Any, Any], StoredResponse]) -> Work:
     """Make the work of a method that changes a session."""
 
     def work(call: Call) -> StoredResponse:
@@ -124,6 +127,14 @@ def _write(kind: HistoryKind, body: type[Message], act: Callable[[str, Any, Any]
         return act(id_, request, write_of(kind, received, key))
 
     return work
+
+
+def _cancel_look(call: Call) -> BaseModel:
+    id_ = call.session()
+    look: Announced = call.body(Announced)
+    key = idempotency_key(call.attachment.id, scope_of(id_), f"cancel look {look.look}", None)
+    call.services.looks.cancel(id_, look.look, write_of("look", b"", key))
+    return NoParameters()
 
 
 def _create_object(call: Call) -> BaseModel:

@@ -39,6 +39,12 @@ class InSession(Message):
     session: Id
 
 
+class Announced(Message):
+    """Id of the announced look that a call concerns."""
+
+    look: Id
+
+
 class Reachable(Message):
     """Names of the grasps that the arm can reach at the moment; None: all of the scenario."""
 

@@ -80,6 +80,11 @@ class Cache:
                 check()  # raises where this call was cancelled, and not only the other thread's
         return self._make(key, make, mine)
 
+    def peek(self, key: Hashable) -> Sized | None:
+        """Return the value of a key if the cache holds it, without any computation; None: it does not."""
+        with self._lock:
+            return self._values.get(key)
+
     def _make(self, key: Hashable, make: Callable[[], S], mine: "Future[S]") -> S:
         try:
             value = make()

@@ -2,19 +2,29 @@
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
+from voa_msgs.looks import AnnouncedLook
 from voa_msgs.rankings import RankedGrasps, RankingRequest, VoaRequest
 from voa_service.failures import TooLarge
 from voa_service.mapping.beliefs import BeliefInput, belief_digest
-from voa_service.mapping.models import Models
-from voa_service.mapping.rankings import ParallelMap, RankingTask, ranked_grasps_message, ranking_message, ranking_task
+from voa_service.mapping.estimates import absent_of
+from voa_service.mapping.looks import LookRecord, record_of
+from voa_service.mapping.models import Model, Models
+from voa_service.mapping.ranking_tasks import NO_LOOKS, RankingTask, SessionLooks, ranking_task
+from voa_service.mapping.ranking_weights import Weighing
+from voa_service.mapping.rankings import ParallelMap, ranked_grasps_message, ranking_message
+from voa_service.mapping.under_way import announced_looks, stored_places
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.queues import Check
 from voa_service.settings import Limits
+from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.sessions import Sessions, model_in_body
+from voa_store.records import SessionState
 
 _NUMBERS_OF_OUTCOME = 4
+_MOST_WEIGHTS = 2**25
+"""Most weights of one place over simulated scans: 256 MiB in float64."""
 
 
 @dataclass(frozen=True)
@@ -26,18 +36,39 @@ class Question:
         belief: over the scenario's poses; None: the scenario's prior.
         request: names candidate looks, grasps and options.
         version: of the session whose belief it is; None: the belief is that of no session.
+        absent: probability that the object lies at none of the poses; None: it lies at one, or the scenario says.
+        state: of the session; None: the belief is that of no session.
+        under_way: announced looks of the session.
     """
 
     scenario: str
     belief: BeliefInput
     request: VoaRequest
     version: int | None
+    absent: float | None = None
+    state: SessionState | None = None
+    under_way: tuple[AnnouncedLook, ...] = ()
 
     @cached_property
     def key(self) -> Hashable:
         """Key that is equal for questions with equal answers, in any session."""
         options = self.request.model_dump_json(exclude={"scenario", "belief"}, exclude_defaults=True)
-        return self.scenario, belief_digest(self.belief), options
+        under_way = None if self.request.pending is not None else stored_places(self.under_way)
+        return self.scenario, belief_digest(self.belief), options, self.absent, self._looks, under_way
+
+    @property
+    def record(self) -> LookRecord:
+        """Record of the looks of the session."""
+        return LookRecord() if self.state is None else record_of(self.state.looks)
+
+    @property
+    def _looks(self) -> Hashable:
+        """Part of the key that names the looks of the session; looks that weigh all copies alike are equal anywhere."""
+        record = self.record
+        places = tuple((place.viewpoint, place.looks, place.copies) for place in record.places)
+        own = self.state is not None and any(place.copies > 1 for place in record.places)
+        session = (self.state.id, self.state.version) if self.state is not None and own else None
+        return places, record.std, session
 
 
 @dataclass(frozen=True)
@@ -64,6 +95,7 @@ class Rankings:
     Attributes:
         sessions: use cases about sessions.
         models: of the scenarios.
+        places: use cases about the places that sessions were looked from.
         parallel_map: spreads the looks of a ranking over threads.
         kept: cache of answers by question.
         limits: of requests and responses.
@@ -71,6 +103,7 @@ class Rankings:
 
     sessions: Sessions
     models: Models
+    places: LookedFrom
     parallel_map: ParallelMap
     kept: Cache
     limits: Limits
@@ -82,11 +115,13 @@ class Rankings:
             NotFound: there is no such session.
         """
         state = self.sessions.state(id_)
-        return Question(state.scenario, state.belief, request, state.version)
+        under_way = tuple(announced_looks(state.under_way, self.sessions.now()))
+        absent = absent_of(record_of(state.looks))
+        return Question(state.scenario, state.belief, request, state.version, absent, state, under_way)
 
     def once(self, request: RankingRequest) -> Question:
         """Build the question that ranks looks under the belief in the request; null: under the scenario's prior."""
-        return Question(request.scenario, request.belief, request, None)
+        return Question(request.scenario, request.belief, request, None, request.absent)
 
     def answer(self, question: Question, check: Check) -> Answer:
         """Rank looks; equal questions have one answer, which is kept for a while.
@@ -115,12 +150,21 @@ class Rankings:
     def _answer(self, question: Question, check: Check) -> Answer:
         model = model_in_body(self.models, question.scenario)
         check()
-        task = ranking_task(model, question.belief, question.request)
+        absent = model.scenario.absent if question.state is None and question.absent is None else question.absent
+        task = ranking_task(model, question.belief, question.request, absent, self._looks_of(question, model))
         if question.request.outcomes:
             self._check_outcomes(task)
-        precision, keep = self.models.precision(len(task.sensors), len(model.scenario.poses))
-        ranking = ranking_message(task, precision, keep, self.parallel_map, check)
+        _check_weights(task)
+        precision, keep = self.models.precision(len(task.sensors) * task.weights_of_place)
+        ranking = ranking_message(task, Weighing(precision, keep, check), self.parallel_map)
         return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
+
+    def _looks_of(self, question: Question, model: Model) -> SessionLooks:
+        state = question.state
+        if state is None:
+            return NO_LOOKS
+        log_sums = partial(self.places.log_sums, state, model.scenario)
+        return SessionLooks(state.id, question.record, question.under_way, log_sums)
 
     def _check_outcomes(self, task: RankingTask) -> None:
         """Refuse to list more outcomes than a response may hold."""
@@ -131,3 +175,15 @@ class Rankings:
                 f"the response would list {poses} outcomes for each of {sensors} sensors, and may hold at most "
                 f"{self.limits.numbers} values: request at most {most} sensors at a time, or no outcomes",
             )
+
+
+def _check_weights(task: RankingTask) -> None:
+    """Refuse more simulated scans than the weights of one place may take memory for."""
+    if task.samples is None or task.weights_of_place <= _MOST_WEIGHTS:
+        return
+    poses = len(task.scenario.poses)
+    raise TooLarge(
+        f"{task.samples} simulated scans of each of {poses} poses would need {task.weights_of_place} weights at one "
+        f'place, and may need at most {_MOST_WEIGHTS}: request fewer `samples`, or `scans` = "exact", or a scenario '
+        "of fewer poses"
+    )

@@ -24,7 +24,7 @@ from voa_service.settings import Limits
 from voa_service.usecases.pages import page
 from voa_store.records import ListedScenario, StoredScenario
 
-_ADDED_FIELDS = ("min_gain",)
+_ADDED_FIELDS = ("min_gain", "spread", "absent")
 _ADDED_UPDATE_FIELDS = ("on_nothing_seen",)
 """Fields that were added after the first release, in a scenario and in its `update`."""
 

@@ -4,13 +4,16 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from voa_core.absence import log_odds_of
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary, UpdateReport
 from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import UnknownReference, not_found
 from voa_service.mapping.beliefs import prior_of
-from voa_service.mapping.estimates import belief_summary, session_message, summary_of
+from voa_service.mapping.estimates import absent_of, belief_summary, session_message, summary_of
+from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.models import Model, Models
+from voa_service.mapping.under_way import announced_looks
 from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Clock, IdSource, Store
 from voa_service.runtime.cache import Cache
@@ -73,8 +76,10 @@ class Sessions:
         prior = scenario.prior if request.prior is None else prior_of(request.prior, scenario.poses)
         self.check_robots(robots, request.scenario)
         now = self.now()
-        summary = summary_of(scenario, prior)
-        state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now, summary)
+        absent = scenario.absent
+        record = LookRecord(log_odds_absent=None if absent is None else log_odds_of(absent))
+        summary, looks = summary_of(scenario, prior, record), record.text()
+        state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now, summary, looks)
         own = StoredResponse(self.message(state).model_dump_json(), 0)
         response = self.store.create_session(state, write, own, robots)
         if response is own:  # otherwise the key was used before, and the session exists already
@@ -90,7 +95,9 @@ class Sessions:
         mark = self.store.session_mark(id_)
         if mark is None:
             raise not_found("session", id_)
-        cached = self.responses.get((id_, mark), lambda: self._cached_response(id_))
+        under_way = tuple(look.id for look in announced_looks(mark.under_way, self.now()))
+        key = id_, mark.version, mark.updated_at, under_way
+        cached = self.responses.get(key, lambda: self._cached_response(id_))
         return StoredResponse(cached.body, cached.version)
 
     def list(self, limit: int, after: str | None) -> SessionPage:
@@ -156,7 +163,7 @@ class Sessions:
 
     def message(self, state: SessionState) -> Session:
         """Convert a session's state to a message, with the warnings about its scenario."""
-        return session_message(self.model_of(state).scenario, state, self.warnings(state.scenario))
+        return session_message(self.model_of(state).scenario, state, self.warnings(state.scenario), self.now())
 
     def warnings(self, scenario: str) -> Sequence[ProbableMistake]:
         """Return probable mistakes in a scenario, which its sessions show too."""
@@ -184,7 +191,7 @@ class Sessions:
     def _summary(self, listed: ListedSession) -> SessionSummary:
         if listed.summary is None:  # the session has not changed since summaries were introduced
             state = self.state(listed.id)
-            facts = belief_summary(self.model_of(state).scenario, state.belief)
+            facts = belief_summary(self.model_of(state).scenario, state.belief, absent_of(record_of(state.looks)))
         else:
             facts = json.loads(listed.summary)
         return SessionSummary(
@@ -217,4 +224,5 @@ def _history_message(entry: HistoryEntry) -> HistoryEntryMessage:
         at=entry.state.updated_at,
         request=json.loads(entry.request),
         update=None if entry.report is None else UpdateReport.model_validate_json(entry.report),
+        absent=absent_of(record_of(entry.state.looks)),
     )

@@ -98,7 +98,7 @@ def routes(services: Services) -> APIRouter:
     ) -> Response:
         """Update the belief of a session by the outcome of a grasp attempt.
 
-        The attempt must have left the object where it was.
+        `object_moved` says how probable it is that the attempt moved the object; otherwise it lies where it was.
         """
         body = await http.body()
 

@@ -29,9 +29,12 @@ def routes(services: Services) -> APIRouter:
         id: SessionId,
         http: Request,
         definition: Annotated[
-            Definition,
-            Query(description="Definition of VOA: gain of the best expected score, or of the executed grasp's."),
-        ] = "posterior",
+            Definition | None,
+            Query(
+                description="Definition of VOA: gain of the best expected score, or of the executed grasp's; without "
+                "it, `posterior` over exact scans and `executed` over simulated ones."
+            ),
+        ] = None,
         outcomes: Annotated[
             bool, Query(description="True to list, for each look, the expected result at each pose.")
         ] = False,

@@ -1,0 +1,59 @@
+"""Announced looks that are under way: from messages to the text that the store keeps, and back."""
+
+import json
+from collections.abc import Iterable
+from datetime import datetime, timedelta
+
+from pydantic import TypeAdapter
+
+from voa_core.places import Viewpoint
+from voa_core.scenario import Scenario
+from voa_msgs.looks import AnnouncedLook, AtPlace, LookAnnouncement
+from voa_service.mapping.observations import viewpoint_of
+
+LASTS = timedelta(seconds=120)
+"""Time after which an announcement ends by itself."""
+
+_LOOKS: TypeAdapter[list[AnnouncedLook]] = TypeAdapter(list[AnnouncedLook])
+
+
+def announced_looks(text: str | None, now: datetime) -> list[AnnouncedLook]:
+    """Read the announced looks from the JSON in the store, the oldest first, without those that have expired."""
+    if text is None:
+        return []
+    return [look for look in _LOOKS.validate_json(text) if look.expires_at > now]
+
+
+def stored_text(looks: Iterable[AnnouncedLook]) -> str | None:
+    """Return announced looks as JSON for the store; None: there are none."""
+    items = [look.model_dump(mode="json") for look in looks]
+    return json.dumps(items, separators=(",", ":")) if items else None
+
+
+def announced(id_: str, request: LookAnnouncement, now: datetime) -> AnnouncedLook:
+    """Make the announced look of a request, which expires after `LASTS`."""
+    return AnnouncedLook(
+        id=id_,
+        sensor=request.sensor,
+        sensor_pose=request.sensor_pose,
+        robot=request.robot,
+        expires_at=now + LASTS,
+    )
+
+
+def without_place(looks: Iterable[AnnouncedLook], scenario: Scenario, taken: Viewpoint | None) -> list[AnnouncedLook]:
+    """Return the announced looks that a look taken from a viewpoint does not end: those from other places."""
+    if taken is None:
+        return list(looks)
+    return [look for look in looks if not taken.shares_place(viewpoint_of(scenario, place_of_announced(look)))]
+
+
+def place_of_announced(look: AnnouncedLook) -> AtPlace:
+    """Return the place of an announced look."""
+    return AtPlace(sensor=look.sensor, sensor_pose=look.sensor_pose)
+
+
+def stored_places(looks: Iterable[AnnouncedLook]) -> str | None:
+    """Return the places of announced looks as text that is equal for equal places; None: there are no looks."""
+    places = [place_of_announced(look).model_dump(mode="json") for look in looks]
+    return json.dumps(places) if places else None

@@ -1,0 +1,61 @@
+"""Announced looks: a robot says from where it will scan, so that others can plan around it."""
+
+from dataclasses import dataclass, replace
+
+from voa_msgs.looks import LookAnnouncement
+from voa_msgs.rankings import MOST_PENDING
+from voa_service.failures import not_found
+from voa_service.mapping.observations import viewpoint_of
+from voa_service.mapping.under_way import announced, announced_looks, stored_text
+from voa_service.usecases.sessions import Sessions
+from voa_store.records import StoredResponse, Write
+
+
+@dataclass(frozen=True)
+class AnnouncedLooks:
+    """Use cases that announce looks of a session, and withdraw them; neither makes a version.
+
+    Attributes:
+        sessions: use cases about whole sessions.
+    """
+
+    sessions: Sessions
+
+    def announce(self, id_: str, request: LookAnnouncement, write: Write) -> StoredResponse:
+        """Announce a look that is under way.
+
+        A session keeps the newest `MOST_PENDING` announcements.
+
+        Raises:
+            NotFound: there is no such session.
+            UnknownName: the session's scenario has no such sensor configuration.
+            StoreError: the idempotency key was used for another request.
+        """
+        sessions = self.sessions
+        with sessions.store.change(id_, write) as change:
+            state = change.state
+            if state is not None:
+                viewpoint_of(sessions.model_of(state).scenario, request)  # refuses an unknown sensor
+                now = sessions.now()
+                look = announced(sessions.new_id(), request, now)
+                looks = [*announced_looks(state.under_way, now), look][-MOST_PENDING:]
+                response = StoredResponse(look.model_dump_json(), state.version)
+                change.respond(response, replace(state, under_way=stored_text(looks)))
+        return change.response
+
+    def cancel(self, id_: str, look: str, write: Write) -> StoredResponse:
+        """Withdraw an announced look; the response has no body.
+
+        Raises:
+            NotFound: there is no such session, or no such look is under way in it.
+            StoreError: the idempotency key was used for another request.
+        """
+        with self.sessions.store.change(id_, write) as change:
+            state = change.state
+            if state is not None:
+                looks = announced_looks(state.under_way, self.sessions.now())
+                left = [each for each in looks if each.id != look]
+                if len(left) == len(looks):
+                    raise not_found("look under way", look)
+                change.respond(StoredResponse("", state.version), replace(state, under_way=stored_text(left)))
+        return change.response
