@@ -60,21 +60,35 @@ def estimate_fields(scenario: Scenario, belief: Belief, absent: float | None) ->
 
 
 def session_message(
-    scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake], now: datetime
-) -> Session:
-    """Convert a session's state to a message; announced looks that have expired by `now` are left out."""
-    return Session(**_session_fields(scenario, state, warnings, now))
-
-
-def updated_session_message(
     scenario: Scenario,
     state: SessionState,
     warnings: Sequence[ProbableMistake],
-    report: UpdateReport,
     now: datetime,
-) -> UpdatedSession:
-    """Convert a session's state after an observation to a message, with the report of the update."""
-    return UpdatedSession(**_session_fields(scenario, state, warnings, now), update=report)
+    report: UpdateReport | None = None,
+) -> Session:
+    """Convert a session's state to a message.
+
+    Args:
+        scenario: of the session.
+        state: of the session.
+        warnings: about the scenario and the scan.
+        now: announced looks that have expired by then are left out.
+        report: of the observation that the message answers; None: it answers another request.
+    """
+    record = record_of(state.looks)
+    absent = absent_of(record)
+    fields = estimate_fields(scenario, state.belief, absent) | {
+        "id": state.id,
+        "scenario": state.scenario,
+        "version": state.version,
+        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
+        "created_at": state.created_at,
+        "updated_at": state.updated_at,
+        "places": place_messages(record.places),
+        "under_way": announced_looks(state.under_way, now),
+        "warnings": [*warnings, *absence_warnings(absent)],
+    }
+    return Session(**fields) if report is None else UpdatedSession(**fields, update=report)
 
 
 def update_report(scenario: Scenario, update: Update, evidence: Evidence | None = None) -> UpdateReport:
@@ -96,21 +110,3 @@ def update_report(scenario: Scenario, update: Update, evidence: Evidence | None 
         best_fit_pose=scenario.poses.names[fitted.best_fit] if fitted else None,
         beams_compared=compared,
     )
-
-
-def _session_fields(
-    scenario: Scenario, state: SessionState, warnings: Sequence[ProbableMistake], now: datetime
-) -> dict[str, Any]:
-    record = record_of(state.looks)
-    absent = absent_of(record)
-    return estimate_fields(scenario, state.belief, absent) | {
-        "id": state.id,
-        "scenario": state.scenario,
-        "version": state.version,
-        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
-        "created_at": state.created_at,
-        "updated_at": state.updated_at,
-        "places": place_messages(record.places),
-        "under_way": announced_looks(state.under_way, now),
-        "warnings": [*warnings, *absence_warnings(absent)],
-    }

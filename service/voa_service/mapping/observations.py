@@ -3,21 +3,18 @@
 from dataclasses import dataclass, replace
 
 from voa_core.errors import UnknownName
-from voa_core.estimates import Estimate
 from voa_core.evidence import Evidence
 from voa_core.lidars import SensorUncertainty
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.places import Viewpoint
 from voa_core.scenario import Scenario
-from voa_core.updating import Update, update_estimate_by_outcome
 from voa_msgs.looks import AtPlace
-from voa_msgs.sessions import OutcomeRequest, ScanRequest
+from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
 from voa_msgs.warnings import ProbableMistake
-from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.scans import scan_of
 from voa_service.mapping.sensors import place_of
 from voa_service.mapping.warnings import warning_messages
-from voa_store.records import SessionState
+from voa_store.records import HistoryEntry
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +76,14 @@ def viewpoint_of(scenario: Scenario, request: AtPlace) -> Viewpoint:
     return Viewpoint.of(sensor, scenario.lidar, listed=scenario.lists(sensor))
 
 
+def accepted_scan(entry: HistoryEntry) -> ScanRequest | None:
+    """Return the scan of a version of a history, if it counts for the poses; None: the version is something else."""
+    if entry.kind != "scan" or entry.report is None:
+        return None
+    report = UpdateReport.model_validate_json(entry.report)
+    return ScanRequest.model_validate_json(entry.request) if report.accepted and report.reason is None else None
+
+
 @dataclass(frozen=True)
 class OutcomeObservation:
     """The outcome of a grasp attempt.
@@ -94,24 +99,6 @@ class OutcomeObservation:
     grasp: int
     success: bool
     object_moved: float
-
-    def updated(self, state: SessionState) -> tuple[Update, LookRecord]:
-        """Update a session's estimate; returns the update, and the record of looks and attempts after it."""
-        record = record_of(state.looks)
-        result = update_estimate_by_outcome(
-            record.estimate(state.belief),
-            self.scenario.table,
-            self.grasp,
-            self.success,
-            self.scenario.policy,
-            object_moved=self.object_moved,
-            start=Estimate.of(state.prior, self.scenario.absent),
-        )
-        if not result.accepted:
-            return result, record
-        if self.object_moved > 0.0:
-            return result, record.restarted(state.version + 1, result.estimate.log_odds_absent)
-        return result, replace(record, attempts=result.estimate.attempts)
 
 
 def outcome_observation(scenario: Scenario, request: OutcomeRequest) -> OutcomeObservation:

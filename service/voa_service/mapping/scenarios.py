@@ -69,12 +69,12 @@ def scenario_of(
         prior=prior_of(request.prior, poses),
         workspace=_workspace(request),
         min_gain=request.min_gain,
-        spread=_spread(request, cuts is not None),
+        spread=_spread(request, has_mesh=cuts is not None),
         absent=request.absent,
     )
 
 
-def _spread(request: scenarios.ScenarioRequest, has_mesh: bool) -> Spread | None:
+def _spread(request: scenarios.ScenarioRequest, *, has_mesh: bool) -> Spread | None:
     if request.spread is None:
         return None
     if not has_mesh:

@@ -2,14 +2,14 @@
 
 import json
 from collections.abc import Iterable
+from dataclasses import replace
 from datetime import datetime, timedelta
 
 from pydantic import TypeAdapter
 
-from voa_core.places import Viewpoint
-from voa_core.scenario import Scenario
 from voa_msgs.looks import AnnouncedLook, AtPlace, LookAnnouncement
-from voa_service.mapping.observations import viewpoint_of
+from voa_service.mapping.observations import ScanObservation, viewpoint_of
+from voa_store.records import SessionState
 
 LASTS = timedelta(seconds=120)
 """Time after which an announcement ends by itself."""
@@ -41,11 +41,14 @@ def announced(id_: str, request: LookAnnouncement, now: datetime) -> AnnouncedLo
     )
 
 
-def without_place(looks: Iterable[AnnouncedLook], scenario: Scenario, taken: Viewpoint | None) -> list[AnnouncedLook]:
-    """Return the announced looks that a look taken from a viewpoint does not end: those from other places."""
-    if taken is None:
-        return list(looks)
-    return [look for look in looks if not taken.shares_place(viewpoint_of(scenario, place_of_announced(look)))]
+def without_announcement(state: SessionState, scan: ScanObservation, now: datetime) -> SessionState:
+    """Return the state of a session without the announced looks that a scan ends: those from its place."""
+    taken = scan.evidence.viewpoint
+    if state.under_way is None or taken is None:
+        return state
+    looks = announced_looks(state.under_way, now)
+    left = [look for look in looks if not taken.shares_place(viewpoint_of(scan.scenario, place_of_announced(look)))]
+    return replace(state, under_way=stored_text(left))
 
 
 def place_of_announced(look: AnnouncedLook) -> AtPlace:

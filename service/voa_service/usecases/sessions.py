@@ -4,7 +4,6 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from voa_core.absence import log_odds_of
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary, UpdateReport
 from voa_msgs.warnings import ProbableMistake
@@ -76,8 +75,7 @@ class Sessions:
         prior = scenario.prior if request.prior is None else prior_of(request.prior, scenario.poses)
         self.check_robots(robots, request.scenario)
         now = self.now()
-        absent = scenario.absent
-        record = LookRecord(log_odds_absent=None if absent is None else log_odds_of(absent))
+        record = LookRecord(log_odds_absent=scenario.start.log_odds_absent)
         summary, looks = summary_of(scenario, prior, record), record.text()
         state = SessionState(self.new_id(), request.scenario, 0, prior, prior, None, now, now, summary, looks)
         own = StoredResponse(self.message(state).model_dump_json(), 0)
