@@ -32,8 +32,8 @@ class VoaRequest(Message):
     """Looks to rank: names of sensor configurations, or any sensor poses; null: all sensors of the scenario."""
     scans: Scans | None = None
     """Predicted scans: `exact`, one of each pose as in the papers; `simulated`, noisy scans of displaced poses, as the
-    update will weigh them; null: `simulated` where the scenario has a spread, or `sensor_std` or the session's last
-    sensor pose a standard deviation, else `exact`."""
+    update will weigh them; null: `simulated` where the scenario has a mesh, and a spread, or `sensor_std` or the
+    session's last sensor pose a standard deviation, else `exact`."""
     samples: Annotated[int, Ge(1), Le(MOST_SAMPLES)] | None = None
     """Number of simulated scans of each pose; null: as many as make 256 of all poses together, and at least 1."""
     definition: Definition | None = None
@@ -56,7 +56,8 @@ class VoaRequest(Message):
     sensor_belief: Distribution | None = None
     """Belief of the robot with the lidar, one probability per pose, where it differs; null: the belief itself."""
     min_gain: Annotated[float, Ge(0.0), Le(1.0)] | None = None
-    """Net value, in success probability, above which a look is recommended; null: the scenario's `min_gain`."""
+    """Net value, in success probability, that a look must exceed to be recommended, over simulated scans by two
+    standard errors; null: the scenario's `min_gain`."""
     outcomes: bool = False
     """True to list, for each look, the expected result at each pose."""
 
@@ -115,7 +116,7 @@ class RankedSensor(Message):
 
 
 class Look(Message):
-    """Recommendation to look: the net value of the best look, or of the best two together, exceeds `min_gain`."""
+    """Recommendation to look: the net value of the best look, or of the best pair, surely exceeds `min_gain`."""
 
     action: Literal["look"]
     """Always `look`."""
@@ -128,7 +129,7 @@ class Look(Message):
 
 
 class GraspNow(Message):
-    """Recommendation to grasp: no look has a net value above `min_gain`."""
+    """Recommendation to grasp: no look, and no pair of looks, has a net value that surely exceeds `min_gain`."""
 
     action: Literal["grasp"]
     """Always `grasp`."""
@@ -150,7 +151,8 @@ class Ranking(Message):
     samples: int | None = None
     """Number of simulated scans of each pose; null: scans are exact."""
     lookahead: int = 1
-    """Number of looks that the recommendation would have planned; 1 above 64 places."""
+    """Number of looks that the recommendation plans where no single look is worth its cost; 1 for a single place, above
+    64 places, and where the weights of all places take more than 1 GiB."""
     value_of_perfect_information: float | None = None
     """Gain in success probability if the pose were known: the most that looks can be expected to gain."""
     method: Literal["exact", "sampled"]
@@ -162,7 +164,8 @@ class Ranking(Message):
     best_grasp_before: str | None
     """Grasp with the largest expected score before any look; null: every grasp scores 0."""
     ranking: list[RankedSensor]
-    """Looks, the largest net value first."""
+    """Looks, the largest net value first. Over simulated scans the first has the figures of an evaluation of its own,
+    on other and more scans, after which the order stays."""
     recommendation: Annotated[Look | GraspNow, Field(discriminator="action")]
     """Recommended action: look from a place, or grasp now."""
     warnings: list[ProbableMistake] = Field(default=[])

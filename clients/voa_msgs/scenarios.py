@@ -103,7 +103,8 @@ class ScenarioRequest(Message):
     workspace: Workspace | None = None
     """Rectangle that contains the object; returns from outside it are ignored; null: every return counts."""
     min_gain: Annotated[float, Ge(0.0), Le(1.0)] = 0.005
-    """Net value, in success probability, above which a look is recommended."""
+    """Net value, in success probability, that a look must exceed to be recommended, over simulated scans by two
+    standard errors."""
     spread: Spread | None = None
     """Spread of the object about each listed pose: standard deviations in the plane; needs a mesh; null: the object
     lies exactly at a listed pose."""
@@ -113,7 +114,8 @@ class ScenarioRequest(Message):
         Annotated[dict[Name, Annotated[dict[Name, Ranges], LimitedBy("poses")]], LimitedBy("sensors")] | None
     ) = None
     """Predicted scans, metres, by sensor configuration and pose, one range per beam (null: no-return), which replace
-    those of the mesh; null: all are computed from the mesh."""
+    those of the mesh at listed sensors, except for displaced poses (`spread`, `std`); null: all are computed from the
+    mesh."""
     prior: Prior | None = None
     """Belief before the first observation: probabilities, or a model of them; null: all poses are equally probable."""
 

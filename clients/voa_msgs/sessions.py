@@ -65,7 +65,8 @@ class Session(Estimate):
     id: str
     """Identifier of the session."""
     places: list[Place] = Field(default=[])
-    """Places from which looks were taken since the belief was last replaced, the oldest first."""
+    """Places from which looks were taken since the belief was last replaced, also by `nearest` and `object_moved`; the
+    oldest first."""
     under_way: list[AnnouncedLook] = Field(default=[])
     """Announced looks whose scans have not arrived yet, the oldest first."""
     created_at: datetime

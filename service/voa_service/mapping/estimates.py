@@ -39,7 +39,9 @@ def summary_of(scenario: Scenario, belief: Belief, record: LookRecord) -> str:
 
 def absent_of(record: LookRecord) -> float | None:
     """Return the probability that the object lies at none of the poses; None: that it lies at one is certain."""
-    return None if record.log_odds_absent is None else probability_of(record.log_odds_absent)
+    if record.log_odds_absent is None:
+        return None
+    return float(f"{probability_of(record.log_odds_absent):.15g}")  # 0.05 is 0.05 again
 
 
 def absence_warnings(absent: float | None) -> list[ProbableMistake]:
