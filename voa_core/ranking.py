@@ -1,7 +1,7 @@
 """Ranking of sensor configurations by net value, which is the Value of Assistance of a look less its cost."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -61,16 +61,39 @@ class Ranking:
 
     Attributes:
         before: best grasp and its expected score under the belief before any look.
-        looks: ordered by net value rounded to 1e-12, ties as listed. Over simulated scans the first may have the values
-            of an evaluation of its own (`recommendation.recommend`).
+        looks: ordered by net value rounded to 1e-12, ties as listed. Over simulated scans the first, and others, may
+            have the values of an evaluation of their own (`recommendation.recommend`).
         value_of_perfect_information: gain in success probability if the pose were known.
-        best_compared: the first look with the values that it has over the scans that all looks share; None: `looks[0]`.
+        compared: the looks, in this order, with the values that they have over the scans that all share.
     """
 
     before: Choice
     looks: tuple[RankedLook, ...]
     value_of_perfect_information: float
-    best_compared: RankedLook | None = None
+    compared: tuple[RankedLook, ...]
+
+    @classmethod
+    def of(cls, before: Choice, looks: Sequence[RankedLook], value_of_perfect_information: float) -> "Ranking":
+        """Rank looks, in the order in which they are listed, whose values are over scans that all share."""
+        ranked = tuple(looks[index] for index in _order(looks))
+        return cls(before, ranked, value_of_perfect_information, ranked)
+
+    def with_value(self, look: RankedLook, own: RankedLook) -> "Ranking":
+        """Rank again with the values of an evaluation of its own for one of the looks."""
+        looks = [own if each is look else each for each in self.looks]
+        return replace(self, looks=tuple(looks))._in_order(_order(looks))
+
+    def with_first(self, look: RankedLook) -> "Ranking":
+        """Move one of the looks to the first place."""
+        index = self.looks.index(look)
+        return self._in_order([index, *(each for each in range(len(self.looks)) if each != index)])
+
+    def _in_order(self, order: Sequence[int]) -> "Ranking":
+        return replace(
+            self,
+            looks=tuple(self.looks[index] for index in order),
+            compared=tuple(self.compared[index] for index in order),
+        )
 
     def worth_looking(self, min_gain: float = MIN_GAIN) -> bool:
         """True if the net value of the first look surely exceeds `min_gain`; otherwise a grasp is recommended.
@@ -85,14 +108,20 @@ class Ranking:
         Over simulated scans they differ if their difference over the same samples exceeds two standard errors of it,
         over exact scans if it exceeds 1e-6.
         """
-        if look is self.looks[0]:
+        index = self.looks.index(look)
+        if index == 0:
             return True
-        first = self.looks[0] if self.best_compared is None else self.best_compared
+        first, look = self.compared[0], self.compared[index]
         difference = first.net_value - look.net_value
         if look.assistance.standard_error is None:
             return difference <= _TIE
         gains = first.assistance.gains - look.assistance.gains
         return difference <= 2.0 * standard_error(look.assistance.shares, gains) + _ROUNDING
+
+
+def _order(looks: Sequence[RankedLook]) -> list[int]:
+    """Indices of looks by net value, the largest first; those that are equal to 1e-12 stay in their order."""
+    return [int(i) for i in np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,10 +223,8 @@ def rank_looks(
         cost = cost_of([sensor], driving)
         return RankedLook(sensor, assistance, assistance.voa - cost, cost)
 
-    ranked = list(ordered_map(worth, sensors))
-    order = np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in ranked], kind="stable")
-    return Ranking(
+    return Ranking.of(
         best_grasp(valuation.table, valuation.belief.p),
-        tuple(ranked[index] for index in order),
+        list(ordered_map(worth, sensors)),
         valuation.perfect_information(pending),
     )

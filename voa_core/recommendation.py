@@ -2,7 +2,8 @@
 
 Two looks may be worth nothing alone and much together, so pairs count where no single look is worth its cost and
 perfect information is. The best of many values was partly lucky, so over simulated scans the best look and the best
-pair are evaluated once more, on four times as many other scans.
+pair are evaluated once more, on four times as many other scans. A look that falls behind by its own evaluation leaves
+its place to the next, until the first look has values of its own.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from voa_core.ranking import MIN_GAIN, OrderedMap, RankedLook, Ranking, Valuatio
 
 MOST_PLACES_IN_PAIRS = 64
 _MOST_PAIR_BYTES = 2**30
+_MOST_EVALUATED = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +88,13 @@ def recommend(
     """
     places = len(ranking.looks)
     lookahead = 2 if lookahead >= 2 and 2 <= places <= MOST_PLACES_IN_PAIRS and _fits(ranking) else 1
+    shared = ranking
     if fresh is not None:
         ranking = _with_own_values(ranking, fresh, valuation)
     best = ranking.looks[0]
     if ranking.worth_looking(min_gain):
         return Recommendation(ranking, best, None, best.net_value, best.assistance.standard_error, lookahead)
-    pair = _best_pair(ranking, looks, valuation, driving, ordered_map) if lookahead == 2 else None
+    pair = _best_pair(shared, looks, valuation, min_gain, driving, ordered_map) if lookahead == 2 else None
     if pair is not None and fresh is not None:
         pair = _valued(pair.first, pair.then, fresh, valuation, fresh.baseline(), driving)
     if pair is not None and pair.sure_net_value > min_gain:
@@ -107,23 +110,37 @@ def _fits(ranking: Ranking) -> bool:
 
 
 def _with_own_values(ranking: Ranking, fresh: Looks, valuation: Valuation) -> Ranking:
-    """Evaluate the first look of a ranking on other scans, so that it is not the best by luck."""
-    best = ranking.looks[0]
-    assistance = valuation.value(fresh.together(best.sensor), fresh.baseline())
-    own = replace(best, assistance=assistance, net_value=assistance.voa - best.cost)
-    return replace(ranking, looks=(own, *ranking.looks[1:]), best_compared=best)
+    """Evaluate the first look of a ranking on other scans, so that it is not the best by luck, until it stays first.
+
+    Of many looks that hardly differ, a few are evaluated, and the best of these goes first.
+    """
+    pending = fresh.baseline()
+    evaluated: list[RankedLook] = []
+    while ranking.looks[0] not in evaluated and len(evaluated) < _MOST_EVALUATED:
+        first = ranking.looks[0]
+        assistance = valuation.value(fresh.together(first.sensor), pending)
+        evaluated.append(replace(first, assistance=assistance, net_value=assistance.voa - first.cost))
+        ranking = ranking.with_value(first, evaluated[-1])
+    return ranking.with_first(next(look for look in ranking.looks if look in evaluated))
 
 
 def _best_pair(
-    ranking: Ranking, looks: Looks, valuation: Valuation, driving: Driving | None, ordered_map: OrderedMap
+    ranking: Ranking,
+    looks: Looks,
+    valuation: Valuation,
+    min_gain: float,
+    driving: Driving | None,
+    ordered_map: OrderedMap,
 ) -> Pair | None:
-    """Best pair of looks, by net value and then as ranked; None where perfect information is worth no pair's cost."""
-    compared = [ranking.best_compared or ranking.looks[0], *ranking.looks[1:]]
+    """Best pair of looks, by net value and then as ranked; None where perfect information is worth no pair's cost.
+
+    An executed value never exceeds that of perfect information, so pairs that cannot gain enough are left out.
+    """
+    most = ranking.value_of_perfect_information - (min_gain if valuation.definition == "executed" else 0.0)
     pairs = [
         (first, then)
-        for first, then in combinations(compared, 2)
-        if ranking.value_of_perfect_information > cost_of([first.sensor, then.sensor], driving)
-        and not looks.same_place(first.sensor, then.sensor)
+        for first, then in combinations(ranking.looks, 2)
+        if most > cost_of([first.sensor, then.sensor], driving) and not looks.same_place(first.sensor, then.sensor)
     ]
     if not pairs:
         return None

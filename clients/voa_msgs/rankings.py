@@ -165,7 +165,7 @@ class Ranking(Message):
     """Grasp with the largest expected score before any look; null: every grasp scores 0."""
     ranking: list[RankedSensor]
     """Looks, the largest net value first. Over simulated scans the first has the figures of an evaluation of its own,
-    on other and more scans, after which the order stays."""
+    on other and more scans; so do looks that were first before theirs."""
     recommendation: Annotated[Look | GraspNow, Field(discriminator="action")]
     """Recommended action: look from a place, or grasp now."""
     warnings: list[ProbableMistake] = Field(default=[])

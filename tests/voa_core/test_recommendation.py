@@ -1,3 +1,5 @@
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -5,13 +7,14 @@ import pytest
 
 from tests.voa_core.worlds import lidar_of
 from voa_core import recommendation
+from voa_core.assistance import Assistance, Definition
 from voa_core.filtering import Belief
-from voa_core.grasps import GraspTable
+from voa_core.grasps import Choice, GraspTable
 from voa_core.lidars import SensorConfiguration
 from voa_core.looks import Driving, Looks, exact_looks
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
-from voa_core.ranking import Ranking, Valuation, rank_looks
+from voa_core.ranking import RankedLook, Ranking, Valuation, rank_looks
 from voa_core.recommendation import Recommendation, recommend
 from voa_core.rules.registry import rule_of
 from voa_core.scan_model import ScanModel
@@ -105,11 +108,48 @@ def test_the_best_look_has_values_of_its_own_over_four_times_as_many_scans() -> 
     assert first.sensor.name == "both"
     assert first.assistance.gains.shape == (4, 4 * 64)
     assert done.ranking.looks[1].assistance.gains.shape == (4, 64)
-    assert done.ranking.best_compared is not None
-    assert done.ranking.best_compared.assistance.gains.shape == (4, 64)
+    assert done.ranking.compared[0].sensor.name == "both"
+    assert done.ranking.compared[0].assistance.gains.shape == (4, 64)
     assert [done.ranking.ties_with_first(look) for look in done.ranking.looks] == [True, False, False]
     again = advice(place("first"), place("both"), place("second"))
     assert again.ranking.looks[0].assistance.voa == first.assistance.voa
+
+
+def test_a_look_that_was_first_by_luck_leaves_its_place_to_the_next() -> None:
+    lucky, steady, last = (place(name) for name in ("lucky", "steady", "last"))
+    shared = {"lucky": 0.3, "steady": 0.2, "last": 0.1}
+    own = {"lucky": 0.15, "steady": 0.19, "last": 0.0}
+    ranking = Ranking.of(Choice(0, 0.5), [look_of(each, shared[each.name]) for each in (lucky, steady, last)], 0.4)
+    assert [look.sensor.name for look in ranking.looks] == ["lucky", "steady", "last"]
+    for each in (lucky, steady):
+        ranking = ranking.with_value(ranking.looks[0], look_of(each, own[each.name]))
+    assert [(look.sensor.name, look.net_value) for look in ranking.looks] == [
+        ("steady", 0.19),
+        ("lucky", 0.15),
+        ("last", 0.1),
+    ]
+    assert [look.net_value for look in ranking.compared] == [0.2, 0.3, 0.1]
+    assert [ranking.ties_with_first(look) for look in ranking.looks] == [True, True, False]
+    moved = ranking.with_first(ranking.looks[2])
+    assert [look.sensor.name for look in moved.looks] == ["last", "steady", "lucky"]
+
+
+def test_of_many_equal_looks_few_are_evaluated_and_the_best_of_these_goes_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(recommendation, "_MOST_EVALUATED", 2)
+    done = advice(*(place("both", cost) for cost in (0.03, 0.0300001, 0.0300002)))
+    sizes = [look.assistance.gains.shape[1] for look in done.ranking.looks]
+    assert sizes[0] == 4 * 64
+    assert sorted(sizes) in ([64, 64, 256], [64, 256, 256])
+
+
+def look_of(sensor: SensorConfiguration, value: float) -> RankedLook:
+    """A look whose value has no error."""
+    nothing = np.zeros(1)
+    gains = np.full((1, 2), value)
+    assistance = Assistance(value, value, np.array([0]), np.array([0]), nothing, np.ones(1), gains, 0.0)
+    return RankedLook(sensor, assistance, value, 0.0)
 
 
 def test_one_place_or_more_than_64_make_no_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,6 +158,24 @@ def test_one_place_or_more_than_64_make_no_pairs(monkeypatch: pytest.MonkeyPatch
     assert advice(*many, on_simulated=False).lookahead == 1
     monkeypatch.setattr(recommendation, "_MOST_PAIR_BYTES", 100)
     assert names(advice(place("first"), place("second"))) == [None, None]
+
+
+@pytest.mark.parametrize(("definition", "pairs"), [("executed", 0), ("posterior", 1)])
+def test_pairs_that_cannot_gain_enough_are_not_evaluated(
+    definition: Definition, pairs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No executed value exceeds that of perfect information, 0.45 here, and the looks cost 0.06."""
+    evaluated = []
+
+    def valued(*pair: object) -> SimpleNamespace:
+        evaluated.append(pair)
+        return SimpleNamespace(net_value=0.0, sure_net_value=0.0)
+
+    monkeypatch.setattr(recommendation, "_valued", valued)
+    looks, valuation = exact(), replace(VALUATION, definition=definition)
+    ranking = rank_looks([place("first"), place("second")], looks, valuation)
+    assert names(recommend(ranking, looks, valuation, min_gain=0.4)) == [None, None]
+    assert len(evaluated) == pairs
 
 
 def test_a_gain_must_exceed_what_is_demanded() -> None:
