@@ -3,9 +3,11 @@
     python clients/examples/two_robots.py [URL]
 
 Each robot is a thread with a client of its own, as it would be a process on a machine of its own: they share nothing
-but the session's id. The scans are simulated (the mug lies in a pose that only the simulation knows) and so is the arm,
-which succeeds if the grasp's score at that pose is above one half. `drive`, `take_scan` and `attempt` are what your
-robots replace. Without a URL a service is started for the length of the program.
+but the session's id. The lidar robot announces each look before it drives (`SensorClient.run` does it), so that a
+second lidar robot would plan around it, and the arm waits for it. The scans are simulated (the mug lies in a pose that
+only the simulation knows) and so is the arm, which succeeds if the grasp's score at that pose is above one half.
+`drive`, `take_scan` and `attempt` are what your robots replace. Without a URL a service is started for the length of
+the program.
 """
 
 import sys
@@ -23,17 +25,23 @@ POSE = "U_90"
 
 @dataclass
 class SimulatedLidarRobot:
-    """A lidar robot whose scans are what the mesh at `POSE` would give, so it needs no table."""
+    """A lidar robot whose scans are what the mesh at `POSE` would give, so it needs no table.
+
+    It keeps the places that it visited, and those that other robots saw announced while it drove there.
+    """
 
     client: Client
     scenario: Scenario
+    session_id: str
     stands_at: str = ""
     visited: list[str] = field(default_factory=list)
+    announced: list[str | None] = field(default_factory=list)
 
     def drive(self, sensor: str) -> None:
         """Drive the lidar to a sensor configuration of the scenario; return when it stands there."""
         self.stands_at = sensor
         self.visited.append(sensor)
+        self.announced += [look.sensor for look in self.client.get_session(self.session_id).under_way]
 
     def take_scan(self) -> Scan:
         """Return one revolution: ranges in metres, and the beams in whose direction nothing is in range."""
@@ -49,14 +57,14 @@ def attempt(scenario: Scenario, grasp: str) -> bool:
     return bool(scores["successes"][names.index(grasp)][poses.index(POSE)] > scores["attempts"] / 2)
 
 
-def lidar_robot(url: str, session_id: str, arm_is_ready: threading.Event) -> list[str]:
-    """Look where it is worth most, until no look is worth its cost; return the places."""
+def lidar_robot(url: str, session_id: str, arm_is_ready: threading.Event) -> SimulatedLidarRobot:
+    """Look where it is worth most, until no look is worth its cost; return the robot."""
     arm_is_ready.wait()
     with Client(url) as client:
         scenario = client.get_scenario(client.get_session(session_id).scenario)
-        robot = SimulatedLidarRobot(client, scenario)
-        SensorClient(client, session_id).run(robot.drive, robot.take_scan, most_looks=3)
-    return robot.visited
+        robot = SimulatedLidarRobot(client, scenario, session_id)
+        SensorClient(client, session_id, robot="scout").run(robot.drive, robot.take_scan, most_looks=3)
+    return robot
 
 
 def arm(url: str, session_id: str, arm_is_ready: threading.Event) -> tuple[str | None, bool]:
@@ -67,7 +75,7 @@ def arm(url: str, session_id: str, arm_is_ready: threading.Event) -> tuple[str |
         arm_is_ready.set()
         waited = own.wait_until(score=0.8)
         best = own.best_grasp()
-        if best is None:
+        if best is None or waited.reason == "probably_absent":  # only where the scenario states `absent`
             return None, False
         success = attempt(scenario, best.name)
         own.report(best.name, success=success)
@@ -75,8 +83,8 @@ def arm(url: str, session_id: str, arm_is_ready: threading.Event) -> tuple[str |
     return best.name, success
 
 
-def play(url: str) -> tuple[list[str], str | None, bool]:
-    """Open a session and let both robots work in it; return the places of the looks, the grasp and its outcome."""
+def play(url: str) -> tuple[SimulatedLidarRobot, str | None, bool]:
+    """Open a session and let both robots work in it; return the lidar robot, the grasp and its outcome."""
     with Client(url) as client:
         scenario = load_scenario(client, path("mug") / "scenario.json")
         session_id = client.create_session(SessionRequest(scenario=scenario.id)).id
@@ -90,11 +98,12 @@ def play(url: str) -> tuple[list[str], str | None, bool]:
 def main() -> None:
     """Play it once, and print what happened."""
     if len(sys.argv) > 1:
-        looks, grasp, success = play(sys.argv[1])
+        robot, grasp, success = play(sys.argv[1])
     else:
         with local_service() as url:
-            looks, grasp, success = play(url)
-    print(f"looked from {', '.join(looks)}; {grasp} {'succeeded' if success else 'failed'}")
+            robot, grasp, success = play(url)
+    print(f"announced {', '.join(map(str, robot.announced))} before the drives")
+    print(f"looked from {', '.join(robot.visited)}; {grasp} {'succeeded' if success else 'failed'}")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from voa_cli.paper import PICTURE, paper_picture
 from voa_client import Client, VoaClientError
 from voa_client.local import local_service
 from voa_client.scenario_files import load_scenario
-from voa_fleet.episodes.bench import Bench, make_bench
+from voa_fleet.episodes.bench import Bench, make_bench, spread_of
 from voa_fleet.episodes.comparison import Tally
 from voa_fleet.episodes.episode import MOST_LOOKS, Pair, run_episode
 from voa_fleet.episodes.events import Event, GraspEnded, LookChosen, LookTaken, RobotArrived, SessionOpened, Step
@@ -48,6 +48,8 @@ from voa_msgs.scenarios import Scenario
 PAIR = "robot"
 IMPERFECTIONS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05)
 """The errors of an LDS-01, and an object 5 mm and 0.05 rad (standard deviations) off its pose."""
+ABSENT = 0.05
+"""Probability that there is no object on the table, as the demo states it before the first look; there always is."""
 _READ_S = 1.2
 """Pause for a reader at a terminal after a step that changes the table."""
 
@@ -76,7 +78,9 @@ def _run(demo: Demo, options: argparse.Namespace, console: Console) -> None:
         with interruptible(_seconds()) as interruption, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
             client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
-            scenario = load_scenario(client, demo.target.folder / "scenario.json")
+            scenario = load_scenario(
+                client, demo.target.folder / "scenario.json", spread=spread_of(IMPERFECTIONS), absent=ABSENT
+            )
             bench = make_bench(demo.target, IMPERFECTIONS, demo.seed, robot=PAIR)
             show_episode(demo, client, scenario, bench, console, options.looks)
             show_comparison(demo, client, scenario, bench, console, options, interruption)
@@ -98,8 +102,9 @@ def show_episode(
     console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
     console.print(
         f"The arm can attempt {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The "
-        f"service keeps the belief (a probability for each pose), computes the Value of Assistance of a look from each "
-        f"place (by how much the look should raise the probability of a successful grasp), and names the best grasp. "
+        f"service keeps the belief (a probability for each pose) and the probability that the object is absent, "
+        f"computes the Value of Assistance of a look from each place (by how much the look should raise the "
+        f"probability of a successful grasp), and names the best grasp. "
         f"Neither the service nor the robots know the true pose. This is drop 0 of seed {demo.seed}, whatever its "
         f"outcome; times are simulated.\n",
         highlight=False,

@@ -25,7 +25,7 @@ from voa_client.local import BRIEFLY, local_service
 from voa_client.scenario_files import load_scenario
 from voa_client.zenoh_session import address_of, joined
 from voa_fleet.devices.protocol import SensorRobot
-from voa_fleet.episodes.bench import Bench, make_bench, stated_by
+from voa_fleet.episodes.bench import Bench, make_bench, spread_of, stated_by
 from voa_fleet.episodes.episode import Episode, Pair, run_episode
 from voa_fleet.episodes.events import Listener
 from voa_fleet.episodes.looks import ClientChannel, LookChannel
@@ -71,6 +71,7 @@ class FleetResult:
                     "belief": look.after.belief,
                     "best_grasp": look.after.best_grasp,
                     "expected_score": look.after.expected_score,
+                    "absent": look.after.absent,
                 }
                 for look in episode.looks
             ],
@@ -112,7 +113,7 @@ def pair_names(count: int) -> tuple[str, ...]:
 
 def _mapping(url: str, target: FleetObject, imperfections: Imperfections, options: argparse.Namespace) -> str:
     with Client(url, retries=BRIEFLY) as client:
-        scenario = load_scenario(client, target.folder / "scenario.json")
+        scenario = load_scenario(client, target.folder / "scenario.json", spread=spread_of(imperfections))
     std = stated_by(imperfections)
     robots = [MappingEntry(name, scenario.id, std) for name in pair_names(options.pairs)]
     return mapping(robots, options.revolutions)
@@ -144,7 +145,7 @@ def _run_all(
             publish = stack.enter_context(joined(address_of(url))).put
         with Client(url, retries=BRIEFLY) as client:
             client.ready()  # fails sooner than an upload where the service does not run
-            scenario = load_scenario(client, target.folder / "scenario.json")
+            scenario = load_scenario(client, target.folder / "scenario.json", spread=spread_of(imperfections))
         # With several pairs on a terminal the table shows enough.
         quiet = options.json or (len(names) > 1 and console.is_terminal)
         report = stack.enter_context(LiveReport(console, names, lines=not quiet))

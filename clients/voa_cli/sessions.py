@@ -11,6 +11,7 @@ voa sessions delete ID...                   delete sessions with their histories
 
 import argparse
 import json
+import math
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Sequence
@@ -20,8 +21,9 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from voa_client import Client, VoaClientError
-from voa_client.formatting import bar, scale, share
+from voa_client.formatting import absence, bar, scale, share
 from voa_client.local import BRIEFLY
+from voa_msgs.looks import AnnouncedLook, Place
 from voa_recordings.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
@@ -54,7 +56,9 @@ def _list(client: Client, options: argparse.Namespace) -> None:
         more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in sessions]
         print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(sessions, more, strict=True)]))
         return
-    table = _table("session", "scenario", "version", "grasp", "score", "updated", "robots")
+    absences = any(session.absent is not None for session in sessions)
+    headings = ["session", "scenario", "version", "grasp", "score", "updated", "robots"]
+    table = _table(*headings[:5], *(["absent"] if absences else []), *headings[5:])
     for session in sessions:
         table.add_row(
             session.id,
@@ -62,6 +66,7 @@ def _list(client: Client, options: argparse.Namespace) -> None:
             str(session.version),
             session.best_grasp or "none",
             share(session.expected_score, 3),
+            *(["" if session.absent is None else share(session.absent)] if absences else []),
             f"{session.updated_at:%m-%d %H:%M}",
             " ".join(robots[session.id]),
         )
@@ -85,18 +90,41 @@ def _show(client: Client, options: argparse.Namespace) -> None:
     console = _console()
     console.print(f"session {session.id}, version {session.version}, scenario {session.scenario}", soft_wrap=True)
     console.print(f"best grasp {session.best_grasp or 'none'}, score {share(session.expected_score, 3)}")
+    absent = absence(session.absent)
+    if absent is not None:
+        console.print(f"{absent} (score holds if it is at one)")
+    if session.places:
+        console.print("looks: " + ", ".join(f"{_where(place)} ({place.looks})" for place in session.places))
+    if session.under_way:
+        console.print("under way: " + ", ".join(_announced(look) for look in session.under_way))
     table = _table("pose", "belief", scale(1.0))
     for held, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
         table.add_row(pose, share(held, 4), bar(held, 1.0, _BAR))
     console.print(table)
 
 
+def _where(place: Place | AnnouncedLook) -> str:
+    """Write from where a look is taken."""
+    if place.sensor_pose is None:
+        return place.sensor or ""
+    pose = place.sensor_pose
+    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {math.degrees(pose.yaw_rad):.0f} degrees"
+
+
+def _announced(look: AnnouncedLook) -> str:
+    """Write an announced look with its robot, and when the announcement ends."""
+    robot = "" if look.robot is None else f" by {look.robot}"
+    return f"{_where(look)}{robot} (until {look.expires_at:%H:%M:%S})"
+
+
 def _history(client: Client, options: argparse.Namespace) -> None:
-    entries = client.history(options.id)
+    entries = list(client.history(options.id))
     if options.json:
         print(f"[{', '.join(entry.model_dump_json() for entry in entries)}]")
         return
-    table = _table("version", "kind", "at", "result", "evidence", "fit (mm)", "best fit")
+    absences = any(entry.absent is not None for entry in entries)
+    headings = ("version", "kind", "at", "result", "evidence", "fit (mm)", "best fit")
+    table = _table(*headings, *(["absent"] if absences else []))
     for entry in entries:
         report = entry.update
         result = "" if report is None else report.reason or "accepted"
@@ -105,6 +133,8 @@ def _history(client: Client, options: argparse.Namespace) -> None:
             evidence, fit = report.log_evidence, report.fit_rmsd_mm
             figures = ["" if evidence is None else f"{evidence:.3f}", "" if fit is None else f"{fit:.1f}"]
             figures.append(report.best_fit_pose or "")
+        if absences:
+            figures.append("" if entry.absent is None else share(entry.absent))
         table.add_row(str(entry.version), entry.kind, f"{entry.at:%H:%M:%S}", result, *figures)
     _console().print(table)
 

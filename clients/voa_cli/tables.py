@@ -1,40 +1,82 @@
 """Tables of rankings and grasp scores that several commands print."""
 
-from rich.console import Console
-from rich.table import Column, Table
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
 
-from voa_client.formatting import bar, ranks, scale, share, signed, unsigned
+from rich.console import Console
+from rich.table import Table
+
+from voa_client.formatting import bar, ranks, scale, share, signed, unsigned, with_error
 from voa_msgs.rankings import Ranking
 from voa_msgs.scenarios import GivenScores, Scenario
 
 _BAR = 24
 """Characters of a full bar where a line has room for it."""
 _EDGE = 3  # characters between a column and the next
+_UNLIMITED = 10_000
+_LEAST_NEEDED = ("score after", "looks taken")
+"""Columns in the order in which they are left out where a line has no room for them."""
+
+
+@dataclass(frozen=True)
+class _Figures:
+    """A column of the table: its heading, and a cell for each look."""
+
+    heading: str
+    cells: tuple[str, ...]
+    justify: Literal["left", "right"] = "right"
+    wraps: bool = False
 
 
 def ranking_table(console: Console, ranking: Ranking) -> Table:
-    """Make a table of the looks of a ranking, best first, with costs and net values if any look has a cost.
+    """Make a table of the looks of a ranking, best first: VOA with its standard error, costs and looks taken if any.
 
-    VOA is drawn as a bar as well, if the console is wide enough.
+    VOA is drawn as a bar as well, if the console is wide enough; if it is too narrow, columns are left out.
     """
+    columns = _columns(ranking)
     most = max((look.voa for look in ranking.ranking), default=0.0)
-    plain = _table(ranking, most, 0)
-    room = console.width - console.measure(plain).maximum - _EDGE
-    return plain if room < len(scale(most)) or most <= 0.0 else _table(ranking, most, min(_BAR, room))
+    for heading in _LEAST_NEEDED:
+        if _width(console, columns) > console.width:
+            columns = [column for column in columns if column.heading != heading]
+    room = console.width - _width(console, columns) - _EDGE
+    if room < len(scale(most)) or most <= 0.0:
+        return _table(columns)
+    bars = _Figures(scale(most), tuple(bar(look.voa, most, min(_BAR, room)) for look in ranking.ranking), "left")
+    return _table([*columns[:3], bars, *columns[3:]], min(_BAR, room))
 
 
-def _table(ranking: Ranking, most: float, width: int) -> Table:
-    """Make the table with bars of `width` characters for a VOA of `most`; a width of 0 gives no bars."""
-    costs = any(look.cost for look in ranking.ranking)
-    table = Table(Column("rank", justify="right"), "sensor", Column("VOA", justify="right", no_wrap=True))
-    if width:
-        table.add_column(scale(most), no_wrap=True, min_width=width)
-    for heading in (*(("cost", "net value") if costs else ()), "score after"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for rank, look in zip(ranks(ranking), ranking.ranking, strict=True):
-        drawn = (bar(look.voa, most, width),) if width else ()
-        money = (unsigned(look.cost), signed(look.net_value)) if costs else ()
-        table.add_row(rank, look.sensor, signed(look.voa), *drawn, *money, share(look.expected_score_after, 3))
+def _width(console: Console, columns: Sequence[_Figures]) -> int:
+    """Number of characters that a line of the table needs, however wide the console is."""
+    unlimited = console.options.update(max_width=_UNLIMITED)
+    return console.measure(_table(columns), options=unlimited).maximum
+
+
+def _columns(ranking: Ranking) -> list[_Figures]:
+    """Columns of the table without bars: rank, sensor and VOA first."""
+    looks = ranking.ranking
+    columns = [
+        _Figures("rank", tuple(ranks(ranking)), wraps=True),
+        _Figures("sensor", tuple(look.sensor for look in looks), "left", wraps=True),
+        _Figures("VOA", tuple(with_error(look.voa, look.standard_error) for look in looks)),
+    ]
+    if any(look.cost for look in looks):
+        columns.append(_Figures("cost", tuple(unsigned(look.cost) for look in looks)))
+        columns.append(_Figures("net value", tuple(signed(look.net_value) for look in looks)))
+    columns.append(_Figures("score after", tuple(share(look.expected_score_after, 3) for look in looks)))
+    if any(look.looks_taken for look in looks):
+        columns.append(_Figures("looks taken", tuple(str(look.looks_taken) for look in looks)))
+    return columns
+
+
+def _table(columns: Sequence[_Figures], bar_width: int = 0) -> Table:
+    """Make the table; its column of bars, if there is one, is at least `bar_width` characters wide."""
+    table = Table()
+    for column in columns:
+        width = bar_width if column.heading.startswith("0 to ") else None
+        table.add_column(column.heading, justify=column.justify, no_wrap=not column.wraps, min_width=width)
+    for row in zip(*(column.cells for column in columns), strict=True):
+        table.add_row(*row)
     return table
 
 

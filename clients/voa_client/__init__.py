@@ -7,6 +7,8 @@ Zenoh's library where it speaks Zenoh); never numpy. Everything that a program o
 - `Client` and `AsyncClient` call one service, over HTTP or Zenoh;
 - `SensorClient` and `ArmClient` (and their `Async` versions) are the two roles in a session: the robot that carries
   the lidar, and the arm that grasps;
+- `next_look`, the rule by which a robot that carries the lidar follows a ranking, and `poses_of`, the places of a
+  scenario as a robot ranks them that states the uncertainty of its pose, for loops of your own;
 - the messages that these take and return;
 - the errors that they raise, all of them a `VoaClientError`;
 - the transports, for programs that choose or replace one.
@@ -27,6 +29,7 @@ Modules whose names begin with an underscore are private and may change in any r
 
 from voa_client._arm import ArmClient, AsyncArmClient, Waited
 from voa_client._async_client import AsyncClient
+from voa_client._async_sensor import AsyncSensorClient
 from voa_client._attempts import Retries
 from voa_client._client import Client
 from voa_client._errors import (
@@ -47,12 +50,14 @@ from voa_client._errors import (
 )
 from voa_client._http import AsyncHttpTransport, HttpTransport
 from voa_client._in_process import AsyncInProcessTransport, InProcessTransport
-from voa_client._sensor import AsyncSensorClient, SensorClient, TakenLook, Tour
+from voa_client._sensor import SensorClient
+from voa_client._tour import TakenLook, Tour, next_look, poses_of
 from voa_client._transport import AsyncTransport, Transport
 from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
 from voa_client._zenoh_address import ZenohAddress
-from voa_msgs.geometry import CandidateSensor, PoseUncertainty, SensorPose, UncertainSensorPose
+from voa_msgs.geometry import CandidateSensor, Location, PoseUncertainty, SensorPose, Spread, UncertainSensorPose
 from voa_msgs.lidars import LidarPresets
+from voa_msgs.looks import AnnouncedLook, LookAnnouncement, Place
 from voa_msgs.objects import Object, StablePoses
 from voa_msgs.problems import Health, Problem
 from voa_msgs.rankings import (
@@ -83,6 +88,7 @@ from voa_msgs.sessions import (
 from voa_msgs.warnings import Warnings
 
 __all__ = [
+    "AnnouncedLook",
     "ArmClient",
     "AsyncArmClient",
     "AsyncClient",
@@ -103,11 +109,14 @@ __all__ = [
     "InProcessTransport",
     "InvalidRequestError",
     "LidarPresets",
+    "Location",
     "Look",
+    "LookAnnouncement",
     "NotFoundError",
     "Object",
     "OutcomeRequest",
     "OverloadedError",
+    "Place",
     "PoseUncertainty",
     "Predictions",
     "PredictionsRequest",
@@ -131,6 +140,7 @@ __all__ = [
     "Session",
     "SessionRequest",
     "SessionSummary",
+    "Spread",
     "StablePoses",
     "StaleVersionError",
     "TakenLook",
@@ -152,4 +162,6 @@ __all__ = [
     "WireVersionError",
     "ZenohAddress",
     "ZenohTransport",
+    "next_look",
+    "poses_of",
 ]

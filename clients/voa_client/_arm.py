@@ -8,11 +8,12 @@ from typing import Literal
 from voa_client._async_client import AsyncClient
 from voa_client._client import Client
 from voa_client._errors import NotFoundError
-from voa_msgs.rankings import GraspNow, RankedGrasp, RankedGrasps, VoaRequest
+from voa_msgs.rankings import Look, RankedGrasp, RankedGrasps, VoaRequest
 from voa_msgs.sessions import OutcomeRequest, Session, UpdatedSession
 
 SCORE = 0.9
 WAIT_S = 300.0
+MOST_ABSENT = 0.5
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,14 @@ class Waited:
 
     Attributes:
         session: its newest version that was received.
-        reason: `score`: the best grasp is good enough; `no_look_pays`: no further look is worth its cost; `timeout`:
-            the time is over; `deleted`: the session was deleted.
+        reason: `score`: the best grasp is good enough; `no_look_pays`: no further look is worth its cost;
+            `probably_absent`: no further look is worth its cost, and the object probably lies at none of the poses, so
+            that a grasp would probably close on nothing; `timeout`: the time is over; `deleted`: the session was
+            deleted.
     """
 
     session: Session
-    reason: Literal["score", "no_look_pays", "timeout", "deleted"]
+    reason: Literal["score", "no_look_pays", "probably_absent", "timeout", "deleted"]
 
 
 class ArmClient:
@@ -53,14 +56,24 @@ class ArmClient:
         return _best(self._client.rank_grasps(self._session, _named(reachable)))
 
     def wait_until(
-        self, score: float = SCORE, reachable: Sequence[str] | None = None, timeout_s: float = WAIT_S
+        self,
+        score: float = SCORE,
+        reachable: Sequence[str] | None = None,
+        timeout_s: float = WAIT_S,
+        *,
+        most_absent: float = MOST_ABSENT,
     ) -> Waited:
         """Wait until a reachable grasp has an expected score of at least `score`, or no further look is worth its cost.
+
+        Looks that other robots have announced are waited for, if they are worth their cost. Expected scores hold where
+        the object lies at one of the poses: while the session's `absent` is above `most_absent`, none is good enough.
 
         Args:
             score: probability of success that is good enough.
             reachable: names of grasps; None: all.
             timeout_s: longest wait, seconds; a ranking that has begun is completed after it.
+            most_absent: largest probability that the object lies at none of the poses at which to grasp; 1: grasp in
+                any case. It matters only where the scenario states `absent`.
 
         Raises:
             VoaClientError: the service cannot be reached, or refuses.
@@ -71,29 +84,46 @@ class ArmClient:
                 for session in sessions:
                     seen = session
                     best = self.best_grasp(reachable)
-                    if best is not None and best.expected_score >= score:
+                    absent = (session.absent or 0.0) > most_absent
+                    if best is not None and best.expected_score >= score and not absent:
                         return Waited(session, "score")
-                    ranking = self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
-                    if isinstance(ranking.recommendation, GraspNow):
-                        return Waited(session, "no_look_pays")
+                    if not self._look_pays(session, reachable):
+                        return Waited(session, "probably_absent" if absent else "no_look_pays")
             return Waited(self._client.get_session(self._session), "timeout")
         except NotFoundError as error:
             if not error.is_of_the_service:
                 raise
             return Waited(seen, "deleted")
 
-    def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:
-        """Report the outcome of an attempt that did not move the object, and return the updated session.
+    def _look_pays(self, session: Session, reachable: Sequence[str] | None) -> bool:
+        """True if a look is worth its cost, also one that is under way, or if a newer version than `session` exists."""
+        request = VoaRequest(grasps=_named(reachable))
+        ranking = self._client.rank_looks(self._session, request)
+        if isinstance(ranking.recommendation, Look):
+            return True
+        # Looks under way count as taken in the ranking: without them it says if they are worth waiting for.
+        newest = self._client.get_session(self._session)
+        if newest.version == session.version and newest.under_way:
+            alone = request.model_copy(update={"pending": []})
+            ranking = self._client.rank_looks(self._session, alone)
+        return newest.version != session.version or isinstance(ranking.recommendation, Look)
+
+    def report(self, grasp: str, success: bool, *, object_moved: float = 0.0, key: str | None = None) -> UpdatedSession:
+        """Report the outcome of a grasp attempt, and return the updated session.
 
         Args:
             grasp: name of the grasp that was tried.
             success: True if it succeeded.
+            object_moved: probability that the attempt moved the object, 0 to 1; where it is above 0, the prior is mixed
+                into the belief with this share, and earlier looks no longer count.
             key: idempotency key: a report that is repeated with it takes effect once; None: a new key.
 
         Raises:
             VoaClientError: the service cannot be reached, or refuses.
         """
-        return self._client.report_outcome(self._session, OutcomeRequest(grasp=grasp, success=success), key=key)
+        return self._client.report_outcome(
+            self._session, OutcomeRequest(grasp=grasp, success=success, object_moved=object_moved), key=key
+        )
 
     def follow(self, for_s: float | None = None) -> Generator[Session, None, None]:
         """Yield the current version of the session, then each newer one; see `Client.follow`.
@@ -128,14 +158,24 @@ class AsyncArmClient:
         return _best(await self._client.rank_grasps(self._session, _named(reachable)))
 
     async def wait_until(
-        self, score: float = SCORE, reachable: Sequence[str] | None = None, timeout_s: float = WAIT_S
+        self,
+        score: float = SCORE,
+        reachable: Sequence[str] | None = None,
+        timeout_s: float = WAIT_S,
+        *,
+        most_absent: float = MOST_ABSENT,
     ) -> Waited:
         """Wait until a reachable grasp has an expected score of at least `score`, or no further look is worth its cost.
+
+        Looks that other robots have announced are waited for, if they are worth their cost. Expected scores hold where
+        the object lies at one of the poses: while the session's `absent` is above `most_absent`, none is good enough.
 
         Args:
             score: probability of success that is good enough.
             reachable: names of grasps; None: all.
             timeout_s: longest wait, seconds; a ranking that has begun is completed after it.
+            most_absent: largest probability that the object lies at none of the poses at which to grasp; 1: grasp in
+                any case. It matters only where the scenario states `absent`.
 
         Raises:
             VoaClientError: the service cannot be reached, or refuses.
@@ -146,30 +186,48 @@ class AsyncArmClient:
                 async for session in sessions:
                     seen = session
                     best = await self.best_grasp(reachable)
-                    if best is not None and best.expected_score >= score:
+                    absent = (session.absent or 0.0) > most_absent
+                    if best is not None and best.expected_score >= score and not absent:
                         return Waited(session, "score")
-                    ranking = await self._client.rank_looks(self._session, VoaRequest(grasps=_named(reachable)))
-                    if isinstance(ranking.recommendation, GraspNow):
-                        return Waited(session, "no_look_pays")
+                    if not await self._look_pays(session, reachable):
+                        return Waited(session, "probably_absent" if absent else "no_look_pays")
             return Waited(await self._client.get_session(self._session), "timeout")
         except NotFoundError as error:
             if not error.is_of_the_service:
                 raise
             return Waited(seen, "deleted")
 
-    async def report(self, grasp: str, success: bool, *, key: str | None = None) -> UpdatedSession:
-        """Report the outcome of an attempt that did not move the object, and return the updated session.
+    async def _look_pays(self, session: Session, reachable: Sequence[str] | None) -> bool:
+        """True if a look is worth its cost, also one that is under way, or if a newer version than `session` exists."""
+        request = VoaRequest(grasps=_named(reachable))
+        ranking = await self._client.rank_looks(self._session, request)
+        if isinstance(ranking.recommendation, Look):
+            return True
+        # Looks under way count as taken in the ranking: without them it says if they are worth waiting for.
+        newest = await self._client.get_session(self._session)
+        if newest.version == session.version and newest.under_way:
+            alone = request.model_copy(update={"pending": []})
+            ranking = await self._client.rank_looks(self._session, alone)
+        return newest.version != session.version or isinstance(ranking.recommendation, Look)
+
+    async def report(
+        self, grasp: str, success: bool, *, object_moved: float = 0.0, key: str | None = None
+    ) -> UpdatedSession:
+        """Report the outcome of a grasp attempt, and return the updated session.
 
         Args:
             grasp: name of the grasp that was tried.
             success: True if it succeeded.
+            object_moved: probability that the attempt moved the object, 0 to 1; where it is above 0, the prior is mixed
+                into the belief with this share, and earlier looks no longer count.
             key: idempotency key: a report that is repeated with it takes effect once; None: a new key.
 
         Raises:
             VoaClientError: the service cannot be reached, or refuses.
         """
-        request = OutcomeRequest(grasp=grasp, success=success)
-        return await self._client.report_outcome(self._session, request, key=key)
+        return await self._client.report_outcome(
+            self._session, OutcomeRequest(grasp=grasp, success=success, object_moved=object_moved), key=key
+        )
 
     def follow(self, for_s: float | None = None) -> AsyncGenerator[Session, None]:
         """Yield the current version of the session, then each newer one; see `Client.follow`.

@@ -18,6 +18,7 @@ from voa_client._mailbox import AsyncMailbox
 from voa_client._responses import Response, read
 from voa_client._transport import AsyncTransport
 from voa_msgs.lidars import LidarPresets
+from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
@@ -205,6 +206,20 @@ class AsyncClient:
             if_match: version that the session must have, else `StaleVersionError` is raised; over HTTP only.
         """
         return await self._do(calls.apply_scan(session_id, request, if_match), key)
+
+    async def announce_look(
+        self, session_id: str, request: LookAnnouncement, *, key: str | None = None
+    ) -> AnnouncedLook:
+        """Announce a look that is under way, so that the session's rankings value other looks by what they add to it.
+
+        A scan from its place, `cancel_look`, or 120 s end the announcement. The session's version stays unchanged.
+        """
+        return await self._do(calls.announce_look(session_id, request), key)
+
+    async def cancel_look(self, session_id: str, look_id: str) -> None:
+        """End the announcement of a look, after one attempt; raises NotFoundError if it has ended already."""
+        call = calls.cancel_look(session_id, look_id)
+        read(call, await self._transport.send(call, None, self._patience.attempt_s))
 
     async def rank_looks(self, session_id: str, request: VoaRequest | None = None) -> Ranking:
         """Rank looks by Value of Assistance, and recommend a look or a grasp."""

@@ -18,6 +18,7 @@ from pydantic_core import to_json
 from voa_client._errors import UsageError
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPresets
+from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
@@ -257,6 +258,18 @@ def apply_scan(session_id: str, request: ScanRequest, if_match: int | None) -> C
     """Update a session's belief by a raw scan."""
     path, ids = "/v1/sessions/{session}/scans", {"session": session_id}
     return Call("scan.apply", "POST", path, UpdatedSession, ids, body=request, writes=True, if_match=if_match)
+
+
+def announce_look(session_id: str, request: LookAnnouncement) -> Call[AnnouncedLook]:
+    """Announce a look that is under way."""
+    path = "/v1/sessions/{session}/looks"
+    return Call("look.announce", "POST", path, AnnouncedLook, {"session": session_id}, body=request, writes=True)
+
+
+def cancel_look(session_id: str, look_id: str) -> Call[Nothing]:
+    """End the announcement of a look."""
+    path, ids = "/v1/sessions/{session}/looks/{look}", {"session": session_id, "look": look_id}
+    return Call("look.cancel", "DELETE", path, Nothing, ids)
 
 
 def rank_looks(session_id: str, request: VoaRequest) -> Call[Ranking]:

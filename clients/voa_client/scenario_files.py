@@ -9,6 +9,7 @@ from pathlib import Path
 from voa_client import Client, InvalidRequestError, VoaClientError
 from voa_client.message_files import read_file
 from voa_msgs.base import Positive
+from voa_msgs.geometry import Spread
 from voa_msgs.objects import Object, UpAxis
 from voa_msgs.scenarios import Scenario, ScenarioRequest
 from voa_msgs.warnings import ProbableMistake
@@ -30,26 +31,32 @@ class ScenarioFile(ScenarioRequest):
     """The axis of the mesh file that is up; null: +Y in a GLB file, +Z in others."""
 
 
-def load_scenario(client: Client, path: Path) -> Scenario:
+def load_scenario(client: Client, path: Path, *, spread: Spread | None = None, absent: float | None = None) -> Scenario:
     """Store the scenario of a file on the service, and the mesh file that it names.
 
     Args:
         client: of the service.
         path: of the scenario file; mesh files are searched in its folder.
+        spread: of the object about each pose, which replaces the file's; None: the file's.
+        absent: probability that the object lies at none of the poses, which replaces the file's; None: the file's.
 
     Raises:
         InvalidScenarioFile: the scenario file or its mesh file is missing or not valid.
         VoaClientError: the service cannot be reached, or refuses.
     """
-    return load_with_warnings(client, path)[0]
+    return load_with_warnings(client, path, spread=spread, absent=absent)[0]
 
 
-def load_with_warnings(client: Client, path: Path) -> tuple[Scenario, list[ProbableMistake]]:
+def load_with_warnings(
+    client: Client, path: Path, *, spread: Spread | None = None, absent: float | None = None
+) -> tuple[Scenario, list[ProbableMistake]]:
     """Store the scenario of a file on the service, and return it with the service's warnings about its mesh.
 
     Args:
         client: of the service.
         path: of the scenario file; mesh files are searched in its folder.
+        spread: of the object about each pose, which replaces the file's; None: the file's.
+        absent: probability that the object lies at none of the poses, which replaces the file's; None: the file's.
 
     Raises:
         InvalidScenarioFile: the scenario file or its mesh file is missing or not valid.
@@ -58,6 +65,8 @@ def load_with_warnings(client: Client, path: Path) -> tuple[Scenario, list[Proba
     file = read_file(ScenarioFile, path, InvalidScenarioFile)
     mesh = _mesh(file, path)
     fields = {name: getattr(file, name) for name in file.model_fields_set - _MESH_FIELDS}
+    stated = {"spread": spread, "absent": absent}
+    fields |= {name: value for name, value in stated.items() if value is not None}
     warnings: list[ProbableMistake] = []
     if mesh is not None:
         uploaded = _uploaded(client, file, path, mesh)

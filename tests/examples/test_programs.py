@@ -32,8 +32,9 @@ def test_an_object_is_set_up(process: str) -> None:
 
 def test_two_robots_share_a_session(process: str) -> None:
     printed = run("two_robots.py", process)
-    assert printed.splitlines()[-1].startswith("looked from ")
-    assert printed.splitlines()[-1].endswith("succeeded")
+    announced, looked = printed.splitlines()[-2:]
+    places = announced.removeprefix("announced ").removesuffix(" before the drives")
+    assert looked == f"looked from {places}; OI90 succeeded"
 
 
 def test_an_episode_runs_with_the_skeleton_of_a_real_device(process: str) -> None:

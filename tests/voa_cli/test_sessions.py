@@ -14,6 +14,8 @@ from voa_cli import sessions
 from voa_cli.main import main
 from voa_client import Client, InProcessTransport
 from voa_client.scenario_files import load_scenario
+from voa_msgs.geometry import Spread
+from voa_msgs.looks import LookAnnouncement
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
 from voa_recordings.session_file import export_session, read_session_file, rebuild_session
@@ -69,7 +71,9 @@ def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
     assert " mug" in line
     assert any(other in line for line in lines)
     assert "…" not in "".join(lines)
-    assert ["session", "scenario", "version", "grasp", "score", "updated", "robots"] in [line.split() for line in lines]
+    (headings,) = [line.split() for line in lines if line.split()[:1] == ["session"]]
+    absences = [heading for heading in headings if heading == "absent"]  # of sessions of other tests
+    assert headings == ["session", "scenario", "version", "grasp", "score", *absences, "updated", "robots"]
     assert main(["sessions", "list", "--json", "--url", process]) == 0
     items = {item["id"]: item for item in json.loads(capsys.readouterr().out)}
     assert (items[session]["scenario_name"], items[session]["robots"], items[session]["version"]) == ("mug", [], 4)
@@ -203,3 +207,66 @@ def test_a_session_that_does_not_exist_and_a_file_that_is_none_are_errors(
     (tmp_path / "no.json").write_text("{}", encoding="utf-8")
     assert main(["replay", str(tmp_path / "no.json"), "--url", process]) == 1
     assert "scenario: this field is required" in capsys.readouterr().err
+
+
+def test_absence_places_and_looks_under_way_are_shown_where_there_are_any(
+    process: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with Client(process) as client:
+        scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario(name="maybe", absent=0.25)))
+        plain, own = (client.create_session(SessionRequest(scenario=scenario.id)).id for _ in range(2))
+        client.apply_scan(own, ScanRequest(sensor="Q2", scan=Scan(ranges=[0.5, 0.5, None, 1.0])))
+        absent = client.get_session(own).absent
+        client.announce_look(own, LookAnnouncement(sensor="Q1", robot="scout"))
+    assert absent is not None
+    content = {}
+    for command in (["list"], ["show", own], ["show", plain], ["history", own]):
+        assert main(["sessions", *command, "--url", process]) == 0
+        content[" ".join(command)] = capsys.readouterr().out
+        lines = content[" ".join(command)].splitlines()
+        assert max(len(line) for line in lines if "scenario" not in line) <= 80, "ids are not broken"
+    lines = content["list"].splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any(line.split()[:1] == ["session"] and "absent" in line.split() for line in lines)
+    (line,) = [line for line in lines if plain in line]
+    assert "0.25" in line.split()
+    assert f"object at none of the poses: probability {absent:.3f}" in content[f"show {own}"]
+    assert "looks: Q2 (1)" in content[f"show {own}"]
+    assert "under way: Q1 by scout (until " in content[f"show {own}"]
+    assert "looks:" not in content[f"show {plain}"]
+    assert "under way" not in content[f"show {plain}"]
+    assert "probability 0.250" in content[f"show {plain}"]
+    entries = [line.split() for line in content[f"history {own}"].splitlines() if " prior " in line or " scan " in line]
+    assert [entry[-1] for entry in entries] == ["0.25", f"{absent:.2f}"]
+
+
+def test_scenarios_that_do_not_consider_absence_show_no_such_column(
+    process: str, session: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in ("show", "history"):
+        assert main(["sessions", command, session, "--url", process]) == 0
+    assert "at none of the poses" not in (content := capsys.readouterr().out)
+    assert "absent" not in content
+
+
+def test_a_session_with_spread_absence_and_a_moved_object_is_rebuilt_to_the_bit(process: str, tmp_path: Path) -> None:
+    with Client(process) as client:
+        scenario = load_scenario(client, MUG / "scenario.json", spread=Spread(xy_m=0.005, yaw_rad=0.05), absent=0.1)
+        own = client.create_session(SessionRequest(scenario=scenario.id)).id
+        predicted = client.predict(scenario.id)
+        for index, sensor in enumerate(predicted.sensors[:3]):
+            ranges = predicted.ranges[index][1]
+            nothing = [beam for beam, value in enumerate(ranges) if value is None]
+            client.apply_scan(own, ScanRequest(sensor=sensor, scan=Scan(ranges=ranges, no_return=nothing)))
+            if index == 0:
+                client.report_outcome(own, OutcomeRequest(grasp="TD0", success=False, object_moved=0.3))
+        path = tmp_path / "session.json"
+        path.write_text(export_session(client, own).model_dump_json(), encoding="utf-8")
+        rebuilt = rebuild_session(client, read_session_file(path))
+        first = client.get_session(own)
+    assert rebuilt.same
+    assert rebuilt.session.absent == first.absent
+    assert rebuilt.session.places == first.places
+    assert first.absent is not None
+    assert 0.0 < first.absent < 0.1

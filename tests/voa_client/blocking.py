@@ -66,13 +66,13 @@ def blocking(to: str | AsyncTransport, **more: Any) -> Generator[Client, None, N
             yield cast("Client", client)
 
 
-def role_of(client: object, kind: str, session: str) -> Any:
+def role_of(client: object, kind: str, session: str, **more: Any) -> Any:
     """The arm's or the sensor's side of a session, by whichever client."""
     if isinstance(client, Client):
-        return ArmClient(client, session) if kind == "arm" else SensorClient(client, session)
+        return ArmClient(client, session, **more) if kind == "arm" else SensorClient(client, session, **more)
     shown = cast("Blocking", client)
-    twin = AsyncArmClient if kind == "arm" else AsyncSensorClient
-    return Blocking(shown.runner, twin(shown.inside, session))
+    twin: Any = AsyncArmClient if kind == "arm" else AsyncSensorClient
+    return Blocking(shown.runner, twin(shown.inside, session, **more))
 
 
 def is_blocking(client: object) -> bool:

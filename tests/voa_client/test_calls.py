@@ -10,11 +10,12 @@ import pytest
 from voa_client import UsageError
 from voa_client import _calls as calls
 from voa_client._calls import Call
+from voa_msgs.looks import LookAnnouncement
 from voa_msgs.objects import Object, ObjectPage, ObjectUpload
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.robots import ClaimRequest
 from voa_msgs.scenarios import PredictionsRequest
-from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, SessionRequest, UpdateRequest
 
 SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, None]))
 NAMED = {"session": "s"}
@@ -55,6 +56,27 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
         NAMED | {"sensor": "Q1", "scan": {"ranges": [0.5, None]}},
     ),
     (
+        calls.report_outcome("s", OutcomeRequest(grasp="G", success=False, object_moved=0.5), None),
+        "outcome.report",
+        "POST /v1/sessions/s/grasp-outcomes",
+        NAMED | {"grasp": "G", "success": False, "object_moved": 0.5},
+    ),
+    (
+        calls.announce_look("s", LookAnnouncement(sensor="Q1", robot="scout")),
+        "look.announce",
+        "POST /v1/sessions/s/looks",
+        NAMED | {"sensor": "Q1", "robot": "scout"},
+    ),
+    (calls.cancel_look("s", "l"), "look.cancel", "DELETE /v1/sessions/s/looks/l", NAMED | {"look": "l"}),
+    (
+        calls.rank_looks(
+            "s", VoaRequest.model_validate({"from": {"x": 1.0, "y": 2.0}, "cost_per_m": 0.1, "pending": ["Q1"]})
+        ),
+        "voa.rank",
+        "POST /v1/sessions/s/voa",
+        NAMED | {"from": {"x": 1.0, "y": 2.0}, "cost_per_m": 0.1, "pending": ["Q1"]},
+    ),
+    (
         calls.rank_looks("s", VoaRequest(outcomes=True)),
         "voa.rank",
         "POST /v1/sessions/s/voa",
@@ -92,6 +114,18 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
         "POST /v1/rankings",
         {"scenario": "c", "belief": None},
     ),
+    (
+        calls.rank_once(RankingRequest(scenario="c", belief=None, absent=0.2)),
+        "ranking.compute",
+        "POST /v1/rankings",
+        {"scenario": "c", "belief": None, "absent": 0.2},
+    ),
+    (
+        calls.update_once(UpdateRequest(scenario="c", belief=None, absent=0.2, sensor="Q1", scan=SCAN.scan)),
+        "update.compute",
+        "POST /v1/updates",
+        {"scenario": "c", "belief": None, "absent": 0.2, "sensor": "Q1", "scan": {"ranges": [0.5, None]}},
+    ),
     (calls.request_look("r 1"), "robot.look", "POST /v1/robots/r%201/look", {"robot": "r 1"}),
 ]
 
@@ -107,9 +141,9 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 27
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 29
     writes = {call.rpc for call, *_ in CASES if call.writes}
-    assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply"}
+    assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply", "look.announce"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}
     assert heavy == {"object.stable_poses", "scenario.predict", "scenario.warnings", "voa.rank", "ranking.compute"}
 

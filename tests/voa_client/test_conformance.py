@@ -12,13 +12,17 @@ from voa_client import (
     Client,
     InvalidRequestError,
     NotFoundError,
+    PoseUncertainty,
     ProblemError,
+    SensorClient,
     StaleVersionError,
     UsageError,
     VoaClientError,
+    poses_of,
 )
 from voa_msgs import WIRE_VERSION
-from voa_msgs.geometry import CandidateSensor
+from voa_msgs.geometry import Candidate, CandidateSensor
+from voa_msgs.looks import LookAnnouncement
 from voa_msgs.rankings import RankingRequest, VoaRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import (
@@ -310,3 +314,118 @@ def test_the_arm_learns_that_the_session_has_ended(client: Client, other: Client
     assert (done.reason, done.session.version) == ("deleted", 0)
     with pytest.raises(VoaClientError):
         arm.best_grasp()
+
+
+def test_announced_looks_are_listed_until_they_end(client: Client, other: Client, session: str) -> None:
+    look = client.announce_look(session, LookAnnouncement(sensor="Q1", robot="scout"), key="announcement 1")
+    assert (look.sensor, look.sensor_pose, look.robot) == ("Q1", None, "scout")
+    assert look.expires_at > client.get_session(session).created_at
+    assert client.announce_look(session, LookAnnouncement(sensor="Q1", robot="scout"), key="announcement 1") == look
+    second = client.announce_look(session, LookAnnouncement(sensor="Q2"))
+    assert other.get_session(session).under_way == [look, second]
+    assert other.get_session(session).version == 0
+    client.cancel_look(session, second.id)
+    assert other.get_session(session).under_way == [look]
+    with pytest.raises(NotFoundError):
+        client.cancel_look(session, second.id)
+    assert client.apply_scan(session, GOOD).under_way == []
+    with pytest.raises(InvalidRequestError, match="Q9"):
+        client.announce_look(session, LookAnnouncement(sensor="Q9"))
+    with pytest.raises(NotFoundError):
+        client.announce_look("nothing", LookAnnouncement(sensor="Q1"))
+
+
+def test_robots_see_each_other_s_looks_under_way(client: Client, other: Client, session: str) -> None:
+    """The second robot ranks looks by what they add to that of the first."""
+    first, second = role_of(client, "sensor", session, robot="first"), SensorClient(other, session, robot="second")
+    assert second.where_to_look().action == "look"
+    seen: list[str | None] = []
+    ranked: list[dict[str, float]] = []
+
+    def drive(name: str) -> None:
+        under_way = other.get_session(session).under_way
+        seen.extend(look.robot for look in under_way)
+        others: tuple[list[Candidate] | None, ...] = (None, [name], [])
+        values = (other.rank_looks(session, VoaRequest(pending=pending)) for pending in others)
+        ranked.extend({look.sensor: look.voa for look in ranking.ranking} for ranking in values)
+
+    async def drive_there(name: str) -> None:
+        drive(name)
+
+    async def take_it() -> Scan:
+        return GOOD.scan
+
+    if is_blocking(client):
+        first.run(drive_there, take_it, most_looks=1)
+    else:
+        first.run(drive, lambda: GOOD.scan, most_looks=1)
+    assert seen == ["first"]
+    pending, stated, alone = ranked
+    assert pending == stated
+    assert pending != alone
+    assert client.get_session(session).under_way == []
+
+
+def test_a_failed_drive_leaves_no_announcement(client: Client, session: str) -> None:
+    sensor = role_of(client, "sensor", session)
+
+    def stuck(_name: str) -> None:
+        assert len(client.get_session(session).under_way) == 1
+        raise RuntimeError("stuck")
+
+    async def stuck_too(_name: str) -> None:
+        raise RuntimeError("stuck")
+
+    with pytest.raises(RuntimeError, match="stuck"):
+        sensor.run(stuck_too if is_blocking(client) else stuck, lambda: GOOD.scan)
+    assert client.get_session(session).under_way == []
+
+
+def test_an_attempt_that_moved_the_object_mixes_the_prior_in(client: Client, session: str) -> None:
+    prior = client.get_session(session).belief
+    looked = client.apply_scan(session, GOOD)
+    assert looked.places
+    moved = role_of(client, "arm", session).report("G1", success=False, object_moved=1.0)
+    assert moved.belief == pytest.approx(prior)
+    assert moved.places == []
+
+
+def test_a_probably_absent_object_is_not_grasped(client: Client) -> None:
+    made = client.create_scenario(ScenarioRequest.model_validate(data_scenario(name="maybe", absent=0.9)))
+    session = client.create_session(SessionRequest(scenario=made.id, prior=[1.0, 0.0, 0.0])).id
+    arm = role_of(client, "arm", session)
+    waited = arm.wait_until(0.5)
+    assert (waited.reason, waited.session.absent) == ("probably_absent", pytest.approx(0.9))
+    assert arm.wait_until(0.5, most_absent=0.95).reason == "score"
+    ranking = client.rank_looks(session)
+    assert "probably-absent" in [warning.kind for warning in ranking.warnings]
+    once = client.update_once(UpdateRequest(scenario=made.id, belief=None, absent=0.2, sensor="Q1", scan=GOOD.scan))
+    assert once.absent is not None
+    assert once.absent < 0.2
+    assert client.rank_once(RankingRequest(scenario=made.id, belief=None, absent=0.2)).warnings == []
+
+
+def test_a_tour_states_the_robot_s_errors_and_drives(client: Client, box: Path) -> None:
+    made = client.create_scenario(ScenarioRequest.model_validate(mesh_scenario(client.create_object(box).id)))
+    session = client.create_session(SessionRequest(scenario=made.id)).id
+    ranges = client.predict(made.id, PredictionsRequest(sensors=["E"])).ranges[0][0]
+    scan = Scan(ranges=ranges, no_return=[index for index, value in enumerate(ranges) if value is None])
+    std = PoseUncertainty(xy_m=0.005, yaw_rad=0.02)
+    sensor = role_of(client, "sensor", session, sensor_std=std, cost_per_m=0.001)
+
+    async def drive(name: str) -> None:
+        assert name == "E"
+
+    async def take_scan() -> Scan:
+        return scan
+
+    if is_blocking(client):
+        tour = sensor.run(drive, take_scan, ["E"], most_looks=2, stands_at="E")
+    else:
+        tour = sensor.run(lambda name: None, lambda: scan, ["E"], most_looks=2, stands_at="E")
+    assert tour.looks
+    after = client.get_session(session)
+    (place,) = after.places
+    assert (place.sensor, place.looks) == (None, len(tour.looks))
+    ranking = client.rank_looks(session, VoaRequest(sensors=[poses_of(made)[0]]))
+    assert (ranking.scans, ranking.ranking[0].looks_taken) == ("simulated", len(tour.looks))

@@ -6,7 +6,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voa_client.formatting import bar, ranks, recommendation, scale, share, signed, signed_apart, unsigned
+from voa_client.formatting import (
+    absence,
+    bar,
+    perfect_information,
+    ranks,
+    recommendation,
+    scale,
+    scans,
+    score_error,
+    share,
+    signed,
+    signed_apart,
+    unsigned,
+    with_error,
+)
 from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking
 
 TIE = 1e-6
@@ -131,3 +145,93 @@ def test_bars_are_drawn_where_their_scale_is_stated() -> None:
     assert (scale(0.5), bar(0.25, 0.5, 8)) == ("0 to 0.5", "████")
     assert (scale(1e-16), bar(1e-16, 1e-16, 8)) == ("", "")
     assert bar(-0.1, 0.5, 8) == bar(0.0, 0.5, 8) == ""
+
+
+def simulated(*looks: tuple[float, float], ties: tuple[bool, ...] = (), **changes: object) -> Ranking:
+    """Make a ranking over simulated scans of looks with these net values and standard errors, best first."""
+    tied = (*ties, *[False] * len(looks))[: len(looks)] if ties else (True, *[False] * (len(looks) - 1))
+    answer = ranking(*(value for value, _ in looks))
+    ranked = [
+        look.model_copy(update={"standard_error": error, "ties_with_first": tie, "score_standard_error": 0.01 * index})
+        for index, (look, (_, error), tie) in enumerate(zip(answer.ranking, looks, tied, strict=True))
+    ]
+    fields = {"ranking": ranked, "scans": "simulated", "samples": 43, "definition": "executed"}
+    return answer.model_copy(update=fields | changes)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.155, None, "+0.155"),
+        (0.155, 0.0042, "+0.155 ± 0.004"),
+        (-0.01, 0.0004, "-0.010 ± <0.001"),
+        (0.0, 0.0, "0 ± 0"),
+    ],
+)
+def test_a_value_is_written_with_its_error(value: float, error: float | None, text: str) -> None:
+    assert with_error(value, error) == text
+
+
+def test_ties_with_the_first_are_the_service_s_and_the_others_those_that_errors_leave_open() -> None:
+    looks = ((0.30, 0.01), (0.29, 0.01), (0.28, 0.01), (0.265, 0.01), (0.2, 0.001), (0.19, 0.001))
+    assert ranks(simulated(*looks, ties=(True, False, True))) == ["=1", "=2", "=1", "=2", "5", "6"]
+    assert ranks(simulated((0.3, 0.0), (0.3 - 5e-7, 0.0), (0.2, 0.0), (0.2, 0.0))) == ["1", "2", "=3", "=3"]
+
+
+def test_the_sentence_over_simulated_scans_names_the_errors_that_decide() -> None:
+    assert recommendation(simulated((0.155, 0.004), (0.1, 0.004)), 0.005) == (
+        "look from Q0 first: its net value +0.155 ± 0.004 is more than min_gain 0.005 by two standard errors"
+    )
+    grasp = GraspNow(action="grasp", grasp="G4", expected_score=0.93)
+    assert recommendation(simulated((0.012, 0.006), (0.0, 0.006), recommendation=grasp), 0.005) == (
+        "grasp G4 now, expected score 0.930: no look's net value is more than min_gain 0.005 by two standard errors "
+        "(Q0: +0.012 ± 0.006)"
+    )
+
+
+@given(st.floats(-0.2, 0.5), st.floats(1e-4, 0.1), st.sampled_from([0.0, 0.005, 0.05]))
+def test_no_sentence_over_simulated_scans_contradicts_its_figures(value: float, error: float, limit: float) -> None:
+    looks = value - 2.0 * error > limit
+    advice = Look(action="look", sensor="Q0", net_value=value)
+    grasp = GraspNow(action="grasp", grasp="G4", expected_score=0.93)
+    text = recommendation(simulated((value, error), recommendation=advice if looks else grasp), limit)
+    figures = re.search(r"([+-]?[0-9.]+) ± ([0-9.]+)", text)
+    if figures is not None and abs(value - 2.0 * error - limit) > 1e-9:
+        assert (float(figures[1]) - 2.0 * float(figures[2]) > limit) is looks, text
+
+
+def test_a_pair_is_recommended_as_one() -> None:
+    pair = Look(action="look", sensor="Q1", net_value=0.34, then="Q0")
+    text = "look from Q1, then from Q0: together their net value +0.340 is more than min_gain 0.005"
+    assert recommendation(ranking(-0.03, -0.03).model_copy(update={"recommendation": pair}), 0.005) == (
+        f"{text}, and no single look's is"
+    )
+    assert recommendation(simulated((-0.03, 0.001), (-0.03, 0.001), recommendation=pair), 0.005) == (
+        f"{text} by two standard errors, and no single look's is"
+    )
+
+
+def test_the_most_that_looks_can_gain_is_stated_if_it_is_known() -> None:
+    assert perfect_information(ranking(0.1)) is None
+    assert perfect_information(simulated((0.1, 0.0), value_of_perfect_information=0.3667)) == (
+        "at most +0.367 can be gained by looking: the gain if the pose were known"
+    )
+    nothing = perfect_information(simulated((0.0, 0.0), value_of_perfect_information=0.0))
+    assert nothing is not None
+    assert nothing.startswith("nothing can be gained by looking")
+
+
+def test_scans_and_the_error_of_counted_scores_are_described() -> None:
+    assert scans(ranking(0.1)) == "1 exact scan of each pose"
+    assert scans(simulated((0.1, 0.0))) == "43 simulated scans of each pose"
+    assert scans(simulated((0.1, 0.0), samples=1)) == "1 simulated scan of each pose"
+    assert score_error(ranking(0.1)) is None
+    assert score_error(simulated((0.1, 0.0), (0.1, 0.0), (0.1, 0.0))) == (
+        "the counts behind the grasp scores add a standard error of up to 0.020"
+    )
+
+
+def test_absence_is_stated_where_it_is_considered() -> None:
+    assert absence(None) is None
+    assert absence(0.0) == "object at none of the poses: probability 0"
+    assert absence(0.83) == "object at none of the poses: probability 0.830"

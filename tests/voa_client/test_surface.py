@@ -82,7 +82,7 @@ def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
 
 PUBLIC_MODULES = {"formatting", "installing", "local", "message_files", "scenario_files", "zenoh_session"}
 CLIENTS = {"ArmClient", "AsyncArmClient", "AsyncClient", "AsyncSensorClient", "Client", "SensorClient"}
-OF_CLIENTS = {"Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
+OF_CLIENTS = {"next_look", "poses_of", "Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
 TRANSPORTS = {f"{twin}{kind}Transport" for twin in ("", "Async") for kind in ("", "Http", "InProcess", "Zenoh")}
 MESSAGES = {
     *("BeliefRequest", "CandidateSensor", "GraspNow", "Health", "HistoryEntry", "LidarPresets", "Look", "Object"),
@@ -97,6 +97,7 @@ MESSAGES = {
         "RankedSensor",
         "Ranking",
     ),
+    *("AnnouncedLook", "Location", "LookAnnouncement", "Place", "Spread"),
     *("RankingRequest", "RobotReport", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
     *("ScenarioSummary", "SensorPose", "Session", "SessionRequest", "SessionSummary", "StablePoses"),
     *("UncertainSensorPose", "UpdateRequest", "UpdatedEstimate", "UpdatedSession", "VoaRequest", "Warnings"),

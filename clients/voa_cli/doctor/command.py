@@ -23,6 +23,7 @@ from voa_cli.doctor.over_database import check_database
 from voa_cli.doctor.over_http import Responses, check_http, robots_after
 from voa_cli.doctor.over_zenoh import check_router, check_service
 from voa_cli.doctor.robots import check_robots, needs_second_report
+from voa_cli.doctor.sessions import check_sessions
 from voa_cli.doctor.topics import Listening, check_topics
 from voa_client import VoaClientError, ZenohAddress
 from voa_client.zenoh_session import address_of
@@ -79,6 +80,7 @@ def _findings(url: str, address: ZenohAddress | None, listening: Listening) -> I
         if needs_second_report(before):
             robots = robots_after(url, _LATELY_S, budget)
         yield from check_robots(robots or before, datetime.now(UTC) + responses.ahead, before if robots else None)
+    yield from check_sessions(responses.sessions)
 
 
 def _over_zenoh(address: ZenohAddress, responses: Responses, listening: Listening, budget: Budget) -> Iterator[Finding]:

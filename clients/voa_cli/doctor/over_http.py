@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from importlib.metadata import version
 from urllib.parse import urlsplit
@@ -13,9 +13,11 @@ from pydantic import ValidationError
 from voa_cli.doctor.findings import Budget, Finding
 from voa_cli.doctor.memory import check_memory
 from voa_cli.doctor.reaching import reach
+from voa_cli.doctor.sessions import sessions_of
 from voa_msgs import WIRE_VERSION
 from voa_msgs.problems import Health, Problem
 from voa_msgs.robots import Robots
+from voa_msgs.sessions import Session
 
 CLOCK_S = 0.1
 """Difference of clocks above which there is a warning, seconds."""
@@ -25,10 +27,14 @@ _TRIES = 3
 
 @dataclass
 class Responses:
-    """Responses of the service that other checks need: its health, its robots, and how far its clock is ahead."""
+    """Responses of the service that other checks need.
+
+    They are its health, its robots, the sessions that the robots' scans go to, and how far its clock is ahead.
+    """
 
     health: Health | None = None
     robots: Robots | None = None
+    sessions: list[Session] = field(default_factory=list)
     ahead: timedelta = timedelta()
     """Time by which the service's clock is ahead of this machine's."""
 
@@ -48,6 +54,8 @@ def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Findi
             return
         yield from _ready(http, budget, responses)
         responses.robots = _robots(http, budget)
+        if responses.robots is not None:
+            responses.sessions = sessions_of(http, responses.robots, budget)
 
 
 def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:

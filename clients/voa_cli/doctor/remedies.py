@@ -47,6 +47,7 @@ _WARNINGS = {
     "every-while-parked": 'set look = { mode = "stationary" } in the mapping, or drive on',
     "length-in-millimetres": "make the program that publishes the scans write metres",
     "poor-fit": f"check that it is the scenario's object, in one of its poses; {_PLACE}",
+    "probably-absent": "check that the object lies on the table, in one of the scenario's poses, before the arm grasps",
     "scan-mirrored": "correct lidar.upside_down in the mapping, or the driver's direction of rotation",
     "scan-turned": "correct lidar.yaw_rad in the mapping",
 }

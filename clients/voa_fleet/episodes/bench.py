@@ -12,7 +12,7 @@ from voa_fleet.world.clocks import Clock, VirtualClock
 from voa_fleet.world.imperfections import Clutter, Imperfections, wall
 from voa_fleet.world.object_poses import Drop, make_drop
 from voa_fleet.world.objects import FleetObject
-from voa_msgs.geometry import PoseUncertainty
+from voa_msgs.geometry import PoseUncertainty, Spread
 
 CLUTTER: dict[str, Callable[[], tuple[Clutter, ...]]] = {
     "none": tuple,
@@ -118,3 +118,10 @@ def stated_by(imperfections: Imperfections) -> PoseUncertainty | None:
     if imperfections.robot_xy_m == 0.0 and imperfections.robot_yaw_rad == 0.0:
         return None
     return PoseUncertainty(xy_m=imperfections.robot_xy_m, yaw_rad=imperfections.robot_yaw_rad)
+
+
+def spread_of(imperfections: Imperfections) -> Spread | None:
+    """Return the standard deviations by which the object lies off its pose; None where it lies at it exactly."""
+    if imperfections.object_xy_m == 0.0 and imperfections.object_yaw_rad == 0.0:
+        return None
+    return Spread(xy_m=imperfections.object_xy_m, yaw_rad=imperfections.object_yaw_rad)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from voa_client import ArmClient, Client
+from voa_client import ArmClient, Client, poses_of
 from voa_fleet.devices.protocol import Arm, GraspOutcome, SensorRobot
 from voa_fleet.episodes.events import (
     Event,
@@ -37,8 +37,7 @@ from voa_msgs.sessions import Session
 MOST_LOOKS = 3
 """Looks in an episode, unless stated otherwise."""
 MOVED_M = 0.01
-"""Distance by which an attempt may move the object so that its outcome is still reported; the belief is about where
-the object was."""
+"""Distance above which a failed attempt is reported to have moved the object, so that earlier looks do not count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +132,7 @@ def run_episode(
         outcome = pair.arm.attempt(best.name)
         publish(GraspEnded(outcome))
         moved = not outcome.success and outcome.moved_m is not None and outcome.moved_m > MOVED_M
-        publish(OutcomeReported(None if moved else arm.report(best.name, outcome.success)))
+        publish(OutcomeReported(arm.report(best.name, outcome.success, object_moved=float(moved)), moved=moved))
     return Episode(pair.name, policy.name, before, looks, grasp, expected, outcome, pair.clock.now_s() - began)
 
 
@@ -147,7 +146,7 @@ class _Surroundings:
     reachable: list[str]
     rng: np.random.Generator
 
-    def situation(self, looks: list[EpisodeLook]) -> Situation:
+    def situation(self, looks: list[EpisodeLook], looks_left: int) -> Situation:
         session = looks[-1].after if looks else self.session
         client = self.pair.client
         return Situation(
@@ -155,10 +154,18 @@ class _Surroundings:
             visited=tuple(look.sensor for look in looks),
             robot=self.pair.robot.pose(),
             belief=tuple(session.belief),
-            rank=lambda: client.rank_looks(self.session.id, VoaRequest(grasps=self.reachable)),
+            rank=lambda: client.rank_looks(self.session.id, self._ranking_request()),
             forecast=lambda: forecast_of(client, self.scenario),
             draw=lambda count: int(self.rng.integers(count)),
+            looks_left=looks_left,
         )
+
+    def _ranking_request(self) -> VoaRequest:
+        """Make the request for a ranking; for a robot that states its errors it names poses, as with its scans."""
+        std = self.pair.robot.pose().std
+        if std is None:
+            return VoaRequest(grasps=self.reachable)
+        return VoaRequest(sensors=list(poses_of(self.scenario)), grasps=self.reachable, sensor_std=std)
 
 
 def _take_looks(
@@ -168,7 +175,7 @@ def _take_looks(
     sensors = {sensor.name: sensor for sensor in scenario.sensors}
     looks: list[EpisodeLook] = []
     while True:
-        choice = policy.choose(surroundings.situation(looks))
+        choice = policy.choose(surroundings.situation(looks, most_looks - len(looks)))
         if choice.sensor is None or len(looks) == most_looks:
             publish(LookChosen(None, choice.ranking, scenario.min_gain, used_up=choice.sensor is not None))
             return tuple(looks)

@@ -71,14 +71,15 @@ class GraspEnded:
 
 @dataclass(frozen=True)
 class OutcomeReported:
-    """The pair has reported the outcome to the service, or has decided not to.
+    """The outcome of the attempt was reported.
 
     Attributes:
-        after: the session after the report; None: nothing was reported, because the attempt has moved the object, and
-            the belief is about where it was.
+        after: the session after the report.
+        moved: True if the attempt was reported to have moved the object.
     """
 
-    after: UpdatedSession | None
+    after: UpdatedSession
+    moved: bool = False
 
 
 Step = SessionOpened | LookChosen | RobotArrived | LookTaken | GraspStarted | GraspEnded | OutcomeReported

@@ -14,10 +14,11 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from voa_client import next_look
 from voa_fleet.episodes.forecasts import Forecast
 from voa_fleet.errors import InvalidPolicy, UnknownName
 from voa_msgs.geometry import SensorConfiguration, SensorPose
-from voa_msgs.rankings import Look, Ranking
+from voa_msgs.rankings import Ranking
 
 GROUP = "voa.policies"
 """Group of the entry points by which installed packages add policies."""
@@ -35,6 +36,7 @@ class Situation:
         rank: requests the service's ranking of the looks.
         forecast: requests the predicted scans and the updates by them; many requests, so keep the result.
         draw: draws a whole number from 0 to below its argument, each as likely; an episode's seed decides them.
+        looks_left: largest number of looks that can still be taken; None: not limited.
     """
 
     sensors: tuple[SensorConfiguration, ...]
@@ -44,6 +46,7 @@ class Situation:
     rank: Callable[[], Ranking]
     forecast: Callable[[], Forecast]
     draw: Callable[[int], int]
+    looks_left: int | None = None
 
     @property
     def unvisited(self) -> tuple[SensorConfiguration, ...]:
@@ -76,15 +79,19 @@ class Policy(Protocol):
 
 @dataclass
 class HighestVoa:
-    """The look that the service recommends; grasp where it recommends none."""
+    """The look, or pair of looks, that the service recommends; grasp where it recommends none."""
 
     name: str = "voa"
+    _second: str | None = None
 
     def choose(self, situation: Situation) -> Choice:
-        """Follow the service's recommendation."""
+        """Follow the service's recommendation, and take both looks of a pair as `voa_client.next_look` says."""
         ranking = situation.rank()
-        advice = ranking.recommendation
-        return Choice(advice.sensor if isinstance(advice, Look) else None, ranking)
+        look = next_look(ranking, self._second if situation.visited else None)
+        if look is None or (look.then is not None and situation.looks_left == 1):  # a pair needs two looks
+            return Choice(None, ranking)
+        self._second = look.then
+        return Choice(look.sensor, ranking)
 
 
 @dataclass

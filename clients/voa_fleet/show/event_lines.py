@@ -14,10 +14,13 @@ from voa_fleet.episodes.events import (
     Step,
 )
 from voa_fleet.episodes.looks import EpisodeLook
+from voa_msgs.rankings import Look, RankedSensor, Ranking
 from voa_msgs.sessions import Session
 
 _FEW = 3
 """Poses or looks that a line names."""
+_EQUAL = 1e-6
+"""Difference of net values up to which they are equal, in success probability."""
 
 
 def event_line(step: Step) -> str:
@@ -39,11 +42,10 @@ def event_line(step: Step) -> str:
         case GraspEnded(outcome=outcome):
             how = f": {outcome.detail}" if outcome.detail else ""
             line = f"{outcome.grasp} {'succeeded' if outcome.success else 'FAILED'}{how}"
-        case OutcomeReported(after=None):
-            line = "outcome not reported: the attempt has moved the object, and the belief is about its old place"
+        case OutcomeReported(moved=True):
+            line = "outcome reported: the attempt has moved the object, and the belief is the prior again"
         case OutcomeReported(after=after):
-            accepted = after is not None and after.update.accepted
-            line = f"outcome reported: the belief {'has changed' if accepted else 'stays unchanged'}"
+            line = f"outcome reported: the belief {'has changed' if after.update.accepted else 'stays unchanged'}"
     return line
 
 
@@ -59,8 +61,27 @@ def _choice(chosen: LookChosen) -> str:
     worth = f"{first.sensor} is worth {signed_apart(first.net_value, chosen.min_gain)}"
     if chosen.sensor is None:
         return f"the looks are used up ({worth}): grasp"
-    rest = "".join(f", {o.sensor} {'as much' if o.ties_with_first else signed(o.net_value)}" for o in others)
-    return f"look from {chosen.sensor} next ({worth}{rest})"
+    alone = f"look from {chosen.sensor} next ({worth}{''.join(_beside(first, look) for look in others)})"
+    return _of_pair(chosen.sensor, ranking, chosen.min_gain) or alone
+
+
+def _of_pair(sensor: str, ranking: Ranking, min_gain: float) -> str | None:
+    """Describe a look that is the first or the second of a pair; None: it is worth it alone."""
+    advice = ranking.recommendation
+    if not isinstance(advice, Look) or sensor != advice.sensor:
+        value = next((look.net_value for look in ranking.ranking if look.sensor == sensor), 0.0)
+        return f"look from {sensor} next, the second of the pair (worth {signed(value)})"
+    if advice.then is None:
+        return None
+    together = signed_apart(advice.net_value, min_gain)
+    return f"look from {sensor} next, then from {advice.then} (worth {together} together)"
+
+
+def _beside(first: RankedSensor, other: RankedSensor) -> str:
+    """Write a look's value after that of the first: equal, within the errors, or less."""
+    if first.net_value - other.net_value <= _EQUAL:
+        return f", {other.sensor} as much"
+    return f", {other.sensor} {signed(other.net_value)}{' (ties)' if other.ties_with_first else ''}"
 
 
 def _update(look: EpisodeLook) -> str:
@@ -81,8 +102,9 @@ def belief_summary(session: Session) -> str:
 
 
 def best_grasp_summary(session: Session) -> str:
-    """Name the best grasp of a session and its expected score."""
-    return f"best grasp {session.best_grasp or 'none'}, {share(session.expected_score)}"
+    """Name the best grasp of a session, its expected score, and the probability of absence if it is considered."""
+    absent = "" if session.absent is None else f"; absent {share(session.absent)}"
+    return f"best grasp {session.best_grasp or 'none'}, {share(session.expected_score)}{absent}"
 
 
 def marked_line(step: Step) -> str:

@@ -64,7 +64,9 @@ def belief_table(state: PairState, most_lines: int = _LINES) -> Table:
     """
     looks = () if state.ranking is None else state.ranking.ranking
     most = max((look.voa for look in looks), default=0.0)
-    table = Table(title=f"{state.pair}, {state.at_s:.0f} s", title_justify="left", expand=False)
+    absent = None if state.session is None else state.session.absent
+    note = "" if absent is None else f", absent {share(absent)}"
+    table = Table(title=f"{state.pair}, {state.at_s:.0f} s{note}", title_justify="left", expand=False)
     for heading in ("pose", "belief", scale(1.0), "rank", "look from", "VOA", scale(most)):
         table.add_column(heading, justify="right" if heading in ("belief", "rank", "VOA") else "left", no_wrap=True)
     table.columns[2].min_width = _BAR

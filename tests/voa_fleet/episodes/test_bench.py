@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voa_fleet.episodes.bench import CLUTTER, Bench, make_bench, prior_of, stated_by
+from voa_fleet.episodes.bench import CLUTTER, Bench, make_bench, prior_of, spread_of, stated_by
 from voa_fleet.errors import InvalidObject
 from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry, true_ranges
 from voa_fleet.world.objects import FleetObject
-from voa_msgs.geometry import PoseUncertainty
+from voa_msgs.geometry import PoseUncertainty, Spread
 from voa_msgs.priors import PoseModelPrior, Prior
 
 IMPERFECTIONS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05, robot_xy_m=0.01)
@@ -78,3 +78,16 @@ def test_clutter_is_in_view(mug: FleetObject, what: str, changed: int) -> None:
     differing = int(np.count_nonzero(seen[0] != seen[1]))
     assert differing >= changed
     assert (differing == 0) == (what == "none")
+
+
+@pytest.mark.parametrize(
+    ("xy_m", "yaw_rad", "spread"),
+    [
+        (0.0, 0.0, None),
+        (0.005, 0.0, Spread(xy_m=0.005)),
+        (0.0, 0.05, Spread(yaw_rad=0.05)),
+        (0.005, 0.05, Spread(xy_m=0.005, yaw_rad=0.05)),
+    ],
+)
+def test_the_spread_of_a_world_is_that_of_its_drops(xy_m: float, yaw_rad: float, spread: Spread | None) -> None:
+    assert spread_of(replace(Imperfections(), object_xy_m=xy_m, object_yaw_rad=yaw_rad)) == spread

@@ -16,7 +16,7 @@ from voa_client.scenario_files import load_scenario
 from voa_client.zenoh_session import address_of, joined
 from voa_fleet.devices.protocol import DeviceError, GraspOutcome
 from voa_fleet.devices.simulated import SimulatedArm
-from voa_fleet.episodes.bench import Bench, make_bench
+from voa_fleet.episodes.bench import Bench, make_bench, spread_of
 from voa_fleet.episodes.comparison import Comparison
 from voa_fleet.episodes.episode import Episode, Pair, run_episode
 from voa_fleet.episodes.events import (
@@ -36,6 +36,7 @@ from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry
 from voa_fleet.world.objects import FleetObject
+from voa_msgs.geometry import Spread
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import SessionRequest
 from voa_ros.robots import load
@@ -180,7 +181,9 @@ class ClumsyArm(SimulatedArm):
         return GraspOutcome(grasp, success=False, detail="pushed", moved_m=0.05)
 
 
-def test_an_attempt_that_moved_the_object_is_not_reported(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
+def test_an_attempt_that_moved_the_object_is_reported_as_such_and_the_prior_holds_again(
+    lab: Lab, mallet: FleetObject, bench: Bench
+) -> None:
     with Client(lab.http) as client:
         scenario = load_scenario(client, mallet.folder / "scenario.json")
         prepared = bench.prepare(0)
@@ -194,8 +197,43 @@ def test_an_attempt_that_moved_the_object_is_not_reported(lab: Lab, mallet: Flee
             bench.scene.clock,
         )
         episode = run_episode(pair, scenario, policy_named("none"), listener=events.append)
-        assert events[-1].step == OutcomeReported(None)
-        assert [entry.kind for entry in client.history(episode.before.id)] == ["prior"]
+        step = events[-1].step
+        assert isinstance(step, OutcomeReported)
+        assert step.moved
+        assert step.after.belief == pytest.approx(episode.before.belief)
+        _, entry = client.history(episode.before.id)
+        assert entry.request == {"grasp": episode.grasp, "success": False, "object_moved": 1.0}
+
+
+def test_a_robot_that_states_its_errors_ranks_by_poses_and_counts_its_looks_there(
+    lab: Lab, mallet: FleetObject
+) -> None:
+    errors = replace(IMPERFECTIONS, robot_xy_m=0.01, robot_yaw_rad=0.02)
+    bench = make_bench(mallet, errors, 0, VirtualClock(), ROBOT)
+    with Client(lab.http) as client:
+        scenario = load_scenario(client, mallet.folder / "scenario.json", spread=spread_of(errors))
+        episode, events, _ = run(client, scenario, bench)
+        rankings = [event.step.ranking for event in events if isinstance(event.step, LookChosen)]
+        session = client.get_session(episode.before.id)
+    assert episode.looks
+    visited = [look.sensor for look in episode.looks]
+    for index, ranking in enumerate(rankings):
+        assert ranking is not None
+        assert (ranking.scans, ranking.definition) == ("simulated", "executed")
+        taken = {look.sensor: look.looks_taken for look in ranking.ranking}
+        assert set(taken) == {sensor.name for sensor in scenario.sensors}
+        assert taken == {name: visited[:index].count(name) for name in taken}
+    assert [place.sensor for place in session.places] == [None] * len(session.places)
+
+
+def test_a_stated_spread_makes_the_expected_score_come_true_sooner(lab: Lab, mallet: FleetObject, bench: Bench) -> None:
+    with Client(lab.http) as client:
+        stated = load_scenario(client, mallet.folder / "scenario.json", spread=spread_of(IMPERFECTIONS))
+        exact = load_scenario(client, mallet.folder / "scenario.json")
+        assert stated.id != exact.id
+        assert stated.spread == Spread(xy_m=0.005, yaw_rad=0.05)
+        scores = {each.id: run(client, each, bench, most=2)[0].expected_score for each in (stated, exact)}
+    assert scores[stated.id] > scores[exact.id]
 
 
 def test_a_ros_2_robot_has_the_same_episode_through_the_mapping(lab: Lab, mallet: FleetObject, bench: Bench) -> None:

@@ -1,6 +1,7 @@
 """Policies: which look they choose, and that a seed decides."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from voa_fleet.episodes.policies import (
 from voa_fleet.errors import InvalidPolicy, UnknownName
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.geometry import SensorPose
-from voa_msgs.rankings import GraspNow, Look, Ranking
+from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking
 
 
 def ranking(advice: Look | GraspNow) -> Ranking:
@@ -165,3 +166,52 @@ def test_a_package_that_offers_no_policy_is_named(tmp_path: Path, monkeypatch: p
     with pytest.raises(InvalidPolicy, match=r"'absent' \(policy_without:make\) cannot be loaded"):
         policy_named("absent")
     assert isinstance(policy_named("voa"), HighestVoa)  # a built-in policy is never replaced
+
+
+def valued(advice: Look | GraspNow, **net_values: float) -> Ranking:
+    """A ranking with the net values of some places."""
+    looks = [
+        RankedSensor(
+            sensor=name,
+            voa=value,
+            standard_error=None,
+            cost=0.0,
+            net_value=value,
+            expected_score_after=0.5,
+            ties_with_first=False,
+        )
+        for name, value in net_values.items()
+    ]
+    return ranking(advice).model_copy(update={"ranking": looks})
+
+
+PAIR = Look(action="look", sensor="NNW", net_value=0.3, then="SSE")
+GRASP = GraspNow(action="grasp", grasp="TD0", expected_score=0.9)
+
+
+def after(mug: FleetObject, answer: Ranking, *visited: str, looks_left: int | None = None) -> Situation:
+    """A situation after some looks, in which the service ranks so."""
+    now = situation(mug, visited, SensorPose(x=1.0, y=0.0, yaw_rad=0.0), rank=lambda: answer)
+    return replace(now, looks_left=looks_left)
+
+
+def test_voa_takes_both_looks_of_a_pair(mug: FleetObject) -> None:
+    policy = HighestVoa()
+    assert policy.choose(after(mug, valued(PAIR))).sensor == "NNW"
+    assert policy.choose(after(mug, valued(GRASP, SSE=0.002), "NNW")).sensor == "SSE"
+    assert policy.choose(after(mug, valued(GRASP, SSE=0.002), "NNW", "SSE")).sensor is None
+
+
+def test_voa_forgets_a_pair_whose_second_look_is_worth_nothing_any_more(mug: FleetObject) -> None:
+    policy = HighestVoa()
+    policy.choose(after(mug, valued(PAIR)))
+    assert policy.choose(after(mug, valued(GRASP, SSE=-0.02), "NNW")).sensor is None
+    policy.choose(after(mug, valued(PAIR)))
+    assert policy.choose(after(mug, valued(GRASP, SSE=0.002))).sensor is None, "another episode has begun"
+
+
+def test_voa_begins_no_pair_with_the_last_look(mug: FleetObject) -> None:
+    assert HighestVoa().choose(after(mug, valued(PAIR), looks_left=2)).sensor == "NNW"
+    assert HighestVoa().choose(after(mug, valued(PAIR), looks_left=1)).sensor is None
+    single = Look(action="look", sensor="NNW", net_value=0.3)
+    assert HighestVoa().choose(after(mug, valued(single), looks_left=1)).sensor == "NNW"

@@ -23,8 +23,8 @@ from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.show.event_lines import event_line
 from voa_fleet.show.live_report import LiveReport
 from voa_fleet.show.tables import PairState, belief_table
-from voa_msgs.rankings import Look, RankedSensor, Ranking
-from voa_msgs.sessions import Session, UpdateReport
+from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking
+from voa_msgs.sessions import Session, UpdatedSession, UpdateReport
 
 NOW = datetime(2026, 1, 1, tzinfo=UTC)
 RANKING = Ranking(
@@ -62,8 +62,22 @@ REPORT = UpdateReport(
 )
 
 
-def session(belief: list[float]) -> Session:
+CLOSE = TIE.model_copy(
+    update={"ranking": [FIRST, FIRST.model_copy(update={"sensor": "Q2", "net_value": 0.24}), SECOND]}
+)
+PAIR = RANKING.model_copy(update={"recommendation": Look(action="look", sensor="Q1", net_value=0.34, then="Q2")})
+GRASP = RANKING.model_copy(update={"recommendation": GraspNow(action="grasp", grasp="G1", expected_score=0.5)})
+
+
+def reported(*, accepted: bool) -> UpdatedSession:
+    """The session after an outcome."""
+    update = REPORT.model_copy(update={"accepted": accepted, "reason": None if accepted else "no_match"})
+    return UpdatedSession(**dict(session([0.9, 0.1])), update=update)
+
+
+def session(belief: list[float], absent: float | None = None) -> Session:
     return Session(
+        absent=absent,
         scenario="s",
         version=1,
         poses=["P1", "P2"],
@@ -103,10 +117,20 @@ def looked(report: UpdateReport | None) -> LookTaken:
         (GraspStarted(None, 0.0), "no grasp within reach is expected to succeed: the arm stays where it is"),
         (GraspEnded(GraspOutcome("G1", success=True, detail="lifted")), "G1 succeeded: lifted"),
         (GraspEnded(GraspOutcome("G1", success=False)), "G1 FAILED"),
+        (OutcomeReported(reported(accepted=True)), "outcome reported: the belief has changed"),
+        (OutcomeReported(reported(accepted=False)), "outcome reported: the belief stays unchanged"),
         (
-            OutcomeReported(None),
-            "outcome not reported: the attempt has moved the object, and the belief is about its old place",
+            OutcomeReported(reported(accepted=True), moved=True),
+            "outcome reported: the attempt has moved the object, and the belief is the prior again",
         ),
+        (
+            SessionOpened(session([0.9, 0.1], absent=0.03)),
+            "session abc: P1 0.90, P2 0.10; best grasp G1, 0.50; absent 0.03",
+        ),
+        (LookChosen("Q1", PAIR, 0.005), "look from Q1 next, then from Q2 (worth +0.340 together)"),
+        (LookChosen("Q2", PAIR, 0.005), "look from Q2 next, the second of the pair (worth -0.010)"),
+        (LookChosen("Q2", GRASP, 0.005), "look from Q2 next, the second of the pair (worth -0.010)"),
+        (LookChosen("Q1", CLOSE, 0.005), "look from Q1 next (Q1 is worth +0.250, Q2 +0.240 (ties), Q2 -0.010)"),
     ],
 )
 def test_each_event_is_a_line(step: Step, line: str) -> None:
