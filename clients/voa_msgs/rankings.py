@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from voa_msgs import examples
 from voa_msgs.base import Distribution, Id, Message, Name, NotNegative
@@ -23,10 +23,10 @@ MOST_SAMPLES = 4_096
 """Most simulated scans of each pose and place."""
 
 
-class VoaRequest(Message):
+class VoaRequest(
+    Message, serialize_by_alias=True, validate_by_name=True, json_schema_extra={"examples": [examples.VOA]}
+):
     """Request for a ranking of looks by Value of Assistance."""
-
-    model_config = exemplified(examples.VOA) | ConfigDict(serialize_by_alias=True, validate_by_name=True)
 
     sensors: Annotated[list[Candidate], Len(1), LimitedBy("sensors")] | None = None
     """Looks to rank: names of sensor configurations, or any sensor poses; null: all sensors of the scenario."""

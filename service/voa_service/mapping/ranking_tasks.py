@@ -105,13 +105,32 @@ class RankingTask:
         """Number of weights of one place: one for each pose after each of its scans."""
         return (self.samples or 1) * len(self.scenario.poses) ** 2
 
-    def viewpoint(self, sensor: SensorConfiguration) -> Viewpoint:
-        """Return the viewpoint of a look from a sensor configuration."""
-        return Viewpoint.of(sensor, self.scenario.lidar, listed=self.scenario.lists(sensor))
+    def viewpoints(self, sensor: SensorConfiguration) -> list[Viewpoint]:
+        """Return the viewpoints that a look from a sensor configuration may have.
+
+        A robot that does not arrive exactly sends the pose where it stands, so that its scans are not those of a listed
+        sensor configuration even where it was ranked as one.
+        """
+        lidar, listed = self.scenario.lidar, self.scenario.lists(sensor)
+        viewpoint = Viewpoint.of(sensor, lidar, listed=listed)
+        return (
+            [viewpoint, Viewpoint.of(sensor, lidar, listed=False)] if listed and self.std is not None else [viewpoint]
+        )
+
+    def place_of(self, sensor: SensorConfiguration) -> int | None:
+        """Return the index of the place that a look from a sensor configuration shares; None: it has none yet."""
+        indices = (self.looks.record.index_of(viewpoint) for viewpoint in self.viewpoints(sensor))
+        return next((index for index in indices if index is not None), None)
+
+    def same_place(self, one: SensorConfiguration, other: SensorConfiguration) -> bool:
+        """True if looks from two sensor configurations share a place."""
+        return any(
+            viewpoint.shares_place(first) for viewpoint in self.viewpoints(one) for first in self.viewpoints(other)
+        )
 
     def looks_taken(self, sensor: SensorConfiguration) -> int:
         """Return the number of looks that the session has taken from the place of a sensor configuration."""
-        index = self.looks.record.index_of(self.viewpoint(sensor))
+        index = self.place_of(sensor)
         return 0 if index is None else self.looks.record.places[index].looks
 
 

@@ -43,18 +43,14 @@ def looks_of(task: RankingTask, weighing: Weighing) -> tuple[Looks, Looks | None
         exact = exact_looks(
             lambda sensor: task.model.weigher(sensor, weighing.precision, weighing.keep, weighing.check)
         )
-        return Looks(exact, task.pending, partial(_same_place, task)), None
+        return Looks(exact, task.pending, task.same_place), None
     model = ScanModel.of(task.scenario, task.std)
     sampling = Sampling(task.scenario.seed, task.samples)
     usual, fresh = (
-        Looks(partial(_simulated, task, weighing, model, each), task.pending, partial(_same_place, task))
+        Looks(partial(_simulated, task, weighing, model, each), task.pending, task.same_place)
         for each in (sampling, sampling.fresh())
     )
     return usual, fresh
-
-
-def _same_place(task: RankingTask, one: SensorConfiguration, other: SensorConfiguration) -> bool:
-    return task.viewpoint(one).shares_place(task.viewpoint(other))
 
 
 def _simulated(
@@ -93,7 +89,7 @@ def _earlier_looks(task: RankingTask, model: ScanModel, sensor: SensorConfigurat
     Looks that weigh all copies of a pose alike have no effect on later ones.
     """
     looks = task.looks
-    index = looks.record.index_of(task.viewpoint(sensor))
+    index = task.place_of(sensor)
     if index is None or looks.log_sums is None or looks.record.places[index].copies == 1:
         return None, None
     place = looks.record.places[index]
