@@ -13,6 +13,8 @@ its docstring names the source.
 | read measured scans                   | `scans`                                |                                     |
 | turn a scan into weights              | `rules`, `evidence`                    | fit by RMSD; longer: tau 1, 2 and 3 |
 | displace the poses a little           | `displacements`                        |                                     |
+| predict displaced poses               | `displaced_scans`, `copy_rasterising`, `outlines` |                          |
+| compare scans with displaced poses    | `comparisons`                          |                                     |
 | notice that the object is missing     | `sight`, `absence`                     |                                     |
 | hold and update a belief              | `filtering`, `updating`                | Definition 4; longer: 1 and 2       |
 | hold a belief and the looks behind it | `estimates`, `places`                  |                                     |
@@ -27,6 +29,7 @@ its docstring names the source.
 | evaluate a recorded experiment        | `recorded`                             | evaluation 3: VOA against AECD      |
 | find probable mistakes                | `mistakes`                             |                                     |
 
-The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels` and `jit` for compiled
-loops, and `warmup`, which compiles them all.
+The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `copy_kernels`,
+`mixture`, `mixture_kernels`, `mixture_likelihoods`, `vector_math` and `jit` for compiled loops, and `warmup`, which
+compiles them all.
 """

@@ -92,14 +92,15 @@ def value_of_assistance(
     poses = np.repeat(outcomes, look.samples)
     executed = definition == "executed"
     look = look.seen_with(belief, policy)
-    chosen, scores = after_each(look, rows, belief, table, policy, sure=executed, check=check)
+    of_scans = np.repeat(shares, look.samples) / look.samples
+    chosen, scores = after_each(look, rows, of_scans, belief, table, policy, sure=executed, check=check)
     values = scores_at(table, chosen, poses) if executed else scores
     before = best_grasp(table, belief.p)
     kept = np.full(len(rows), -1 if before.index is None else before.index)
     base = scores_at(table, kept, poses) if executed else np.full(len(rows), before.expected_score)
     if pending is not None:
         pending = pending.seen_with(belief, policy)
-        kept, pending_scores = after_each(pending, rows, belief, table, policy, sure=executed, check=check)
+        kept, pending_scores = after_each(pending, rows, of_scans, belief, table, policy, sure=executed, check=check)
         base = scores_at(table, kept, poses) if executed else pending_scores
     after = float(shares @ values.reshape(shape).mean(axis=1))
     without = (
@@ -115,7 +116,7 @@ def value_of_assistance(
         shares,
         gains,
         standard_error(shares, gains) if look.simulated else None,
-        _score_standard_error(table, chosen, kept, poses, np.repeat(shares, shape[1]) / shape[1]),
+        _score_standard_error(table, chosen, kept, poses, of_scans),
     )
 
 

@@ -15,6 +15,7 @@ from voa_core.updating import UpdatePolicy, nearest
 _BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
 _GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
 _LEAST_NORM = {"float64": 1e-200, "float32": 1e-20}
+_LARGEST_ERROR = 1e-6  # of a value, from weights that are left out
 _TIE = {"float64": TIE, "float32": 1e-6}
 
 
@@ -43,6 +44,9 @@ class LookWeights(Protocol):
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights of the poses `columns` after the scans `rows`, each row scaled by a positive number of its own."""
 
+    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
+        """Largest total, (k,), of the weights that are left out of the scans `rows`, as they are scaled."""
+
     def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
         """Compute the belief after each of the scans `rows` (k,) from the k beliefs before them, in logarithms."""
 
@@ -53,6 +57,7 @@ class LookWeights(Protocol):
 def after_each(
     look: LookWeights,
     rows: NDArray[np.intp],
+    shares: Floats,
     belief: Belief,
     table: GraspTable,
     policy: UpdatePolicy,
@@ -63,7 +68,8 @@ def after_each(
     """Choose a grasp after each of the scans `rows`, (k,): its index (-1: none) and its expected score.
 
     An expected score hardly depends on the choice between nearly equal grasps, but the score of the chosen grasp at
-    one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms.
+    one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms. So are
+    scans, which count with `shares` (k,), of which so much may be left out that a value could change by 1e-6.
 
     One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
     every grasp, and its last entry the normaliser.
@@ -87,6 +93,7 @@ def after_each(
         product = right @ look.weights(rows[block], columns).T
         chosen[block], scores[block], undecided = _choose_each(product)
         again = product[-1] < _LEAST_NORM[look.dtype.name]
+        again |= shares[block] * look.most_left_out(rows[block]) > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
         doubtful[block] = again | undecided if sure else again
     again_rows = np.flatnonzero(doubtful)
     for row, after in zip(again_rows, look.beliefs(rows[again_rows], [belief] * len(again_rows), policy), strict=True):

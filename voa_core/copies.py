@@ -1,5 +1,6 @@
 """Comparison of many simulated scans with the displaced copies of all poses, block by block."""
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -7,14 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats, frozen
+from voa_core.comparisons import comparison_of, squared_distances_of_pairs
+from voa_core.displaced_scans import DisplacedScans
+from voa_core.filtering import log_means
 from voa_core.jit import kernel
-from voa_core.prediction import Prediction
-from voa_core.rules.distances import squared_distance
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN
 from voa_core.weights import wanted
 
-_NEGLIGIBLE = 40.0  # e^-40 of the largest weight of a pose's copies is below the rounding of their sum
+_LARGEST_ERROR = 1e-7  # of a value of assistance, from copies that are left out
+_PAIRS_AT_ONCE = 2**20  # pairs of a scan and a displaced copy, whose log weights take 8 MiB
+_NO_SHARE = 40.0  # e^-40 of the largest weight of a pose's copies is below the rounding of their sum
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,12 @@ class SimulatedScans:
             missing, group = np.zeros((1, len(columns)), dtype=bool), np.zeros(len(ranges), dtype=np.intp)
         return cls(columns, frozen(ranges), missing, group.reshape(-1), beams - lost.sum(axis=1))
 
+    def dense(self, beams: int) -> Floats:
+        """Ranges of every one of so many beams, (N, beams) metres; inf for a no-return, NaN for a missing beam."""
+        ranges = np.full((len(self.ranges), beams), NO_RETURN)
+        ranges[:, self.columns] = self.ranges
+        return ranges
+
     def part(self, rows: NDArray[np.intp]) -> "SimulatedScans":
         """Select the scans `rows`, in that order."""
         return SimulatedScans(self.columns, self.ranges[rows], self.missing, self.group[rows], self.compared[rows])
@@ -57,13 +67,28 @@ class Copies:
 
     Attributes:
         per_pose: number J of copies of each pose.
-        blocks: gives the poses of each block, and the prediction of their copies, pose by pose.
+        blocks: gives the poses of each block, and the predictions of their copies.
         nbytes: memory held, in bytes.
     """
 
     per_pose: int
-    blocks: Callable[[], Iterable[tuple[slice, Prediction]]]
+    blocks: Callable[[], Iterable[tuple[slice, DisplacedScans]]]
     nbytes: int
+
+
+def negligible(poses: int) -> float:
+    """Logarithm T of the factor by which a copy that is left out weighs less than the pose that gives the scan.
+
+    Let scan i come from pose q, with weight w[i, q] there. Leaving out every copy of weight below e^-T w[i, q] takes at
+    most e^-T w[i, q] from the total weight sum_p b[p] w[i, p], which is at least b[q] w[i, q]: a share of at most
+    e^-T / b[q]. The scan counts in a value of assistance with b[q] / K, so its term changes by at most 2 e^-T / K, and
+    the value by at most 2 n e^-T, which T keeps below 1e-7. Where a scan counts with another probability than its pose
+    has, or with looks from other places, `choices.after_each` computes the row in full if that could matter.
+
+    Args:
+        poses: number n of poses.
+    """
+    return math.log(2.0 * max(poses, 500) / _LARGEST_ERROR)
 
 
 def log_mean_weights(
@@ -84,75 +109,75 @@ def log_mean_weights(
         rule: the update rule.
         log_sums: (n, J) log weights of earlier looks from the place, summed; None: there are none.
         out: (N, n) written: the logarithm of the mean after the scans divided by the mean before.
-        check: called before each block of poses.
+        check: called before each block of poses; an error that it raises ends the computation.
     """
-    for poses, prediction in copies.blocks():
+    number = len(out)
+    for poses, predicted in copies.blocks():
+        compared = [comparison_of(rule, scan.dense(predicted.grid.beams), predicted) for scan in scans]
+        before = np.zeros((len(predicted), copies.per_pose)) if log_sums is None else log_sums[poses]
+        at_once = max(1, _PAIRS_AT_ONCE // (number * copies.per_pose))
+        for first in range(0, len(predicted), at_once):
+            check()
+            some = np.arange(first, min(first + at_once, len(predicted)))
+            pairs = np.tile(np.arange(number), len(some)), np.repeat(some, number)  # of a scan and a pose
+            total = np.zeros((len(some), number, copies.per_pose))
+            for comparison, ignored in zip(compared, refused, strict=True):
+                weights = comparison.log_weights(*pairs).reshape(total.shape)
+                weights[:, ignored] = 0.0
+                total += weights
+            part = np.zeros((number, len(some)))
+            _log_mean(total, before[some], part)
+            out[:, poses.start + first : poses.start + first + len(some)] = part
+
+
+def log_mean_weights_of_each(
+    scans: SimulatedScans,
+    samples: int,
+    copies: Copies,
+    rule: UpdateRule,
+    out: Floats,
+    check: Callable[[], None] = wanted,
+) -> Floats | None:
+    """Compute ln w of every pose after a single scan of each sample at a place that was not looked from.
+
+    Copies that are negligible beside the pose that gives the scan are left out, see `negligible`.
+
+    Args:
+        scans: of the N samples.
+        samples: number K of samples of each pose, N = n K.
+        copies: of the poses.
+        rule: the update rule.
+        out: (N, n) written; -inf also where all copies of a pose are left out.
+        check: called between blocks; an error that it raises ends the computation.
+
+    Returns:
+        ln w (N,) below which copies are left out; None: none are.
+    """
+    own = np.repeat(np.arange(out.shape[1]), samples)
+    least = np.full(len(out), -np.inf)
+    blocks = [(poses, comparison_of(rule, scans.dense(some.grid.beams), some)) for poses, some in copies.blocks()]
+    for poses, comparison in blocks:
         check()
-        total = np.zeros((len(scans[0].ranges), len(prediction.ranges)))
-        for scan, ignored in zip(scans, refused, strict=True):
-            weights = _compare(scan, prediction, rule, rule.log_weights)
-            weights[ignored] = 0.0
-            total += weights
-        before = np.zeros((poses.stop - poses.start, copies.per_pose)) if log_sums is None else log_sums[poses]
-        part = np.zeros((len(total), len(before)))
-        _log_mean(total, before, part)
-        out[:, poses] = part
+        if comparison.leaves_out:
+            mine = np.flatnonzero((own >= poses.start) & (own < poses.stop))
+            least[mine] = log_means(comparison.log_weights(mine, own[mine] - poses.start)) - negligible(out.shape[1])
+    for poses, comparison in blocks:
+        within = np.where((own >= poses.start) & (own < poses.stop), own - poses.start, -1)
+        out[:, poses] = comparison.log_means(within, least, check).T
+    return least if all(comparison.leaves_out for _, comparison in blocks) else None
 
 
 def distances(scans: SimulatedScans, copies: Copies, no_return_m: float) -> Floats:
     """Distance d of each scan to each pose, at the copy that fits best, (N, n) metres."""
-    parts = []
-    for poses, prediction in copies.blocks():
-        square = _compare(scans, prediction, _Distance(no_return_m), lambda statistic, _beams: statistic)
-        parts.append(np.sqrt(square.reshape(len(square), poses.stop - poses.start, copies.per_pose).min(axis=2)))
+    number, parts = len(scans.ranges), []
+    for _, predicted in copies.blocks():
+        observed = scans.dense(predicted.grid.beams)
+        part = np.zeros((number, len(predicted)))
+        for pose in range(len(predicted)):
+            pairs = np.arange(number), np.full(number, pose)
+            part[:, pose] = squared_distances_of_pairs(observed, predicted, no_return_m, *pairs).min(axis=1)
+        parts.append(np.sqrt(part))
     return np.concatenate(parts, axis=1)
-
-
-@dataclass(frozen=True)
-class _Distance:
-    """Statistic d^2 of two scans."""
-
-    no_return_m: float
-
-    def statistic(self, observed: Floats, predicted: Floats) -> Floats:
-        square: Floats = squared_distance(observed, predicted, self.no_return_m)
-        return square
-
-
-def _compare(
-    scans: SimulatedScans,
-    prediction: Prediction,
-    rule: "UpdateRule | _Distance",
-    finish: Callable[[Floats, int], Floats],
-) -> Floats:
-    """Compare each of N scans with each of M predicted ones: `finish` of the statistic and of the compared beams.
-
-    Scans with the same missing beams are compared at once.
-    """
-    columns = np.union1d(scans.columns, prediction.columns)
-    observed = np.full((len(scans.ranges), len(columns)), NO_RETURN)
-    own = np.searchsorted(columns, scans.columns)
-    observed[:, own] = scans.ranges
-    predicted = np.full((len(prediction.ranges), len(columns)), NO_RETURN)
-    predicted[:, np.searchsorted(columns, prediction.columns)] = prediction.ranges
-    result = np.zeros((len(observed), len(predicted)))
-    # On every other beam all scans and all copies are no-returns: one comparison serves them all.
-    rest = np.full((1, prediction.grid.beams - len(columns)), NO_RETURN)
-    constant = rule.statistic(rest, rest)[0, 0]
-    for group in np.unique(scans.group):
-        rows = np.flatnonzero(scans.group == group)
-        known = np.ones(len(columns), dtype=bool)
-        known[own] = ~scans.missing[group]
-        compared = int(scans.compared[rows[0]])
-        if compared == 0:
-            continue
-        every = known.all()
-        statistic = rule.statistic(
-            observed if every and len(rows) == len(observed) else np.ascontiguousarray(observed[rows][:, known]),
-            predicted if every else np.ascontiguousarray(predicted[:, known]),
-        )
-        result[rows] = finish(statistic + constant, compared)
-    return result
 
 
 @kernel
@@ -160,7 +185,7 @@ def _log_mean(log_weights: Floats, log_sums: Floats, out: Floats) -> None:
     """Logarithm of the mean weight of each pose's copies after a scan, less that before it.
 
     Args:
-        log_weights: (N, k * J) of the scans.
+        log_weights: (k, N, J) of the scans.
         log_sums: (k, J) of earlier looks from the place.
         out: (N, k) written; -inf where the mean after the scan is 0.
     """
@@ -173,7 +198,7 @@ def _log_mean(log_weights: Floats, log_sums: Floats, out: Floats) -> None:
         for copy in range(copies):
             before += np.exp(log_sums[pose, copy] - highest) if highest > -np.inf else 1.0
         for scan in range(len(out)):
-            row = log_weights[scan, pose * copies : (pose + 1) * copies]
+            row = log_weights[pose, scan]
             largest = -np.inf
             for copy in range(copies):
                 largest = max(largest, row[copy] + log_sums[pose, copy])
@@ -183,6 +208,6 @@ def _log_mean(log_weights: Floats, log_sums: Floats, out: Floats) -> None:
             total = 0.0
             for copy in range(copies):
                 below = row[copy] + log_sums[pose, copy] - largest
-                if below > -_NEGLIGIBLE:
+                if below > -_NO_SHARE:
                     total += np.exp(below)
             out[scan, pose] = (largest - highest) + np.log(total / before)

@@ -12,6 +12,7 @@ A plane meets few faces. Neighbouring faces share a box, and those in a box that
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,12 +23,11 @@ from voa_core.errors import NoMesh
 from voa_core.geometry import upright_rotation
 from voa_core.jit import kernel
 from voa_core.objects import Object
+from voa_core.outlines import Ints, Outlines, outlines_of
 from voa_core.poses import PoseSet
 
 ON_PLANE_M = 1e-10
 _SAME_TILT = 1e-12
-
-Ints = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,13 @@ class Contours:
     @property
     def nbytes(self) -> int:
         """Memory held, in bytes."""
-        return self.points.nbytes + self.segments.nbytes + self.placement.nbytes + self.cut_of_pose.nbytes
+        own = self.points.nbytes + self.segments.nbytes + self.placement.nbytes + self.cut_of_pose.nbytes
+        return own + self.points.nbytes + 2 * self.segments.nbytes  # the outlines, made when they are needed
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Outlines of the cuts, for predictions of many displaced copies."""
+        return outlines_of(self.points, self.segments, self.point_start, self.segment_start)
 
 
 def cut_poses(object_: Object, poses: PoseSet, height_m: float) -> Contours:

@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from voa_core.checks import Floats
+from voa_core.comparisons import comparison_of, squared_distances_of_pairs
+from voa_core.displaced_scans import DisplacedScans, predict_copies
 from voa_core.displacements import Displacements
 from voa_core.filtering import log_means
 from voa_core.lidars import LidarModel, SensorConfiguration
@@ -15,7 +17,7 @@ from voa_core.prediction import ObservationPredictor, Prediction
 from voa_core.rules.distances import coded, squared_distance
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
-from voa_core.sight import BEHIND_M, Sight, joined, sight_of
+from voa_core.sight import BEHIND_M, Sight, joined, sight_of, sight_of_copies
 from voa_core.workspace import Workspace
 
 _NUMBERS_AT_ONCE = 2**22  # predicted ranges of every beam of a block of poses, 32 MiB
@@ -107,53 +109,68 @@ def evidence_of_scan(
     grid = lidar.grid if lidar.grid.agrees_with(scan.grid) else scan.grid
     crossing = workspace.crossing(sensor, grid.angles) if workspace else None
     beams = classify(scan, lidar, crossing)
+    viewpoint = Viewpoint.of(sensor, lidar, listed=listed)
+    has_workspace = workspace is not None
     if displacements is None or displacements.copies == 1:
-        copies = 1
-        predictions: Iterable[Prediction] = [predictor.predict(sensor, grid, listed=listed)]
-    else:
-        copies = displacements.copies
-        each = displacements.at(predictor.poses, sensor)
-        poses_at_once = max(1, _NUMBERS_AT_ONCE // (copies * grid.beams))
-        predictions = (
-            predictor.predict_displaced(
-                sensor, each[start : start + poses_at_once], grid, first=start, key=displacements
-            )
-            for start in range(0, len(each), poses_at_once)
-        )
-    return evidence_of_beams(
+        alone = restricted(predictor.predict(sensor, grid, listed=listed), sensor, scan, lidar, workspace)
+        return evidence_of_beams(beams, alone, rule, has_workspace=has_workspace, viewpoint=viewpoint)
+    each = displacements.at(predictor.poses, sensor)
+    poses_at_once = max(1, _NUMBERS_AT_ONCE // (displacements.copies * grid.beams))
+    key = displacements if listed else None  # a robot hardly ever comes back to a pose that is not listed
+    copies = (
+        predict_copies(predictor, sensor, each[start : start + poses_at_once], grid, first=start, key=key)
+        for start in range(0, len(each), poses_at_once)
+    )
+    return _evidence_of_copies(
         beams,
-        (restricted(prediction, sensor, scan, lidar, workspace) for prediction in predictions),
+        (restricted_copies(block, sensor, scan, lidar, workspace) for block in copies),
         rule,
-        copies=copies,
-        has_workspace=workspace is not None,
-        viewpoint=Viewpoint.of(sensor, lidar, listed=listed),
+        np.inf if has_workspace else BEHIND_M,
+        viewpoint,
     )
 
 
 def evidence_of_beams(
     beams: Floats,
-    predictions: Iterable[Prediction],
+    prediction: Prediction,
     rule: UpdateRule,
     *,
-    copies: int = 1,
     has_workspace: bool,
     viewpoint: Viewpoint | None = None,
 ) -> Evidence:
-    """Compare the classified beams (r,) of a scan with predictions on the same beams.
+    """Compare the classified beams (r,) of a scan with the prediction of each pose on the same beams.
 
     Args:
         beams: metres, as `scans.classify` gives them.
-        predictions: limited by `restricted`, of consecutive poses; each has `copies` rows for each of its poses.
+        prediction: limited by `restricted`, one scan of each pose.
         rule: the update rule, which turns differences into weights.
-        copies: number of displaced copies of each pose.
         has_workspace: True if the beams were classified with a workspace.
         viewpoint: from where the scan was taken; None: unknown.
     """
-    behind_m = np.inf if has_workspace else BEHIND_M
+    log_copies, distances, hit_rmsds = _compare(beams, prediction, rule)
+    return Evidence(
+        log_copies,
+        distances,
+        hit_rmsds,
+        int(np.count_nonzero(~np.isnan(beams))),
+        sight_of(beams, prediction, np.inf if has_workspace else BEHIND_M),
+        _log_absent(beams, rule),
+        viewpoint,
+    )
+
+
+def _evidence_of_copies(
+    beams: Floats,
+    blocks: Iterable[DisplacedScans],
+    rule: UpdateRule,
+    behind_m: float,
+    viewpoint: Viewpoint,
+) -> Evidence:
+    """Compare the classified beams (r,) of a scan with the displaced copies of consecutive poses, block by block."""
     compared, sights = [], []
-    for prediction in predictions:  # one after another: those of many copies would not fit in memory together
-        compared.append(_compare(beams, prediction, rule, copies))
-        sights.append(sight_of(beams, prediction, copies, behind_m))
+    for copies in blocks:  # one after another: many copies would not fit in memory together
+        compared.append(_compare_copies(beams, copies, rule))
+        sights.append(sight_of_copies(beams, copies, behind_m))
     log_copies, distances, hit_rmsds = (np.concatenate(values) for values in zip(*compared, strict=True))
     return Evidence(
         log_copies,
@@ -164,6 +181,28 @@ def evidence_of_beams(
         _log_absent(beams, rule),
         viewpoint,
     )
+
+
+def _compare_copies(beams: Floats, copies: DisplacedScans, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
+    """Compare one scan, classified (r,), with the displaced copies of k poses.
+
+    Returns:
+        ln w of each copy, (k, J); and d, and RMSD over the beams on which both return (NaN where there is none), of
+        the copy of each pose with the smallest d, each (k,).
+    """
+    observed, poses = beams[None, :], np.arange(len(copies))
+    pairs = np.zeros(len(copies), dtype=np.intp), poses
+    square = squared_distances_of_pairs(observed, copies, rule.no_return_m, *pairs)
+    best = square.argmin(axis=1)
+    of_row = np.repeat(poses, np.diff(copies.start))
+    seen, nearest = beams[copies.beams], copies.ranges[np.arange(len(of_row)), best[of_row]]
+    both = np.isfinite(seen) & np.isfinite(nearest)
+    off = np.minimum(seen, rule.no_return_m) - np.minimum(nearest, rule.no_return_m)
+    count = np.bincount(of_row[both], minlength=len(copies))
+    total = np.bincount(of_row[both], weights=off[both] ** 2, minlength=len(copies))
+    hit_rmsds = np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)
+    log_copies = comparison_of(rule, observed, copies).log_weights(*pairs)
+    return log_copies, np.sqrt(square[poses, best]), hit_rmsds
 
 
 def restricted(
@@ -180,18 +219,31 @@ def restricted(
     return Prediction(prediction.grid, prediction.columns, restrict_prediction(prediction.ranges, range_max, crossing))
 
 
-def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule, copies: int) -> tuple[Floats, Floats, Floats]:
-    """Compare one scan, classified (r,), with the scans predicted for the copies of some poses at one sensor pose.
+def restricted_copies(
+    copies: DisplacedScans,
+    sensor: SensorConfiguration,
+    scan: Scan | None,
+    lidar: LidarModel,
+    workspace: Workspace | None,
+) -> DisplacedScans:
+    """Limit displaced scans to the range of the scan (None: of the lidar) and to the workspace."""
+    range_max = lidar.range_max if scan is None else scan.limits(lidar)[1]
+    if workspace is None and range_max >= lidar.range_max:
+        return copies  # predicted within the lidar's range
+    return copies.restricted(range_max, workspace.crossing(sensor, copies.grid.angles) if workspace else None)
+
+
+def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
+    """Compare one scan, classified (r,), with the scan predicted for each of n poses at one sensor pose.
 
     Returns:
-        ln w of each copy, (k, J); and d, and RMSD over the beams on which both return (NaN where there is none), of
-        the copy of each pose with the smallest d, each (k,).
+        ln w, (n, 1); and d, and RMSD over the beams on which both return (NaN where there is none), each (n,).
     """
     known = ~np.isnan(beams)
     compared = int(known.sum())
-    poses = len(prediction.ranges) // copies
+    poses = len(prediction.ranges)
     if compared == 0:
-        return np.zeros((poses, copies)), np.zeros(poses), np.full(poses, np.nan)
+        return np.zeros((poses, 1)), np.zeros(poses), np.full(poses, np.nan)
     kept = known[prediction.columns]
     observed = np.ascontiguousarray(beams[prediction.columns][kept])[None, :]
     predicted = np.ascontiguousarray(prediction.ranges[:, kept])
@@ -203,16 +255,13 @@ def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule, copies: in
     square = (
         squared_distance(observed, predicted, rule.no_return_m)[0]
         + squared_distance(rest, nothing, rule.no_return_m)[0, 0]
-    ).reshape(poses, copies)
-    best = square.argmin(axis=1)
-    nearest = predicted[np.arange(poses) * copies + best]
+    )
     hit_rmsds = _hit_rmsds(
         coded(observed, rule.no_return_m),
-        coded(nearest, rule.no_return_m),
-        np.isfinite(observed) & np.isfinite(nearest),
+        coded(predicted, rule.no_return_m),
+        np.isfinite(observed) & np.isfinite(predicted),
     )
-    log_copies = rule.log_weights(statistic, compared).reshape(poses, copies)
-    return log_copies, np.sqrt(square[np.arange(poses), best]), hit_rmsds
+    return rule.log_weights(statistic, compared)[:, None], np.sqrt(square), hit_rmsds
 
 
 def _log_absent(beams: Floats, rule: UpdateRule) -> float:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from voa_core.checks import Floats
 from voa_core.choices import LookWeights
 from voa_core.filtering import Belief
 from voa_core.kernels import Array
@@ -49,6 +50,14 @@ class JointWeights:
         for part in self.parts[1:]:
             product = product * part.weights(rows, columns)
         return product
+
+    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
+        """Largest total, (k,), of the products that are left out of the samples `rows`, as they are scaled.
+
+        The largest weight of each look is 1, so that what is left out of one look cannot grow by the others.
+        """
+        total: Floats = sum((part.most_left_out(rows) for part in self.parts), np.zeros(len(rows)))
+        return total
 
     def seen_with(self, belief: Belief, policy: UpdatePolicy) -> "JointWeights":
         """Weights with which scans that do not show the object change nothing, under the belief before all looks."""

@@ -42,6 +42,7 @@ def value_of_perfect_information(
         chosen = np.full(len(outcomes), -1 if index is None else index)
     else:
         look = pending.seen_with(belief, policy)
-        chosen = after_each(look, scans_of(outcomes, samples), belief, table, policy, sure=True, check=check)[0]
+        rows, shares = scans_of(outcomes, samples), np.repeat(outer[outcomes], samples) / samples
+        chosen = after_each(look, rows, shares, belief, table, policy, sure=True, check=check)[0]
     without = scores_at(table, chosen, np.repeat(outcomes, samples)).reshape(-1, samples).mean(axis=1)
     return known - float(outer[outcomes] @ without)

@@ -5,6 +5,7 @@ Definition 5 of the paper, by an exact cut (`cutting`, `rasterising`) instead of
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,11 +61,25 @@ ContoursAt = Callable[[float], Contours]
 """A function that gives the cuts of all poses at a height in metres, so that a caller can keep them."""
 
 
-Remember = Callable[[Hashable, Callable[[], Prediction]], Prediction]
-"""A function that gives the prediction of a key: a kept one, or else the result of the function beside it."""
+class Sized(Protocol):
+    """A prediction that knows how much memory it holds."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, in bytes."""
 
 
-def _keep_none(_key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+K = TypeVar("K", bound=Sized)
+
+
+class Remember(Protocol):
+    """A function that keeps predictions."""
+
+    def __call__(self, key: Hashable, make: Callable[[], K], /) -> K:
+        """Return the prediction of a key: a kept one, or else the result of `make`."""
+
+
+def _keep_none(_key: Hashable, make: Callable[[], K]) -> K:
     return make()
 
 
@@ -122,7 +137,6 @@ class ObservationPredictor:
         grid: BeamGrid | None = None,
         *,
         first: int = 0,
-        key: Hashable = None,
     ) -> Prediction:
         """Predict the scans of displaced copies of poses from the mesh, by geometry alone as `predict` does.
 
@@ -133,8 +147,6 @@ class ObservationPredictor:
             displacements: (k, J, 3) x and y in metres, yaw in radians about the position of the pose, of k poses.
             grid: the beams to predict; None: the lidar's.
             first: index of the first of the k poses.
-            key: names the displacements of all poses from this sensor, so that the prediction is remembered; None: it
-                is not.
 
         Returns:
             k * J scans: all copies of the first pose, then those of the next.
@@ -143,18 +155,7 @@ class ObservationPredictor:
             NoMesh: there is no mesh, or no height of the scan plane.
         """
         wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
-        if key is None:
-            return self._predict_displaced(sensor, displacements, wanted, first)
-        stands = sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m
-        return self.remember(
-            (stands, wanted, key, first, len(displacements)),
-            lambda: self._predict_displaced(sensor, displacements, wanted, first),
-        )
-
-    def _predict_displaced(
-        self, sensor: SensorConfiguration, displacements: Floats, wanted: BeamGrid, first: int
-    ) -> Prediction:
-        contours = self._contours(sensor)
+        contours = self.contours(sensor)
         at_once = max(1, _NUMBERS_AT_ONCE // (wanted.beams * displacements.shape[1]))
         return _joined(
             [
@@ -176,9 +177,9 @@ class ObservationPredictor:
                 f"{self.lidar.grid.angle_min:g} rad by {self.lidar.grid.angle_increment:g} rad), and the "
                 f"predictions of {sensor.name!r} are data: send scans on the lidar's beams, or give a mesh"
             )
-        return self._rasterised(self._contours(sensor), sensor, wanted)
+        return self._rasterised(self.contours(sensor), sensor, wanted)
 
-    def _contours(self, sensor: SensorConfiguration) -> Contours:
+    def contours(self, sensor: SensorConfiguration) -> Contours:
         """Cut the mesh by the scan plane of a sensor; raises NoMesh."""
         if self.contours_at is None:
             raise NoMesh(

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats, frozen
-from voa_core.cutting import Contours, Ints
+from voa_core.cutting import Contours
 from voa_core.jit import kernel, sum_kernel
 from voa_core.lidars import BeamGrid, SensorConfiguration
+from voa_core.outlines import Ints
 from voa_core.scans import NO_RETURN
 
 
@@ -31,7 +32,7 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
     ranges = np.full((len(contours.cut_of_pose), grid.beams), NO_RETURN)
     # A lidar that turns clockwise sees the mirrored world counter-clockwise.
     mirror = 1.0 if grid.angle_increment > 0.0 else -1.0
-    cosines, sines = _directions(grid, mirror)
+    cosines, sines = directions(grid, mirror)
     _rasterise(
         contours.points,
         contours.segments,
@@ -51,7 +52,7 @@ def rasterise(contours: Contours, sensor: SensorConfiguration, grid: BeamGrid, r
 
 
 @lru_cache(maxsize=16)
-def _directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
+def directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
     """Cosines and sines of the beams' angles, (r,) each: kept, because a lidar's beams do not change."""
     angles = mirror * grid.angles
     return frozen(np.cos(angles)), frozen(np.sin(angles))
@@ -59,7 +60,7 @@ def _directions(grid: BeamGrid, mirror: float) -> tuple[Floats, Floats]:
 
 # atan(t) / t as a polynomial in t^2 for |t| <= tan(pi / 8), by Chebyshev interpolation; the error of the
 # angle is below 1e-14 rad. tests/voa_core/test_rasterising.py derives the coefficients again.
-_ATAN = (
+ATAN = (
     0.9999999999999718,
     -0.33333333330739956,
     0.1999999959830251,
@@ -70,28 +71,28 @@ _ATAN = (
     -0.05872662369410048,
     0.030635630925872032,
 )
-_EDGE_ON_BEAMS = 1e-9  # a segment that spans less has its nearer end in front; where a beam meets it is rounding
+EDGE_ON_BEAMS = 1e-9  # a segment that spans less has its nearer end in front; where a beam meets it is rounding
 _TINY = 1e-300
 _TAN_EIGHTH = math.tan(math.pi / 8.0)
 
 
 @sum_kernel
-def _angle(y: float, x: float) -> float:
+def angle(y: float, x: float) -> float:
     """atan2(y, x) in (-pi, pi] without branches, so that a loop over points runs in vector registers."""
     ax, ay = abs(x), abs(y)
     small, large = min(ax, ay), max(ax, ay)
     folded = small > _TAN_EIGHTH * large
     t = (small - large if folded else small) / (small + large if folded else max(large, _TINY))
     u = t * t
-    p = _ATAN[8]
-    p = p * u + _ATAN[7]
-    p = p * u + _ATAN[6]
-    p = p * u + _ATAN[5]
-    p = p * u + _ATAN[4]
-    p = p * u + _ATAN[3]
-    p = p * u + _ATAN[2]
-    p = p * u + _ATAN[1]
-    p = p * u + _ATAN[0]
+    p = ATAN[8]
+    p = p * u + ATAN[7]
+    p = p * u + ATAN[6]
+    p = p * u + ATAN[5]
+    p = p * u + ATAN[4]
+    p = p * u + ATAN[3]
+    p = p * u + ATAN[2]
+    p = p * u + ATAN[1]
+    p = p * u + ATAN[0]
     a = p * t
     a = a + 0.25 * math.pi if folded else a
     a = 0.5 * math.pi - a if ay > ax else a
@@ -153,7 +154,7 @@ def _aim(xs: Floats, ys: Floats, angle_min: float, spacing: float, us: Floats, c
     beams_per_rad = 1.0 / spacing
     start = beams_per_rad * (angle_min - 2.0 * math.pi * math.floor(angle_min / (2.0 * math.pi) + 0.5))
     for i in range(len(us)):  # two loops: one for both would not run in vector registers
-        us[i] = _angle(ys[i], xs[i])
+        us[i] = angle(ys[i], xs[i])
     for i in range(len(us)):
         u = us[i] * beams_per_rad - start
         u = u + turn if u < 0.0 else u
@@ -200,7 +201,7 @@ def _cover(
                 along_j, left_j = cosines[k] * xs[j] + sines[k] * ys[j], cosines[k] * ys[j] - sines[k] * xs[j]
                 share = left_i / (left_i - left_j) if left_i < min(left_j, 0.0) else 0.0
                 r = max(along_i + min(share, 1.0) * (along_j - along_i), 0.0)
-                if high - low < _EDGE_ON_BEAMS:
+                if high - low < EDGE_ON_BEAMS:
                     r = min(along_i, along_j)
                 row[k] = min(row[k], r if r <= range_max else math.inf)
             lap += 1

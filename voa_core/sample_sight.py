@@ -41,16 +41,19 @@ def sight_of_samples(scans: SimulatedScans, copies: Copies, behind_m: float) -> 
     A return at most `behind_m` behind the farthest prediction of its beam sees the object; with a workspace it is inf.
     """
     reach, fewest = [], []
-    for poses, prediction in copies.blocks():
-        shape = poses.stop - poses.start, copies.per_pose, len(prediction.columns)
-        returned = np.isfinite(prediction.ranges)
-        farthest = np.where(returned, prediction.ranges + behind_m, -np.inf).reshape(shape).max(axis=1)
-        part = np.full((shape[0], prediction.grid.beams), -np.inf)
-        part[:, prediction.columns] = farthest
-        reach.append(part[:, scans.columns])
+    for poses, predicted in copies.blocks():
+        column_of = np.full(predicted.grid.beams, -1)
+        column_of[scans.columns] = np.arange(len(scans.columns))
+        part = np.full((poses.stop - poses.start, len(scans.columns)), -np.inf)
+        columns = column_of[predicted.beams]
+        of_row = np.repeat(np.arange(len(part)), np.diff(predicted.start))
+        seen = (columns >= 0) & (predicted.farthest > -np.inf)
+        part[of_row[seen], columns[seen]] = predicted.farthest[seen] + behind_m
+        reach.append(part)
         counts = []
         for missing in scans.missing:
-            known = ~np.isin(prediction.columns, scans.columns[missing])
-            counts.append((returned @ known.astype(np.intp)).reshape(shape[:2]).min(axis=1))
+            lost = np.zeros(predicted.grid.beams, dtype=bool)
+            lost[scans.columns[missing]] = True
+            counts.append(predicted.fewest_returns(lost))
         fewest.append(np.stack(counts))
     return SampleSight(np.concatenate(reach), np.concatenate(fewest, axis=1))

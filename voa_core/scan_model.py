@@ -11,8 +11,9 @@ import numpy as np
 
 from voa_core.checks import Floats
 from voa_core.copies import Copies, SimulatedScans
+from voa_core.displaced_scans import DisplacedScans, predict_copies
 from voa_core.displacements import Displacements, Spread
-from voa_core.evidence import restricted
+from voa_core.evidence import restricted, restricted_copies
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Prediction
@@ -22,7 +23,7 @@ from voa_core.simulation import Sampling, chosen_displacements, drawn_displaceme
 from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace
 
-_PAIRS_AT_ONCE = 2**20  # pairs of a scan and a displaced copy, whose log weights take 8 MiB
+_COPIES_AT_ONCE = 2**16  # whose predictions take about 16 MiB
 _KEPT_COPIES = 2**18
 
 
@@ -83,15 +84,12 @@ class ScanModel:
         wanted = Displacements.of(self.poses, sensor, self.spread, self.std, self.seed, fewest)
         return None if wanted.copies == 1 else wanted.at(self.poses, sensor)
 
-    def copies(
-        self, sensor: SensorConfiguration, displacements: Floats | None, scans: int, *, listed: bool, keep: bool
-    ) -> Copies:
-        """Predict the displaced copies of all poses at `sensor`, as they are compared with so many scans.
+    def copies(self, sensor: SensorConfiguration, displacements: Floats | None, *, listed: bool, keep: bool) -> Copies:
+        """Predict the displaced copies of all poses at `sensor`, as scans are compared with them.
 
         Args:
             sensor: the place.
             displacements: (n, J, 3) of the update; None: the poses are exact.
-            scans: number of scans in a comparison, which bounds the size of the blocks.
             listed: True if the scenario lists the sensor, so that its data apply.
             keep: True to keep the predictions for all comparisons, unless they are too many.
 
@@ -100,16 +98,17 @@ class ScanModel:
         """
         if displacements is None:
             exact = restricted(self.predictor.predict(sensor, listed=listed), sensor, None, self.lidar, self.workspace)
-            return Copies(1, lambda: [(slice(0, len(self.poses)), exact)], exact.nbytes)
+            alone = DisplacedScans.of(exact)
+            return Copies(1, lambda: [(slice(0, len(self.poses)), alone)], alone.nbytes)
         n, per_pose = displacements.shape[:2]
-        at_once = max(1, _PAIRS_AT_ONCE // (scans * per_pose))
+        at_once = max(1, _COPIES_AT_ONCE // per_pose)
 
-        def predicted() -> Iterable[tuple[slice, Prediction]]:
+        def predicted() -> Iterable[tuple[slice, DisplacedScans]]:
             for start in range(0, n, at_once):
-                block = self.predictor.predict_displaced(sensor, displacements[start : start + at_once], first=start)
+                block = predict_copies(self.predictor, sensor, displacements[start : start + at_once], first=start)
                 yield (
                     slice(start, min(start + at_once, n)),
-                    restricted(block, sensor, None, self.lidar, self.workspace),
+                    restricted_copies(block, sensor, None, self.lidar, self.workspace),
                 )
 
         if not keep or n * per_pose > _KEPT_COPIES:

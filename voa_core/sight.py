@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.displaced_scans import DisplacedScans
 from voa_core.jit import kernel
 from voa_core.prediction import Prediction
 
@@ -57,24 +58,40 @@ class SightOfSome:
     sight: Sight
 
 
-def sight_of(beams: Floats, prediction: Prediction, copies: int, behind_m: float) -> SightOfSome:
-    """Find the classified beams (r,) that could see some poses in any of their displaced copies.
+def sight_of(beams: Floats, prediction: Prediction, behind_m: float) -> Sight:
+    """Find the classified beams (r,) that could see some poses, each exactly where it is listed.
 
     A return at most `behind_m` behind the farthest prediction of its beam sees the object.
 
     Args:
         beams: metres, as `scans.classify` gives them.
-        prediction: of consecutive poses, with `copies` rows for each.
-        copies: number of displaced copies of each pose.
+        prediction: of the poses.
         behind_m: metres; inf where the workspace bounds the returns.
     """
     columns = prediction.columns[~np.isnan(beams[prediction.columns])]
     entry = np.full(len(beams), -1)
     entry[columns] = np.arange(len(columns))
-    poses = len(prediction.ranges) // copies
+    poses = len(prediction.ranges)
     reach, fewest = np.full((poses, len(columns)), -np.inf), np.full(poses, len(beams))
-    _enter_copies(prediction.ranges, copies, entry[prediction.columns], behind_m, reach, fewest)
-    return SightOfSome(columns, Sight(beams[columns], reach, fewest))
+    _enter(prediction.ranges, entry[prediction.columns], behind_m, reach, fewest)
+    return Sight(beams[columns], reach, fewest)
+
+
+def sight_of_copies(beams: Floats, copies: DisplacedScans, behind_m: float) -> SightOfSome:
+    """Find the classified beams (r,) that could see some poses in any of their displaced copies.
+
+    Args:
+        beams: metres, as `scans.classify` gives them.
+        copies: of consecutive poses.
+        behind_m: as for `sight_of`.
+    """
+    compared = ~np.isnan(beams)
+    columns = np.unique(copies.beams[compared[copies.beams]]).astype(np.intp)
+    seen = compared[copies.beams] & (copies.farthest > -np.inf)
+    of_row = np.repeat(np.arange(len(copies)), np.diff(copies.start))
+    reach = np.full((len(copies), len(columns)), -np.inf)
+    reach[of_row[seen], np.searchsorted(columns, copies.beams[seen])] = copies.farthest[seen] + behind_m
+    return SightOfSome(columns, Sight(beams[columns], reach, copies.fewest_returns(~compared)))
 
 
 def joined(beams: Floats, parts: Sequence[SightOfSome]) -> Sight:
@@ -92,22 +109,18 @@ def joined(beams: Floats, parts: Sequence[SightOfSome]) -> Sight:
 
 
 @kernel
-def _enter_copies(
-    ranges: Floats, copies: int, entry: NDArray[np.intp], behind_m: float, reach: Floats, fewest: NDArray[np.intp]
-) -> None:
-    """Enter the predictions (n J, c) of the J copies of each pose into `reach` (n, u) and `fewest` (n,).
+def _enter(ranges: Floats, entry: NDArray[np.intp], behind_m: float, reach: Floats, fewest: NDArray[np.intp]) -> None:
+    """Enter the predictions (n, c) of the poses into `reach` (n, u) and `fewest` (n,).
 
     `entry` (c,) is the index among the u beams of each column; -1 for a column that is not compared.
     """
-    for row in range(len(ranges)):
-        pose = row // copies
+    for pose in range(len(ranges)):
         returns = 0
         for column in range(len(entry)):
-            if entry[column] >= 0 and ranges[row, column] < np.inf:
+            if entry[column] >= 0 and ranges[pose, column] < np.inf:
                 returns += 1
-                beam = entry[column]
-                reach[pose, beam] = max(reach[pose, beam], ranges[row, column] + behind_m)
-        fewest[pose] = min(fewest[pose], returns)
+                reach[pose, entry[column]] = ranges[pose, column] + behind_m
+        fewest[pose] = returns
 
 
 @kernel

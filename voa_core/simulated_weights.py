@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.choices import belief_after
-from voa_core.copies import Copies, SimulatedScans, distances, log_mean_weights
+from voa_core.copies import Copies, SimulatedScans, distances, log_mean_weights, log_mean_weights_of_each
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief, condition
 from voa_core.kernels import Array
@@ -41,6 +41,7 @@ class SimulatedWeights:
         refused: (N,) for each scan in a row, flags of the samples in which it is not accepted whatever the belief.
         sights: for each scan in a row, the beams that could see the object.
         matrix: (N, n) float64 or float32, each row scaled so that its largest weight is 1.
+        left_out: (N,) largest total that weights left out of a row of `matrix` may have, on its scale.
         judged: True if scans that do not show the object count for nothing already.
     """
 
@@ -52,6 +53,7 @@ class SimulatedWeights:
     refused: tuple[NDArray[np.bool_], ...]
     sights: tuple[SampleSight, ...]
     matrix: Array
+    left_out: Floats
     judged: bool = False
 
     @classmethod
@@ -96,16 +98,19 @@ class SimulatedWeights:
             sensor, sampling, listed=listed, looks=looks, displacements=displacements, log_sums=log_sums
         )
         check()
-        number = len(scans[0].ranges)
-        copies = model.copies(sensor, displacements, number, listed=listed, keep=True)
+        copies = model.copies(sensor, displacements, listed=listed, keep=True)
         check()
         sights = tuple(
             sight_of_samples(scan, copies, np.inf if model.workspace is not None else BEHIND_M) for scan in scans
         )
         refused = tuple(_refused(model, scan, copies) for scan in scans)
-        matrix = _matrix(model, scans, refused, copies, log_sums, np.dtype(dtype), check)
-        copies = model.copies(sensor, displacements, number, listed=listed, keep=False)
-        return cls(model, copies, scans, sampling.samples, log_sums, refused, sights, matrix)
+        if looks == 1 and log_sums is None and copies.per_pose > 1:
+            matrix, left_out = _matrix_of_each(model, scans[0], refused[0], sampling.samples, copies, dtype, check)
+        else:
+            matrix = _matrix(model, scans, refused, copies, log_sums, np.dtype(dtype), check)
+            left_out = np.zeros(len(matrix))
+        copies = model.copies(sensor, displacements, listed=listed, keep=False)
+        return cls(model, copies, scans, sampling.samples, log_sums, refused, sights, matrix, left_out)
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -138,7 +143,8 @@ class SimulatedWeights:
         if len(self.scans) == 1:
             matrix = self.matrix.copy()
             matrix[refused[0]] = 1.0
-            return replace(self, refused=refused, matrix=matrix, judged=True)
+            left_out = np.where(refused[0], 0.0, self.left_out)
+            return replace(self, refused=refused, matrix=matrix, left_out=left_out, judged=True)
         matrix = _matrix(self.model, self.scans, refused, self.copies, self.log_sums, self.dtype, wanted)
         return replace(self, refused=refused, matrix=matrix, judged=True)
 
@@ -148,6 +154,10 @@ class SimulatedWeights:
         if len(columns) == n:
             return self.matrix if len(rows) == samples else self.matrix[rows]
         return self.matrix[np.ix_(rows, columns)]
+
+    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
+        """Largest total, (k,), of the weights that are left out of the samples `rows`, as they are scaled."""
+        return self.left_out[rows]
 
     def log_rows(self, rows: NDArray[np.intp]) -> Floats:
         """Logarithms ln w of every pose after the samples `rows`, in float64, (k, n)."""
@@ -244,6 +254,25 @@ def _matrix(
     logs = np.zeros((len(scans[0].ranges), len(model.poses)))
     log_mean_weights(scans, refused, copies, model.rule, log_sums, logs, check)
     return scale_rows(logs).astype(dtype, copy=False)
+
+
+def _matrix_of_each(
+    model: ScanModel,
+    scans: SimulatedScans,
+    refused: NDArray[np.bool_],
+    samples: int,
+    copies: Copies,
+    dtype: type[np.floating],
+    check: Callable[[], None],
+) -> tuple[Array, Floats]:
+    """Weights (N, n) after single scans, each row scaled, and the largest total (N,) that may be left out of each."""
+    logs = np.zeros((len(scans.ranges), len(model.poses)))
+    least = log_mean_weights_of_each(scans, samples, copies, model.rule, logs, check)
+    logs[refused] = 0.0
+    left_out = np.zeros(len(logs))
+    if least is not None:
+        left_out = np.where(refused, 0.0, np.exp(np.minimum(least - logs.max(axis=1), 0.0)))
+    return scale_rows(logs).astype(np.dtype(dtype), copy=False), left_out
 
 
 def _refused(model: ScanModel, scans: SimulatedScans, copies: Copies) -> NDArray[np.bool_]:

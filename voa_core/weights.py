@@ -120,6 +120,10 @@ class Weigher:
             for row, belief in zip(rows, before, strict=True)
         ]
 
+    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
+        """Largest total, (k,), of the weights that are left out of the rows: nothing is."""
+        return np.zeros(len(rows))
+
     def seen_with(self, _belief: Belief, _policy: UpdatePolicy) -> "Weigher":
         """Weights of this look: a predicted scan shows the object, as far as the rule can say."""
         return self

@@ -14,13 +14,14 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from tests.benchmarks import bus, durable, growth, prediction, ranking, service, weights
+from tests.benchmarks import bus, durable, growth, prediction, ranking, service, spread, weights
 from tests.benchmarks.measure import Result
 
 SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "prediction": prediction.run,
     "weights": weights.run,
     "ranking": ranking.run,
+    "spread": spread.run,
     "growth": growth.run,
     "service": service.run,
     "durable": durable.run,

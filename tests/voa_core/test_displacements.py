@@ -8,6 +8,7 @@ import pytest
 
 from tests.voa_core.worlds import box, data_predictor, lidar_of
 from voa_core import prediction
+from voa_core.displaced_scans import predict_copies
 from voa_core.displacements import (
     Displacements,
     Spread,
@@ -21,7 +22,7 @@ from voa_core.errors import InvalidInput, NoMesh
 from voa_core.geometry import quaternion_of_matrix, turn
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
-from voa_core.prediction import Prediction, predictor_of_mesh
+from voa_core.prediction import predictor_of_mesh
 
 POSES = PoseSet.from_arrays(
     ["A", "B", "C"],
@@ -198,22 +199,22 @@ def test_a_spread_that_is_none_is_refused(values: Any, message: str) -> None:
 def test_displaced_predictions_are_remembered_by_all_that_they_depend_on() -> None:
     keys: list[object] = []
 
-    def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+    def remember(key: Hashable, make: Callable[[], Any]) -> Any:
         keys.append(key)
         return make()
 
     predictor = replace(predictor_of_mesh(CUBE, POSES, LIDAR), remember=remember)
     whole, grid = np.zeros((3, 2, 3)), BeamGrid(7, -0.2, 0.061)
-    predictor.predict_displaced(AT, whole)
+    predict_copies(predictor, AT, whole)
     assert keys == []
     for sensor in (AT, replace(AT, x=0.1), replace(AT, y=0.1), replace(AT, yaw_rad=0.1), replace(AT, height_m=0.05)):
-        predictor.predict_displaced(sensor, whole, key="a")
-    predictor.predict_displaced(AT, whole, grid, key="a")
-    predictor.predict_displaced(AT, whole[1:], key="a", first=1)
-    predictor.predict_displaced(AT, whole[:2], key="a")
-    predictor.predict_displaced(AT, whole, key="b")
+        predict_copies(predictor, sensor, whole, key="a")
+    predict_copies(predictor, AT, whole, grid, key="a")
+    predict_copies(predictor, AT, whole[1:], key="a", first=1)
+    predict_copies(predictor, AT, whole[:2], key="a")
+    predict_copies(predictor, AT, whole, key="b")
     assert len(set(keys)) == 9
-    predictor.predict_displaced(replace(AT, name="other", cost=1.0), whole, LIDAR.grid, key="a")
+    predict_copies(predictor, replace(AT, name="other", cost=1.0), whole, LIDAR.grid, key="a")
     assert len(set(keys)) == 9
 
 

@@ -1,6 +1,7 @@
 import math
 from collections.abc import Callable, Hashable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,7 +107,7 @@ def test_what_is_remembered_is_not_taken_for_another_prediction(
     data = {"a": np.array([[0.7, INF, INF, INF]]), "b": np.array([[0.8, INF, INF, INF]])}
     kept: dict[Hashable, Prediction] = {}
 
-    def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+    def remember(key: Hashable, make: Callable[[], Any]) -> Any:
         if key not in kept:
             kept[key] = make()
         return kept[key]

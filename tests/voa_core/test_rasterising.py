@@ -10,7 +10,7 @@ from voa_core.checks import Floats
 from voa_core.cutting import Contours
 from voa_core.lidars import BeamGrid, SensorConfiguration
 from voa_core.poses import PoseSet
-from voa_core.rasterising import _ATAN, _angle, rasterise
+from voa_core.rasterising import ATAN, angle, rasterise
 
 INF = math.inf
 CUBE = box(0.2, 0.2, 0.2)
@@ -38,17 +38,17 @@ def test_the_arc_tangent_is_the_chebyshev_interpolant_that_it_says() -> None:
     wide = math.tan(math.pi / 8.0) ** 2
     derived = np.polynomial.Chebyshev.interpolate(ratio, 8, domain=[0.0, wide])
     u = np.linspace(1e-12, wide, 1001)
-    np.testing.assert_allclose(np.polynomial.Polynomial(_ATAN)(u), derived(u), rtol=0, atol=2e-14)
-    assert list(derived.convert(kind=np.polynomial.Polynomial).coef) == pytest.approx(list(_ATAN), rel=1e-6)
+    np.testing.assert_allclose(np.polynomial.Polynomial(ATAN)(u), derived(u), rtol=0, atol=2e-14)
+    assert list(derived.convert(kind=np.polynomial.Polynomial).coef) == pytest.approx(list(ATAN), rel=1e-6)
 
 
 def test_angles_are_within_1e_14_of_atan2_all_around() -> None:
-    for angle in np.linspace(-math.pi, math.pi, 401):
+    for bearing in np.linspace(-math.pi, math.pi, 401):
         for radius in (1e-6, 1.0, 50.0):
-            x, y = radius * math.cos(angle), radius * math.sin(angle)
-            assert _angle(y, x) == pytest.approx(math.atan2(y, x), abs=1.1e-14)
-    assert _angle(0.0, 0.0) == 0.0
-    assert _angle(0.0, -1.0) == pytest.approx(math.pi)
+            x, y = radius * math.cos(bearing), radius * math.sin(bearing)
+            assert angle(y, x) == pytest.approx(math.atan2(y, x), abs=1.1e-14)
+    assert angle(0.0, 0.0) == 0.0
+    assert angle(0.0, -1.0) == pytest.approx(math.pi)
 
 
 def test_a_cube_straight_ahead_by_hand() -> None:

@@ -1,5 +1,6 @@
 """Weights after simulated scans, and the values of looks over them, against brute force."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from voa_core import displacements, scan_model
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
+from voa_core.joint_weights import JointWeights
 from voa_core.looks import Looks
 from voa_core.ranking import Valuation
 from voa_core.simulated_weights import SimulatedWeights, simulated_looks
@@ -94,11 +96,23 @@ def test_pending_looks_here_and_there(twin: BruteForce) -> None:
     assert own.standard_error == pytest.approx(error, abs=1e-10)
 
 
+def test_scans_of_which_too_much_is_left_out_are_weighed_in_full() -> None:
+    twin = CASES[0]
+    valuation = Valuation(Belief.of(BELIEF), TABLE, twin.policy, "executed", Belief.of(SENSOR_BELIEF))
+    look = SimulatedWeights.of(twin.model, NEAR, SAMPLING)
+    spoilt = look.matrix * np.array([0.0, 1.0, 1.0, 1.0, 1.0])
+    full = valuation.value(look).voa
+    assert valuation.value(replace(look, matrix=spoilt)).voa != pytest.approx(full, abs=1e-6)
+    known = replace(look, matrix=spoilt, left_out=np.ones(15))
+    assert valuation.value(known).voa == pytest.approx(full, abs=1e-10)
+    assert JointWeights((known, look)).most_left_out(np.arange(2)) == pytest.approx([1.0, 1.0], abs=1e-6)
+
+
 def test_float32_and_blocks_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     twin = CASES[1]
     valuation = Valuation(Belief.of(BELIEF), TABLE, twin.policy, "executed")
     of_whole = valuation.value(looks_of(twin).together(NEAR))
-    monkeypatch.setattr(scan_model, "_PAIRS_AT_ONCE", 1)
+    monkeypatch.setattr(scan_model, "_COPIES_AT_ONCE", 1)
     monkeypatch.setattr(scan_model, "_KEPT_COPIES", 0)
     small = SimulatedWeights.of(twin.model, NEAR, SAMPLING, np.float32)
     assert small.dtype == np.float32

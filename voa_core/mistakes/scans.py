@@ -195,7 +195,7 @@ def _evidence(scenario: Scenario, cuts: Contours, scan: Scan, sensor: SensorConf
     prediction = Prediction.of_dense(scan.grid, rasterise(cuts, sensor, scan.grid, lidar.range_max))
     return evidence_of_beams(
         classify(scan, lidar, crossing),
-        [restricted(prediction, sensor, scan, lidar, workspace)],
+        restricted(prediction, sensor, scan, lidar, workspace),
         scenario.rule,
         has_workspace=workspace is not None,
     )

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.cutting import Ints
 from voa_core.jit import kernel
 from voa_core.mistakes.picking import evenly
 from voa_core.objects import Object
+from voa_core.outlines import Ints
 
 _SAMPLES = 64
 

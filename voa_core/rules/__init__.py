@@ -14,6 +14,8 @@
 | `distances`    | the distance d between scans, and the base of the rules that depend on d alone  |
 | `registry`     | the built-in rules by name, their defaults for a lidar, and how to make one     |
 | `plugins`      | rules that another package provides, and the checks of what they compute        |
+| `distance_comparison` | comparison with displaced copies for rules of simple differences         |
+| `mixture_comparison`  | comparison with displaced copies for `beam`                              |
 
 To add a built-in rule: a file here, its class in `registry._BUILT_IN`, and its message in the union
 `voa_msgs.updates.BuiltInUpdate`. To add a rule in a package of your own, without a change to this project:

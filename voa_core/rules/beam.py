@@ -7,10 +7,13 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from voa_core.checks import number
+from voa_core.checks import Floats, number
+from voa_core.displaced_scans import DisplacedScans
 from voa_core.errors import InvalidInput
 from voa_core.kernels import Array, mixture_likelihoods
 from voa_core.lidars import LidarModel
+from voa_core.mixture import Mixture
+from voa_core.rules.mixture_comparison import MixtureComparison
 
 _Z_SHORT = 0.05
 _Z_RANDOM = 0.05
@@ -18,6 +21,7 @@ _LAMBDA_SHORT_PER_M = 1.0
 _SILHOUETTE_SHARE = 0.05
 _ONE_WITNESS_RAD = math.radians(4.0)
 _ONE_WITNESS_OF_COPIES_RAD = math.radians(2.0)
+_LEAST_SHARE = 1e-9  # of random returns per metre, and of no-returns
 _BLOCK_POSES = 512  # tables of so many predicted scans fit in the cache of a processor core
 
 
@@ -165,3 +169,33 @@ class Beam:
         """Logarithms of the weights, `temper` times the log-likelihoods; in the shape of `statistic`."""
         log_weights: Array = statistic * statistic.dtype.type(self.temper)
         return log_weights
+
+    def comparison(self, observed: Floats, copies: DisplacedScans) -> MixtureComparison | None:
+        """Make the comparison of classified scans (N, r), metres, with displaced copies of poses.
+
+        None where random returns hardly occur, or where no copy can explain a beam: products of such densities do not
+        fit the loops that are made for many copies.
+        """
+        hit, short, lost, random = (
+            share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
+        )
+        hit_peak, density = hit / math.sqrt(2.0 * math.pi), random / self.range_max
+        short_peak = short * self.lambda_short_per_m
+        highest = density + hit_peak / self.sigma_hit_m + short_peak / -math.expm1(-1e-9 * self.lambda_short_per_m)
+        if min(density, lost) < _LEAST_SHARE:
+            return None
+        factors = _factors_in_range(density, lost, highest)
+        mixture = Mixture(
+            hit_peak,
+            short_peak,
+            density,
+            lost,
+            0.5 * hit + lost,
+            self.lambda_short_per_m,
+            self.sigma_hit_m,
+            self.noise_ratio,
+            self.range_max,
+            float(self.temper),
+            factors,
+        )
+        return MixtureComparison(mixture, observed, copies)

@@ -4,15 +4,20 @@ d is the Euclidean norm, over the compared beams, of the differences of coded ra
 `min(range, no_return_m)` and a no-return as `no_return_m`.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from voa_core.checks import number
+from voa_core.checks import Floats, number
+from voa_core.copy_kernels import log_sums_of_exp
+from voa_core.displaced_scans import DisplacedScans
 from voa_core.kernels import Array, squared_distances, squared_distances_among
 from voa_core.lidars import LidarModel
+from voa_core.rules.distance_comparison import DifferenceComparison
 
 
 def coded(ranges: Array, no_return_m: float) -> Array:
@@ -29,7 +34,7 @@ def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> A
 
 
 @dataclass(frozen=True)
-class DistanceRule:
+class DistanceRule(ABC):
     """Base of the rules whose weight depends on d alone: their statistic is d^2, and each adds `log_weights`.
 
     Each field of a subclass is a parameter of its rule, a number above 0; its default is the parameter's.
@@ -64,3 +69,19 @@ class DistanceRule:
         out = np.zeros((len(ranges), len(ranges)), dtype=ranges.dtype)
         squared_distances_among(coded(ranges, self.no_return_m), out)
         return out
+
+    @abstractmethod
+    def log_weights(self, statistic: Array, beams: int, /) -> Array:
+        """Natural logarithms of the weights, from d^2; in the shape of `statistic`."""
+
+    def comparison(self, observed: Floats, copies: DisplacedScans) -> DifferenceComparison:
+        """Make the comparison of classified scans (N, r), metres, with displaced copies of poses."""
+        return DifferenceComparison(self, observed, copies)
+
+    def log_means(self, statistic: Floats, _beams: NDArray[np.intp]) -> Floats:
+        """Logarithms (N,) of the mean weight of J copies, from statistics (J, N) of a rule that ignores `beams`."""
+        exponents: Floats = np.asarray(self.log_weights(statistic, 1), dtype=np.float64)
+        means, bits = np.zeros(statistic.shape[1]), np.zeros(statistic.shape[1], dtype=np.int64)
+        log_sums_of_exp(exponents, means, bits)
+        means -= np.log(len(statistic))
+        return means

@@ -4,7 +4,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from voa_core.checks import Floats
+from voa_core.copy_kernels import add_inverse_roots
 from voa_core.kernels import Array
 from voa_core.rules.distances import DistanceRule
 
@@ -27,3 +30,10 @@ class InverseRmsd(DistanceRule):
         rmsd = np.sqrt(statistic / statistic.dtype.type(beams))
         log_weights: Array = -np.log(np.maximum(rmsd, statistic.dtype.type(self.floor_m)))
         return log_weights
+
+    def log_means(self, statistic: Floats, beams: NDArray[np.intp]) -> Floats:
+        """Logarithms (N,) of the mean weight of J copies, from d^2 (J, N) over `beams` (N,) beams."""
+        sums = np.zeros(statistic.shape[1])
+        add_inverse_roots(statistic, 1.0 / beams, self.floor_m, sums)
+        logs: Floats = np.log(sums / len(statistic))
+        return logs

@@ -5,7 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from voa_core.checks import Floats
+from voa_core.displaced_scans import DisplacedScans
 from voa_core.kernels import Array, disagreements
+from voa_core.rules.distance_comparison import DifferenceComparison
 from voa_core.rules.distances import DistanceRule, coded
 
 
@@ -39,3 +42,7 @@ class Margin(DistanceRule):
     def log_weights(self, statistic: Array, _beams: int, /) -> Array:
         """Logarithms of the weights: 0 where no beam disagrees, else -inf; in the shape of `statistic`."""
         return np.where(statistic == 0.0, 0.0, -np.inf).astype(statistic.dtype)
+
+    def comparison(self, observed: Floats, copies: DisplacedScans) -> DifferenceComparison:
+        """Make the comparison of classified scans (N, r), metres, with displaced copies of poses."""
+        return DifferenceComparison(self, observed, copies, self.margin_m)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 import structlog
@@ -16,7 +16,6 @@ from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
-from voa_core.prediction import Prediction
 from voa_core.scenario import Scenario
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.weights import Weigher
@@ -26,7 +25,7 @@ from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
 from voa_service.ports import Store
 from voa_service.requests import large_json
-from voa_service.runtime.cache import Cache
+from voa_service.runtime.cache import Cache, Sized
 from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
 
@@ -34,6 +33,9 @@ Precision = Literal["float64", "float32"]
 
 _MISTAKES_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that filled it completely would evict its own weights
+
+
+K = TypeVar("K", bound=Sized)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +131,7 @@ class Models:
             mesh = Mesh(stored.object, stored.up)
             contours_at = self._contours_at(id_, stored.object)
 
-        def remember(key: Hashable, make: Callable[[], Prediction]) -> Prediction:
+        def remember(key: Hashable, make: Callable[[], K]) -> K:
             return self._cache.get(("prediction", id_, key), make)
 
         scenario = replace(scenario_of(request, contours_at, remember, self._installed), seed=id_)
