@@ -14,7 +14,9 @@ from voa_core.displaced_scans import DisplacedScans, predict_copies
 from voa_core.displacements import standard_normal_points
 from voa_core.filtering import log_means
 from voa_core.prediction import predictor_of_mesh
+from voa_core.rules import distance_comparison
 from voa_core.rules.distances import squared_distance
+from voa_core.rules.mixture_comparison import MixtureComparison
 from voa_core.rules.registry import rule_of
 
 COPIES = 32
@@ -107,6 +109,43 @@ def test_of_the_pose_that_gives_a_scan_nothing_is_left_out() -> None:
     np.testing.assert_allclose(of_own, log_means(comparison.log_weights(np.arange(20), own)), rtol=0, atol=1e-9)
     means[own, np.arange(20)] = -np.inf
     assert (means == -np.inf).all()
+
+
+@pytest.mark.parametrize("above", [0.0, 0.3, 1.0, 3.0, 10.0, np.inf])
+def test_poses_and_clusters_that_cannot_weigh_enough_are_left_out_whole(above: float) -> None:
+    copies, rule = copies_at_near(), rule_of("beam", LIDAR)
+    scans = scans_of(copies, 4)
+    comparison = comparison_of(rule, scans, copies)
+    most = PlainComparison(rule, scans, copies).log_weights(np.tile(np.arange(20), 5), np.repeat(np.arange(5), 20))
+    least = most.reshape(5, 20, COPIES).max(axis=(0, 2)) + above
+    means = comparison.log_means(np.full(20, -1), least, nowhere)
+    assert ((means == -np.inf) | (means <= least)).all()
+    assert (means == -np.inf).all() or above < np.inf
+
+
+def test_products_of_few_factors_give_the_same_weights() -> None:
+    copies, rule = copies_at_near(), rule_of("beam", LIDAR)
+    scans = scans_of(copies, 5)
+    usual, short = comparison_of(rule, scans, copies), comparison_of(rule, scans, copies)
+    assert isinstance(short, MixtureComparison)
+    short._mixture = short._mixture._replace(factors=3)
+    pairs = np.tile(np.arange(20), 5), np.repeat(np.arange(5), 20)
+    np.testing.assert_allclose(short.log_weights(*pairs), usual.log_weights(*pairs), rtol=1e-12, atol=1e-9)
+    for least in (np.full(20, -np.inf), np.full(20, -30.0)):
+        own = np.arange(20) % 5
+        np.testing.assert_allclose(
+            short.log_means(own, least, nowhere), usual.log_means(own, least, nowhere), rtol=1e-12, atol=1e-9
+        )
+
+
+def test_a_comparison_of_many_poses_can_be_ended_between_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(distance_comparison, "_NUMBERS_AT_ONCE", 1)
+    copies, rule = copies_at_near(), rule_of("gaussian", LIDAR)
+    scans, checked = scans_of(copies, 6), []
+    comparison = comparison_of(rule, scans, copies)
+    means = comparison.log_means(np.full(20, -1), np.full(20, -np.inf), lambda: checked.append(1))
+    assert means.shape == (5, 20)
+    assert 0 < len(checked) < 5
 
 
 @pytest.mark.parametrize("parameters", [{"z_random": 0.0}, {"z_no_return": 0.0}, {"z_random": 1e-12}])

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.voa_core.worlds import box, lidar_of, standing
 from voa_core.checks import Floats
+from voa_core.copy_rasterising import _cover
 from voa_core.cutting import cut_poses
 from voa_core.displaced_scans import DisplacedScans, joined_scans, predict_copies, predict_displaced_scans
 from voa_core.displacements import displaced
@@ -103,6 +104,27 @@ def test_copies_are_seen_as_poses_that_lie_there(
     assert (own.ranges < np.inf).any(axis=1).all()
     one = own.prediction(1, 2).dense()
     same_scans(one, expected[8:])
+
+
+def test_an_edge_that_points_at_the_lidar_shows_its_nearer_end() -> None:
+    """The ends lie on one beam but for rounding, which would decide where the beam meets the edge."""
+    whole = np.array([[0, 1]], dtype=np.int32)
+    cells, candidates = np.array([3, 4], dtype=np.int32), np.zeros(1, dtype=np.int32)
+    beam, window = np.array([[1.0], [0.0]]), np.full((1, 1), np.inf)
+    _cover(
+        whole,
+        np.array([0.3, 0.5]),
+        np.zeros(2),
+        np.array([4.0 - 1e-13, 4.0]),
+        cells,
+        candidates,
+        beam,
+        4,
+        2.0,
+        window,
+        0,
+    )
+    assert window.tolist() == [[0.3]]
 
 
 def test_only_edges_that_may_be_seen_are_left() -> None:

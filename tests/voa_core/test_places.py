@@ -91,3 +91,7 @@ def test_a_look_with_other_copies_than_its_place_is_refused() -> None:
     place = Place(HERE, (1,), np.zeros((1, 2)))
     with pytest.raises(ValueError, match="the look has 4 copies of each pose and its place 2"):
         place.with_look(2, np.zeros((1, 4)))
+
+
+def test_a_place_says_what_memory_it_holds() -> None:
+    assert Place(None, (), np.zeros((3, 4))).nbytes == 3 * 4 * 8
