@@ -96,10 +96,14 @@ def after_each(
         again |= shares[block] * look.most_left_out(rows[block]) > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
         doubtful[block] = again | undecided if sure else again
     again_rows = np.flatnonzero(doubtful)
-    for row, after in zip(again_rows, look.beliefs(rows[again_rows], [belief] * len(again_rows), policy), strict=True):
-        choice = choose(table.expected_scores(after.p))
-        chosen[row] = -1 if choice.index is None else choice.index
-        scores[row] = choice.expected_score
+    rows_at_once = max(1, _BLOCK_BYTES // (8 * len(belief.p)))
+    for start in range(0, len(again_rows), rows_at_once):
+        check()
+        some = again_rows[start : start + rows_at_once]
+        for row, after in zip(some, look.beliefs(rows[some], [belief] * len(some), policy), strict=True):
+            choice = choose(table.expected_scores(after.p))
+            chosen[row] = -1 if choice.index is None else choice.index
+            scores[row] = choice.expected_score
     return chosen, scores
 
 

@@ -132,7 +132,7 @@ def log_mean_weights(
 
 def log_mean_weights_of_each(
     scans: SimulatedScans,
-    samples: int,
+    own: NDArray[np.intp],
     copies: Copies,
     rule: UpdateRule,
     out: Floats,
@@ -144,7 +144,7 @@ def log_mean_weights_of_each(
 
     Args:
         scans: of the N samples.
-        samples: number K of samples of each pose, N = n K.
+        own: (N,) index of the pose that gives each scan.
         copies: of the poses.
         rule: the update rule.
         out: (N, n) written; -inf also where all copies of a pose are left out.
@@ -153,18 +153,21 @@ def log_mean_weights_of_each(
     Returns:
         ln w (N,) below which copies are left out; None: none are.
     """
-    own = np.repeat(np.arange(out.shape[1]), samples)
     least = np.full(len(out), -np.inf)
-    blocks = [(poses, comparison_of(rule, scans.dense(some.grid.beams), some)) for poses, some in copies.blocks()]
-    for poses, comparison in blocks:
+    for poses, some in copies.blocks():
         check()
-        if comparison.leaves_out:
-            mine = np.flatnonzero((own >= poses.start) & (own < poses.stop))
-            least[mine] = log_means(comparison.log_weights(mine, own[mine] - poses.start)) - negligible(out.shape[1])
-    for poses, comparison in blocks:
+        mine = np.flatnonzero((own >= poses.start) & (own < poses.stop))
+        comparison = comparison_of(rule, scans.part(mine).dense(some.grid.beams), some)
+        if comparison.leaves_out and len(mine):
+            means = log_means(comparison.log_weights(np.arange(len(mine)), own[mine] - poses.start))
+            least[mine] = means - negligible(out.shape[1])
+    leaves_out = True
+    for poses, some in copies.blocks():  # predicted again where they are not kept: all together may not fit in memory
+        comparison = comparison_of(rule, scans.dense(some.grid.beams), some)
         within = np.where((own >= poses.start) & (own < poses.stop), own - poses.start, -1)
         out[:, poses] = comparison.log_means(within, least, check).T
-    return least if all(comparison.leaves_out for _, comparison in blocks) else None
+        leaves_out = leaves_out and comparison.leaves_out
+    return least if leaves_out else None
 
 
 def distances(scans: SimulatedScans, copies: Copies, no_return_m: float) -> Floats:

@@ -2,9 +2,11 @@
 
 W[i, p] is the weight that pose p gets when the simulated scan i is observed. It does not depend on the belief, so
 callers keep it for each place, as `weights.Weigher` between exact scans; only a place that was looked from in a session
-has weights of its own in that session.
+has weights of its own in that session. Where a place has too many weights to keep, they are computed for some scans
+at a time, each time that they are needed.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,7 +17,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.choices import belief_after
-from voa_core.copies import Copies, SimulatedScans, distances, log_mean_weights, log_mean_weights_of_each
+from voa_core.copies import Copies, SimulatedScans, distances, log_mean_weights, log_mean_weights_of_each, negligible
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief, condition
 from voa_core.kernels import Array
@@ -26,6 +28,9 @@ from voa_core.sight import BEHIND_M
 from voa_core.simulation import Sampling
 from voa_core.updating import UpdatePolicy, nearest
 from voa_core.weights import scale_rows, wanted
+
+_MOST_KEPT = 2**22
+"""Most weights of a place that are kept, or computed at a time: 32 MiB in float64."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +45,8 @@ class SimulatedWeights:
         log_sums: (n, J) log weights of earlier looks from the place, summed; None: there are none.
         refused: (N,) for each scan in a row, flags of the samples in which it is not accepted whatever the belief.
         sights: for each scan in a row, the beams that could see the object.
-        matrix: (N, n) float64 or float32, each row scaled so that its largest weight is 1.
+        dtype: type of the weights, float64 or float32.
+        matrix: (N, n) each row scaled so that its largest weight is 1; None: the weights are computed when needed.
         left_out: (N,) largest total that weights left out of a row of `matrix` may have, on its scale.
         judged: True if scans that do not show the object count for nothing already.
     """
@@ -52,8 +58,9 @@ class SimulatedWeights:
     log_sums: Floats | None
     refused: tuple[NDArray[np.bool_], ...]
     sights: tuple[SampleSight, ...]
-    matrix: Array
+    dtype: np.dtype[Any]
     left_out: Floats
+    matrix: Array | None = None
     judged: bool = False
 
     @classmethod
@@ -104,18 +111,13 @@ class SimulatedWeights:
             sight_of_samples(scan, copies, np.inf if model.workspace is not None else BEHIND_M) for scan in scans
         )
         refused = tuple(_refused(model, scan, copies) for scan in scans)
-        if looks == 1 and log_sums is None and copies.per_pose > 1:
-            matrix, left_out = _matrix_of_each(model, scans[0], refused[0], sampling.samples, copies, dtype, check)
-        else:
-            matrix = _matrix(model, scans, refused, copies, log_sums, np.dtype(dtype), check)
-            left_out = np.zeros(len(matrix))
-        copies = model.copies(sensor, displacements, listed=listed, keep=False)
-        return cls(model, copies, scans, sampling.samples, log_sums, refused, sights, matrix, left_out)
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """Type of the weights: float64 or float32."""
-        return self.matrix.dtype
+        number, n = len(scans[0].ranges), len(model.poses)
+        left_out = np.full(number, math.exp(-negligible(n)))
+        computed = cls(model, copies, scans, sampling.samples, log_sums, refused, sights, np.dtype(dtype), left_out)
+        if number * n <= _MOST_KEPT:
+            matrix, left_out = computed._scaled(np.arange(number), check)
+            computed = replace(computed, matrix=matrix, left_out=left_out)
+        return replace(computed, copies=model.copies(sensor, displacements, listed=listed, keep=False))
 
     @property
     def simulated(self) -> bool:
@@ -126,7 +128,8 @@ class SimulatedWeights:
     def nbytes(self) -> int:
         """Memory held, in bytes."""
         of_sights = sum(sight.reach.nbytes + sight.fewest.nbytes for sight in self.sights)
-        return self.matrix.nbytes + sum(scan.ranges.nbytes for scan in self.scans) + of_sights + self.copies.nbytes
+        of_matrix = 0 if self.matrix is None else self.matrix.nbytes
+        return of_matrix + sum(scan.ranges.nbytes for scan in self.scans) + of_sights + self.copies.nbytes
 
     def seen_with(self, belief: Belief, policy: UpdatePolicy) -> "SimulatedWeights":
         """Weights with which scans that do not show the object change nothing, under a belief that may not expect them.
@@ -140,16 +143,20 @@ class SimulatedWeights:
         refused = tuple(old | new for old, new in zip(self.refused, missed, strict=True))
         if not any((new & ~old).any() for old, new in zip(self.refused, refused, strict=True)):
             return replace(self, judged=True)
+        judged = replace(self, refused=refused, judged=True)
+        if self.matrix is None:
+            return judged
         if len(self.scans) == 1:
             matrix = self.matrix.copy()
             matrix[refused[0]] = 1.0
-            left_out = np.where(refused[0], 0.0, self.left_out)
-            return replace(self, refused=refused, matrix=matrix, left_out=left_out, judged=True)
-        matrix = _matrix(self.model, self.scans, refused, self.copies, self.log_sums, self.dtype, wanted)
-        return replace(self, refused=refused, matrix=matrix, judged=True)
+            return replace(judged, matrix=matrix, left_out=np.where(refused[0], 0.0, self.left_out))
+        return replace(judged, matrix=judged._scaled(np.arange(len(self.matrix)))[0])
 
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights W[rows, columns], each row scaled by a positive number of its own."""
+        if self.matrix is None:
+            blocks = np.array_split(rows, math.ceil(len(rows) * len(self.model.poses) / _MOST_KEPT))
+            return np.concatenate([self._scaled(block)[0][:, columns] for block in blocks])
         samples, n = self.matrix.shape
         if len(columns) == n:
             return self.matrix if len(rows) == samples else self.matrix[rows]
@@ -159,13 +166,27 @@ class SimulatedWeights:
         """Largest total, (k,), of the weights that are left out of the samples `rows`, as they are scaled."""
         return self.left_out[rows]
 
-    def log_rows(self, rows: NDArray[np.intp]) -> Floats:
+    def log_rows(self, rows: NDArray[np.intp], check: Callable[[], None] = wanted) -> Floats:
         """Logarithms ln w of every pose after the samples `rows`, in float64, (k, n)."""
-        logs = np.zeros((len(rows), self.matrix.shape[1]))
+        logs = np.zeros((len(rows), len(self.model.poses)))
         scans = [scan.part(rows) for scan in self.scans]
         refused = [flags[rows] for flags in self.refused]
-        log_mean_weights(scans, refused, self.copies, self.model.rule, self.log_sums, logs)
+        log_mean_weights(scans, refused, self.copies, self.model.rule, self.log_sums, logs, check)
         return logs
+
+    def _scaled(self, rows: NDArray[np.intp], check: Callable[[], None] = wanted) -> tuple[Array, Floats]:
+        """Compute the weights (k, n) after the samples `rows`, each row scaled, and what may be left out of each."""
+        if len(self.scans) > 1 or self.log_sums is not None or self.copies.per_pose == 1:
+            logs = self.log_rows(rows, check)
+            return scale_rows(logs).astype(self.dtype, copy=False), np.zeros(len(rows))
+        logs = np.zeros((len(rows), len(self.model.poses)))
+        own, refused = rows // self.samples, self.refused[0][rows]
+        least = log_mean_weights_of_each(self.scans[0].part(rows), own, self.copies, self.model.rule, logs, check)
+        logs[refused] = 0.0
+        left_out = np.zeros(len(rows))
+        if least is not None:
+            left_out = np.where(refused, 0.0, np.exp(np.minimum(least - logs.max(axis=1), 0.0)))
+        return scale_rows(logs).astype(self.dtype, copy=False), left_out
 
     def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
         """Compute the belief after each of the samples `rows` from that before it, in logarithms."""
@@ -190,7 +211,7 @@ class SimulatedWeights:
         for scan, refused in zip(self.scans, self.refused, strict=True):
             if refused[row]:
                 continue
-            logs = np.zeros((1, self.matrix.shape[1]))
+            logs = np.zeros((1, len(self.model.poses)))
             together = [*accepted, scan.part(index)]
             counted = [np.zeros(1, dtype=bool)] * len(together)
             log_mean_weights(together, counted, self.copies, self.model.rule, earlier, logs)
@@ -242,49 +263,21 @@ def simulated_looks(
     return of
 
 
-def _matrix(
-    model: ScanModel,
-    scans: tuple[SimulatedScans, ...],
-    refused: tuple[NDArray[np.bool_], ...],
-    copies: Copies,
-    log_sums: Floats | None,
-    dtype: np.dtype[Any],
-    check: Callable[[], None],
-) -> Array:
-    logs = np.zeros((len(scans[0].ranges), len(model.poses)))
-    log_mean_weights(scans, refused, copies, model.rule, log_sums, logs, check)
-    return scale_rows(logs).astype(dtype, copy=False)
-
-
-def _matrix_of_each(
-    model: ScanModel,
-    scans: SimulatedScans,
-    refused: NDArray[np.bool_],
-    samples: int,
-    copies: Copies,
-    dtype: type[np.floating],
-    check: Callable[[], None],
-) -> tuple[Array, Floats]:
-    """Weights (N, n) after single scans, each row scaled, and the largest total (N,) that may be left out of each."""
-    logs = np.zeros((len(scans.ranges), len(model.poses)))
-    least = log_mean_weights_of_each(scans, samples, copies, model.rule, logs, check)
-    logs[refused] = 0.0
-    left_out = np.zeros(len(logs))
-    if least is not None:
-        left_out = np.where(refused, 0.0, np.exp(np.minimum(least - logs.max(axis=1), 0.0)))
-    return scale_rows(logs).astype(np.dtype(dtype), copy=False), left_out
-
-
 def _refused(model: ScanModel, scans: SimulatedScans, copies: Copies) -> NDArray[np.bool_]:
     """Flags (N,) of the scans that are not accepted whatever the belief: no beam to compare, or too bad a best fit."""
     refused: NDArray[np.bool_] = scans.compared == 0
     limit = model.policy.reject_above_rmsd_mm
     if limit is None:
         return refused
-    logs = np.zeros((len(scans.ranges), len(model.poses)))
-    log_mean_weights([scans], [refused], copies, model.rule, None, logs)
-    away = distances(scans, copies, model.rule.no_return_m)
-    best = np.where(logs.max(axis=1) > -np.inf, logs.argmax(axis=1), away.argmin(axis=1))
-    fits = 1e3 * away[np.arange(len(away)), best] / np.sqrt(np.maximum(scans.compared, 1))
-    too_bad: NDArray[np.bool_] = fits > limit
-    return refused | too_bad
+    too_bad = []
+    number = len(scans.ranges)
+    for rows in np.array_split(np.arange(number), math.ceil(number * len(model.poses) / _MOST_KEPT)):
+        some = scans.part(rows)
+        logs = np.zeros((len(rows), len(model.poses)))
+        log_mean_weights([some], [refused[rows]], copies, model.rule, None, logs)
+        away = distances(some, copies, model.rule.no_return_m)
+        best = np.where(logs.max(axis=1) > -np.inf, logs.argmax(axis=1), away.argmin(axis=1))
+        fits = 1e3 * away[np.arange(len(away)), best] / np.sqrt(np.maximum(some.compared, 1))
+        too_bad.append(fits > limit)
+    all_refused: NDArray[np.bool_] = refused | np.concatenate(too_bad)
+    return all_refused

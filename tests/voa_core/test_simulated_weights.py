@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.voa_core.simulated_worlds import FAR, NEAR, SAMPLING, SCORES, BruteForce
-from voa_core import displacements, scan_model
+from voa_core import displacements, scan_model, simulated_weights
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -53,9 +53,20 @@ CASES = [
     BruteForce("margin", COPIES, rule_parameters={"margin_m": 0.03}),
     BruteForce("margin", COPIES, policy=UpdatePolicy("nearest"), workspace=WORKSPACE),
 ]
+
+
+@pytest.fixture(params=["kept", "computed when needed"])
+def _storage(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Weights that are kept, or computed for two scans at a time."""
+    if request.param != "kept":
+        monkeypatch.setattr(simulated_weights, "_MOST_KEPT", 10)
+
+
+either = pytest.mark.usefixtures("_storage")
 every_case = pytest.mark.parametrize("twin", CASES, ids=lambda twin: f"{twin.rule}-{twin.policy}")
 
 
+@either
 @every_case
 @pytest.mark.parametrize("looked_from", [(), ("near",)])
 @pytest.mark.parametrize("definition", ["executed", "posterior"])
@@ -68,6 +79,7 @@ def test_one_look(twin: BruteForce, looked_from: tuple[str, ...], definition: An
     assert own.standard_error == pytest.approx(error, abs=1e-10)
 
 
+@either
 @every_case
 @pytest.mark.parametrize("narrow", [[0.5, 0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0]])
 def test_with_a_sensor_agent_of_another_belief(twin: BruteForce, narrow: list[float]) -> None:
@@ -79,6 +91,7 @@ def test_with_a_sensor_agent_of_another_belief(twin: BruteForce, narrow: list[fl
     assert own.standard_error == pytest.approx(error, abs=1e-10)
 
 
+@either
 @every_case
 def test_two_looks(twin: BruteForce) -> None:
     own = Valuation(Belief.of(BELIEF), TABLE, twin.policy, "executed").value(looks_of(twin).together(NEAR, FAR))
@@ -87,6 +100,7 @@ def test_two_looks(twin: BruteForce) -> None:
     assert own.standard_error == pytest.approx(error, abs=1e-10)
 
 
+@either
 @every_case
 def test_pending_looks_here_and_there(twin: BruteForce) -> None:
     looks = looks_of(twin, pending=(NEAR, FAR))
@@ -100,6 +114,7 @@ def test_scans_of_which_too_much_is_left_out_are_weighed_in_full() -> None:
     twin = CASES[0]
     valuation = Valuation(Belief.of(BELIEF), TABLE, twin.policy, "executed", Belief.of(SENSOR_BELIEF))
     look = SimulatedWeights.of(twin.model, NEAR, SAMPLING)
+    assert look.matrix is not None
     spoilt = look.matrix * np.array([0.0, 1.0, 1.0, 1.0, 1.0])
     full = valuation.value(look).voa
     assert valuation.value(replace(look, matrix=spoilt)).voa != pytest.approx(full, abs=1e-6)
@@ -122,6 +137,19 @@ def test_float32_and_blocks_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> No
     whole = looks_of(twin).together(NEAR).weights(*everything)
     np.testing.assert_allclose(blocks.weights(*everything), whole, rtol=1e-12)
     assert 0 < blocks.nbytes < 1e6
+
+
+def test_weights_that_are_too_many_are_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING)
+    monkeypatch.setattr(simulated_weights, "_MOST_KEPT", 10)
+    computed = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING, np.float32)
+    assert kept.matrix is not None
+    assert computed.matrix is None
+    assert computed.dtype == np.float32
+    assert computed.nbytes < kept.nbytes
+    rows, columns = np.array([14, 3, 4]), np.array([4, 1])
+    np.testing.assert_allclose(computed.weights(rows, columns), kept.matrix[np.ix_(rows, columns)], rtol=1e-6)
+    assert (computed.most_left_out(rows) < 1e-9).all()
 
 
 def test_wrong_states_of_a_place_are_refused() -> None:

@@ -113,8 +113,11 @@ def test_ranges_have_the_noise_of_the_lidar_and_are_classified() -> None:
 
 def test_the_same_request_has_the_same_answer_to_the_last_byte() -> None:
     one, other = (SimulatedWeights.of(model_of(), NEAR, SAMPLING) for _ in range(2))
+    assert one.matrix is not None
+    assert other.matrix is not None
     assert one.matrix.tobytes() == other.matrix.tobytes()
     another = SimulatedWeights.of(model_of(), NEAR, Sampling("another", SAMPLING.samples))
+    assert another.matrix is not None
     assert not np.allclose(one.matrix, another.matrix)
 
 
@@ -270,6 +273,8 @@ def test_a_look_that_weighs_all_copies_alike_leaves_a_place_as_new() -> None:
     model = model_of()
     fresh = SimulatedWeights.of(model, NEAR, SAMPLING)
     after_exact = SimulatedWeights.of(model, NEAR, SAMPLING, log_sums=np.zeros((5, 1)))
+    assert after_exact.matrix is not None
+    assert fresh.matrix is not None
     assert after_exact.matrix.tobytes() == fresh.matrix.tobytes()
 
 

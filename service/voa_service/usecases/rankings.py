@@ -23,8 +23,8 @@ from voa_service.usecases.sessions import Sessions, model_in_body
 from voa_store.records import SessionState
 
 _NUMBERS_OF_OUTCOME = 4
-_MOST_WEIGHTS = 2**25
-"""Most weights of one place over simulated scans: 256 MiB in float64."""
+_MOST_RANGES = 2**23
+"""Most ranges of the simulated scans of one place, of all beams: 64 MiB, and four times that for the first look."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class Rankings:
         task = ranking_task(model, question.belief, question.request, absent, self._looks_of(question, model))
         if question.request.outcomes:
             self._check_outcomes(task)
-        _check_weights(task)
+        _check_scans(task)
         precision, keep = self.models.precision(len(task.sensors) * task.weights_of_place)
         ranking = ranking_message(task, Weighing(precision, keep, check), self.parallel_map)
         return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
@@ -177,13 +177,13 @@ class Rankings:
             )
 
 
-def _check_weights(task: RankingTask) -> None:
-    """Refuse more simulated scans than the weights of one place may take memory for."""
-    if task.samples is None or task.weights_of_place <= _MOST_WEIGHTS:
-        return
-    poses = len(task.scenario.poses)
-    raise TooLarge(
-        f"{task.samples} simulated scans of each of {poses} poses would need {task.weights_of_place} weights at one "
-        f'place, and may need at most {_MOST_WEIGHTS}: request fewer `samples`, or `scans` = "exact", or a scenario '
-        "of fewer poses"
-    )
+def _check_scans(task: RankingTask) -> None:
+    """Refuse more simulated scans than those of one place may take memory for."""
+    poses, beams = len(task.scenario.poses), task.scenario.lidar.grid.beams
+    ranges = (task.samples or 0) * poses * beams
+    if ranges > _MOST_RANGES:
+        raise TooLarge(
+            f"{task.samples} simulated scans of each of {poses} poses have {ranges} ranges of {beams} beams at one "
+            f'place, and may have at most {_MOST_RANGES}: request fewer `samples`, or `scans` = "exact", or a scenario '
+            "of fewer poses"
+        )
