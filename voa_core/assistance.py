@@ -137,6 +137,10 @@ def standard_error(shares: Floats, gains: Floats) -> float:
     Its square is sum_p s[p]^2 Var_k / K, with the variance over the K scans of a pose. With one scan of each pose it is
     sum_p s[p]^2 (g_p - mean g)^2, with the mean weighted by s: the poses stand for each other's scans.
 
+    K scans that agree do not show that all scans do: a look that fails once in a thousand scans would have no error at
+    all. So, as in Laplace's rule of succession, the variance counts one scan more over all poses, after which nothing
+    is gained: s[p] of it at pose p. A look that never gains anything keeps the error 0.
+
     Args:
         shares: (k,) probabilities s[p] of the poses.
         gains: (k, K) gain after each scan of each pose.
@@ -146,7 +150,9 @@ def standard_error(shares: Floats, gains: Floats) -> float:
         total = shares.sum()
         mean = float(shares @ gains[:, 0]) / (total if total > 0.0 else 1.0)
         return float(np.sqrt(np.sum((shares * (gains[:, 0] - mean)) ** 2)))
-    return float(np.sqrt(np.sum(shares**2 * gains.var(axis=1, ddof=1)) / samples))
+    means = gains.sum(axis=1) / (samples + shares)
+    squares = np.sum((gains - means[:, None]) ** 2, axis=1) + shares * means**2
+    return float(np.sqrt(np.sum(shares**2 * squares / (samples - 1 + shares)) / samples))
 
 
 def _most_frequent(chosen: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -29,6 +29,7 @@ SCANS_OF_A_PLACE = 256
 FRESH = 4
 """Factor by which the best look is evaluated on more scans once more."""
 _DIMENSIONS = 7  # the object's displacement, the sensor's, and the choice among weighted displacements
+_SMOOTHING = 1.2  # in standard deviations, of the distance between J points in three dimensions, times J^(1/3)
 
 
 def samples_per_pose(poses: int) -> int:
@@ -110,7 +111,7 @@ def drawn_displacements(
     """
     from scipy.special import ndtri  # noqa: PLC0415 - slow to import, and needed for this alone
 
-    normal = ndtri(np.clip(uniforms[:, :, :6], 2.0**-53, 1.0 - 2.0**-53))
+    normal = ndtri(_inside(uniforms[:, :, :6]))
     of_object = lower_roots(covariances(poses, sensor, spread, None))
     of_sensor = lower_roots(covariances(poses, sensor, None, std))
     displacements: Floats = np.einsum("nab,nkb->nka", of_object, normal[:, :, :3]) + np.einsum(
@@ -120,22 +121,42 @@ def drawn_displacements(
 
 
 def chosen_displacements(uniforms: Floats, displacements: Floats, log_sums: Floats) -> Floats:
-    """Choose K of the J displacements (n, J, 3) of each pose by their weights at a place that was looked from.
+    """Draw K displacements of each pose near the J displacements (n, J, 3), by their weights at a place looked from.
+
+    The true displacement lies between the points, not at one. A scan of one of the very copies with which the update
+    compares would promise too much, so each chosen displacement d gives mean + sqrt(1 - h^2) (d - mean) + h z, with z
+    of the covariance of the J points and h of the order of their distances. Where all weigh alike, this has the mean
+    and the covariance of the points again.
 
     Args:
-        uniforms: (n, K, 7) points of the unit cube; the last coordinate chooses.
+        uniforms: (n, K, 7) points of the unit cube; the last coordinate chooses, the three before it give z.
         displacements: of the update at this place.
         log_sums: (n, J) log weights of the place's looks, summed. Where all are -inf, each is as likely as another.
 
     Returns:
         Shape (n, K, 3).
     """
+    from scipy.special import ndtri  # noqa: PLC0415 - slow to import, and needed for this alone
+
     cumulative = np.cumsum(shares_of_copies(log_sums), axis=1)
     index = (uniforms[:, :, 6, None] * cumulative[:, None, -1:] >= cumulative[:, None, :]).sum(axis=2)
-    chosen: Floats = np.take_along_axis(
-        displacements, np.minimum(index, displacements.shape[1] - 1)[:, :, None], axis=1
+    copies = displacements.shape[1]
+    chosen = np.take_along_axis(displacements, np.minimum(index, copies - 1)[:, :, None], axis=1)
+    means = displacements.mean(axis=1, keepdims=True)
+    off = displacements - means
+    roots = lower_roots(np.einsum("nja,njb->nab", off, off) / copies)
+    share = min(1.0, _SMOOTHING * copies ** (-1.0 / 3.0))
+    near: Floats = (
+        means
+        + math.sqrt(1.0 - share**2) * (chosen - means)
+        + share * np.einsum("nab,nkb->nka", roots, ndtri(_inside(uniforms[:, :, 3:6])))
     )
-    return chosen
+    return near
+
+
+def _inside(uniforms: Floats) -> Floats:
+    """Move points of the unit cube off its faces, where the normal distribution has no quantile."""
+    return np.clip(uniforms, 2.0**-53, 1.0 - 2.0**-53)
 
 
 def shares_of_copies(log_sums: Floats) -> Floats:

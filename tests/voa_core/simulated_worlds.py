@@ -144,7 +144,11 @@ class BruteForce:
                 shares = np.exp(log_sums[pose]) / np.exp(log_sums[pose]).sum()
                 for sample in range(samples):
                     index = int(np.searchsorted(np.cumsum(shares), uniforms[pose, sample, 6], side="right"))
-                    drawn[pose, sample] = self.displacements(sensor)[pose, index]
+                    points = self.displacements(sensor)[pose]
+                    root = np.linalg.cholesky(np.cov(points.T, bias=True))
+                    share = 1.2 / self.copies ** (1 / 3)
+                    drawn[pose, sample] = points.mean(axis=0) + share * root @ normal[pose, sample, 3:]
+                    drawn[pose, sample] += math.sqrt(1 - share**2) * (points[index] - points.mean(axis=0))
         exact = self.predicted(sensor, drawn)
         columns = np.flatnonzero(np.isfinite(exact).any(axis=0))
         result: list[list[list[float]]] = [[] for _ in exact]
@@ -236,5 +240,9 @@ class BruteForce:
                     scores.append(twin.score_at(table, grasp, pose) if definition == "executed" else score)
                 gains.append(scores[0] - scores[1])
             total += outer[pose] * sum(gains) / samples
-            square += outer[pose] ** 2 * float(np.var(gains, ddof=1)) / samples
+            # And one scan more over all poses, after which nothing is gained.
+            more = outer[pose]
+            mean = sum(gains) / (samples + more)
+            variance = (sum((gain - mean) ** 2 for gain in gains) + more * mean**2) / (samples - 1 + more)
+            square += outer[pose] ** 2 * variance / samples
         return total, math.sqrt(square)

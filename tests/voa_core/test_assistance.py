@@ -226,8 +226,22 @@ def test_variances_of_scores_are_those_of_a_beta_distribution() -> None:
 
 def test_standard_errors_by_hand() -> None:
     shares = np.array([0.75, 0.25])
-    assert standard_error(shares, np.array([[1.0, 0.0], [0.5, 0.5]])) == pytest.approx(np.sqrt(0.75**2 * 0.5 / 2))
+    # Of one scan more, after which nothing is gained, 3/4 is at the first pose and 1/4 at the second.
+    mean = 1.0 / 2.75
+    first = ((1.0 - mean) ** 2 + mean**2 + 0.75 * mean**2) / 1.75
+    mean = 1.0 / 2.25
+    second = (2.0 * (0.5 - mean) ** 2 + 0.25 * mean**2) / 1.25
+    by_hand = np.sqrt(0.75**2 * first / 2 + 0.25**2 * second / 2)
+    assert standard_error(shares, np.array([[1.0, 0.0], [0.5, 0.5]])) == pytest.approx(by_hand)
     # One scan of each pose: the mean is 0.75.
     of_one = np.sqrt((0.75 * 0.25) ** 2 + (0.25 * 0.75) ** 2)
     assert standard_error(shares, np.array([[1.0], [0.0]])) == pytest.approx(of_one)
     assert standard_error(np.zeros(0), np.zeros((0, 1))) == 0.0
+
+
+def test_scans_that_agree_leave_an_error_of_the_order_of_one_scan() -> None:
+    shares = np.full(8, 1 / 8)
+    error = standard_error(shares, np.full((8, 32), 0.5))
+    assert 0.5 / 256 < error < 2 * 0.5 / 256
+    assert standard_error(shares, np.full((8, 32), 0.1)) == pytest.approx(error / 5)
+    assert standard_error(shares, np.zeros((8, 32))) == 0.0
