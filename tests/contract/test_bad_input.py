@@ -97,6 +97,8 @@ METHODS = {
     "/v1/sessions/{data_session}/scans": {"POST"},
     "/v1/sessions/{data_session}/belief": {"PUT"},
     "/v1/sessions/{data_session}/grasp-outcomes": {"POST"},
+    "/v1/sessions/{data_session}/looks": {"POST"},
+    "/v1/sessions/{data_session}/looks/nothing": {"DELETE"},
     "/v1/sessions/{data_session}/history": {"GET"},
     "/v1/sessions/{data_session}/events": {"GET"},
     "/v1/sessions/{data_session}/voa": {"GET", "POST"},

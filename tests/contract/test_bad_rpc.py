@@ -20,6 +20,7 @@ METHODS = (
     (r"/v1/sessions/(?P<session>[^/]+)/belief", "PUT", "belief.put"),
     (r"/v1/sessions/(?P<session>[^/]+)/grasp-outcomes", "POST", "outcome.report"),
     (r"/v1/sessions/(?P<session>[^/]+)/voa", "POST", "voa.rank"),
+    (r"/v1/sessions/(?P<session>[^/]+)/looks", "POST", "look.announce"),
     (r"/v1/updates", "POST", "update.compute"),
     (r"/v1/rankings", "POST", "ranking.compute"),
 )
@@ -105,6 +106,8 @@ SCAN = {"scan": {"ranges": [0.5, 0.5, None, 1.0]}}
         ("object.create", b'{"filename": "a.obj", "file": "***"}', None, "invalid-request", "file"),
         ("object.create", b'{"filename": "a.exe", "file": ""}', None, "unsupported-mesh-type", "exe"),
         ("object.get", b"{}", None, "invalid-request", "body.id"),
+        ("look.cancel", b'{"session": "x"}', None, "invalid-request", "body.look"),
+        ("look.cancel", b'{"session": "nothing", "look": "L"}', None, "not-found", "'nothing'"),
         ("robot.look", b'{"robot": "nobody"}', None, "not-found", "'nobody'"),
     ],
 )

@@ -115,6 +115,26 @@ def test_each_version_comes_once_in_order_whichever_process_made_it(world: World
                 assert event.data == state
 
 
+def test_events_show_absence_and_places_and_announcements_make_none(world: World) -> None:
+    ranges = {"P1": [0.4] * 4, "P2": [0.5] * 4, "P3": [0.6] * 4}
+    body = data_scenario(name="absent", absent=0.2, predictions={"Q1": ranges, "Q2": ranges})
+    scenario = world.here.post("/v1/scenarios", json=body).raise_for_status().json()["id"]
+    session = world.here.post("/v1/sessions", json={"scenario": scenario}).json()["id"]
+    path = f"/v1/sessions/{session}"
+    with following(world.there, session) as events:
+        assert next(events).data["absent"] == 0.2
+        look = world.here.post(f"{path}/looks", json={"sensor": "Q2"}).raise_for_status().json()
+        for ranges_seen, sensor in (([None] * 4, "Q1"), ([0.5] * 4, "Q1")):
+            gone = [number for number, value in enumerate(ranges_seen) if value is None]
+            answer = world.here.post(f"{path}/scans", json=scan_of(ranges_seen, sensor, no_return=gone)).json()
+            answer.pop("update")
+            event = next(events)
+            assert event.data == answer
+            assert event.data["under_way"] == [look]
+        assert [place["looks"] for place in event.data["places"]] == [1]
+        assert event.version == 2
+
+
 def test_a_burst_of_another_process_comes_completely(world: World) -> None:
     session = world.session()
     with following(world.here, session) as events:

@@ -26,7 +26,7 @@ def test_every_json_body_has_an_example(http: TestClient) -> None:
         for operation in path.values()
         if "application/json" in operation.get("requestBody", {}).get("content", {})
     ]
-    assert len(bodies) == 10
+    assert len(bodies) == 11
     for schema in bodies:
         [reference] = [option["$ref"] for option in schema.get("anyOf", [schema]) if "$ref" in option]
         assert document["components"]["schemas"][reference.rpartition("/")[2]]["examples"]
@@ -49,3 +49,4 @@ def test_the_examples_follow_each_other(http: TestClient) -> None:
     assert [answer.status_code for answer in answers] == [200] * len(answers)
     assert answers[2].json()["update"]["accepted"]
     assert http.get(path).json()["version"] == 3
+    assert http.post(f"{path}/looks", json=examples.LOOK).status_code == 201

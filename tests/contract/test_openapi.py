@@ -144,16 +144,16 @@ def test_errors_are_named_where_they_can_happen(document: Json) -> None:
             assert "412" in statuses, (path, method)
 
 
-def test_every_write_to_a_session_takes_a_key_and_all_but_creation_an_if_match(document: Json) -> None:
+def test_every_write_to_a_session_takes_a_key_and_those_that_depend_on_its_version_an_if_match(document: Json) -> None:
     writes = {
         (path, method): {parameter["name"] for parameter in operation.get("parameters", [])}
         for path, method, operation in operations(document)
         if path.startswith("/v1/sessions") and method != "get" and not path.endswith("/voa")
     }
-    assert len(writes) == 5
+    assert len(writes) == 7
     for (path, _), names in writes.items():
         assert "Idempotency-Key" in names
-        assert ("If-Match" in names) is (path != "/v1/sessions")
+        assert ("If-Match" in names) is (path != "/v1/sessions" and "/looks" not in path)
 
 
 def test_references_lead_somewhere_and_parameters_stand_in_their_paths(document: Json) -> None:
@@ -187,6 +187,7 @@ def test_no_schema_is_left_over(document: Json) -> None:
         ("RankingRequest", "belief", "maxItems", 12),
         ("VoaRequest", "sensors", "maxItems", 13),
         ("VoaRequest", "grasps", "maxItems", 14),
+        ("VoaRequest", "pending", "maxItems", 13),
         ("VoaRequest", "sensor_belief", "maxItems", 12),
         ("PredictionsRequest", "sensors", "maxItems", 13),
     ],
@@ -207,6 +208,8 @@ def test_limits_default_to_those_of_the_contract(service: Service) -> None:
     request = schemas["ScenarioRequest"]["properties"]
     assert [request[field]["maxItems"] for field in ("poses", "sensors", "grasps")] == [20_000, 4_096, 4_096]
     assert schemas["Scan"]["properties"]["ranges"]["maxItems"] == 4_096
+    ranking = schemas["VoaRequest"]["properties"]
+    assert [ranking[field]["anyOf"][0]["maxItems"] for field in ("sensors", "pending")] == [4_096, 64]
     assert (Limits().faces, Limits().upload_bytes) == (200_000, 20_000_000)
 
 

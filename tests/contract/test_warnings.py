@@ -102,7 +102,7 @@ def test_a_look_must_gain_what_the_scenario_or_the_request_says(service: Service
     assert ranking["recommendation"]["action"] == "grasp"
     ranking = service.post(f"/v1/sessions/{session}/voa", {"min_gain": 0.0})
     assert ranking["recommendation"] == {"action": "look", "sensor": first["sensor"], "net_value": first["net_value"]}
-    once = {"scenario": id_, "belief": [1 / 3] * 3, "min_gain": first["net_value"]}
+    once = {"scenario": id_, "belief": [1 / 3] * 3, "min_gain": first["net_value"], "lookahead": 1}
     assert service.post("/v1/rankings", once)["recommendation"]["action"] == "grasp"
 
 

@@ -4,6 +4,7 @@
 |---|---|---|---|---|---|
 | create session | first answer | 422 | one session, one answer | (no If-Match) | first answer |
 | scan, outcome, belief | first answer | 422 | one version, one answer | 412 | first answer |
+| announced look | first answer | 422 | one look, one answer | (no If-Match) | first answer |
 | delete | 204 | 422 | 204 and 204 | 412 | 204 |
 """
 
@@ -71,7 +72,10 @@ MOVES = {
 }
 CREATES = {"create session": pair(CREATE, {"scenario": "[scenario]", "prior": [1.0, 0.0, 0.0]})}
 DELETES = {"delete": Write(DELETE, SCAN)}  # it has no body: the other use of its key is another call
-WRITES = CREATES | MOVES | DELETES
+ANNOUNCEMENTS = {
+    "announced look": pair(Call("POST", "/v1/sessions/{}/looks", {"sensor": "Q1"}, 201, moves=0), {"sensor": "Q2"})
+}
+WRITES = CREATES | MOVES | ANNOUNCEMENTS | DELETES
 
 every_write = pytest.mark.parametrize("write", WRITES.values(), ids=list(WRITES))
 
@@ -201,7 +205,7 @@ def test_if_match_lets_through_what_names_the_version(world: World, tag: str) ->
     assert SCAN.to(world, world.session(moved=2), None, tag).status_code == 200
 
 
-@pytest.mark.parametrize("write", MOVES.values(), ids=list(MOVES))
+@pytest.mark.parametrize("write", (MOVES | ANNOUNCEMENTS).values(), ids=list(MOVES | ANNOUNCEMENTS))
 def test_a_write_sent_again_after_its_session_was_deleted_gets_the_first_answer(world: World, write: Write) -> None:
     session, key = world.session(), world.key()
     first = write.call.to(world, session, key)

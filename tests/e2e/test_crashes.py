@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
+from math import cos, sin
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,16 +20,13 @@ import httpx2
 import pytest
 
 from tests.support.postgres import Server
+from tests.support.replaying import replayed
 from tests.support.replicas import replicas
 from tests.support.scale import SCALE, scaled
-from tests.support.serving import Json, data_scenario, scan_of
-from voa_core.filtering import Belief
-from voa_core.grasps import log_outcome_weights
+from tests.support.serving import LIDAR, Json, box_obj, data_scenario, mesh_scenario, scan_of
 from voa_core.scenario import Scenario
-from voa_core.updating import update_by_outcome
-from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest
+from voa_service.mapping.looks import record_of
 from voa_service.mapping.models import Models
-from voa_service.mapping.observations import scan_observation
 from voa_service.ports import Store
 from voa_service.runtime.cache import Cache
 from voa_store.records import HistoryEntry
@@ -102,6 +100,7 @@ def some_write(rng: random.Random, session: str, key: str) -> Sent:
     root = f"/v1/sessions/{session}"
     if kind == "outcome":
         body: Json = {"grasp": rng.choice(["G1", "G2"]), "success": rng.random() < 0.5}
+        body |= {"object_moved": 0.25} if rng.random() < 0.2 else {}
         return Sent("POST", f"{root}/grasp-outcomes", json.dumps(body), key)
     if kind == "belief":
         first, second = sorted((rng.random(), rng.random()))
@@ -136,30 +135,11 @@ def write_until(number: int, urls: list[str], sessions: list[str], tally: Tally)
                 break
 
 
-def scenario_in(store: Store) -> Scenario:
-    """The mathematics of the only scenario there is."""
-    (only,) = store.list_scenarios(2, None).items
-    model = Models(store, Cache(2**20)).get(only.id)
+def scenario_in(store: Store, id_: str) -> Scenario:
+    """The mathematics of a scenario."""
+    model = Models(store, Cache(2**20)).get(id_)
     assert model is not None
     return model.scenario
-
-
-def replayed(scenario: Scenario, entries: list[HistoryEntry]) -> Iterator[Belief]:
-    """The belief at each version, from nothing but the prior and the requests."""
-    prior = belief = scenario.prior
-    for entry in entries:
-        if entry.kind == "scan":
-            request = ScanRequest.model_validate_json(entry.request)
-            belief = scan_observation(scenario, request).applied_to(belief).belief
-        elif entry.kind == "outcome":
-            outcome = OutcomeRequest.model_validate_json(entry.request)
-            scores = scenario.table.scores[scenario.table.names.index(outcome.grasp)]
-            log_weights = log_outcome_weights(scores, outcome.success, scenario.policy.score_floor)
-            belief = update_by_outcome(belief, log_weights).belief
-        elif entry.kind == "belief":
-            given = BeliefRequest.model_validate_json(entry.request).belief
-            belief = prior if given is None else Belief.of(given)
-        yield belief
 
 
 def assert_nothing_answered_is_missing(store: Store, done: list[Done]) -> dict[str, list[HistoryEntry]]:
@@ -180,16 +160,20 @@ def assert_nothing_answered_is_missing(store: Store, done: list[Done]) -> dict[s
 def assert_everything_happened_once(store: Store, done: list[Done]) -> int:
     """Assert versions without gaps, each made by one key, after the last response; returns their number."""
     histories = assert_nothing_answered_is_missing(store, done)
-    scenario = scenario_in(store)
     for id_, entries in histories.items():
         state = store.get_session(id_)
         assert state is not None
+        scenario = scenario_in(store, state.scenario)
         assert [entry.state.version for entry in entries] == list(range(state.version + 1))
         made = [each.answer["version"] for each in done if each.session == id_ and each.moved]
         assert sorted(made) == list(range(1, state.version + 1)), "a version that no key made, or two keys"
-        for entry, belief in zip(entries, replayed(scenario, entries), strict=True):
-            assert entry.state.belief.p.tobytes() == belief.p.tobytes(), f"{id_} at {entry.state.version}"
-            assert entry.state.belief.log_p.tobytes() == belief.log_p.tobytes()
+        for entry, estimate in zip(entries, replayed(scenario, entries), strict=True):
+            assert entry.state.belief.p.tobytes() == estimate.belief.p.tobytes(), f"{id_} at {entry.state.version}"
+            assert entry.state.belief.log_p.tobytes() == estimate.belief.log_p.tobytes()
+            record = record_of(entry.state.looks)
+            assert record.log_odds_absent == estimate.log_odds_absent
+            assert [place.looks for place in record.places] == [len(place.looks) for place in estimate.places]
+        assert state.looks == entries[-1].state.looks
         assert state.belief.log_p.tobytes() == entries[-1].state.belief.log_p.tobytes()
     return sum(len(entries) - 1 for entries in histories.values())
 
@@ -209,11 +193,33 @@ def made(http: httpx2.Client, path: str, body: Json) -> str:
     return str(answer.json()["id"])
 
 
+def spread_scenario(object_: str) -> Json:
+    """A box that spreads about three poses and may be absent, seen by four beams; every scan is evidence."""
+    yaws = (0.0, 0.5, 1.0)
+    return mesh_scenario(
+        object_,
+        poses=[
+            {"name": f"P{yaw}", "position": [0.0, 0.0, 0.0], "quaternion_wxyz": [cos(yaw / 2), 0.0, 0.0, sin(yaw / 2)]}
+            for yaw in yaws
+        ],
+        scores={"attempts": 10, "successes": [[9, 5, 1], [2, 6, 8]]},
+        sensors=[
+            {"name": "Q1", "x": 0.3, "y": 0.0, "yaw_rad": 3.0},
+            {"name": "Q2", "x": 0.0, "y": 0.3, "yaw_rad": -1.7},
+        ],
+        lidar=LIDAR | {"height_m": 0.02},
+        update={"rule": "exponential", "no_return_m": 1.0, "on_nothing_seen": "evidence"},
+        spread={"xy_m": 0.01, "yaw_rad": 0.1},
+        absent=0.1,
+    )
+
+
 def opened(url: str, count: int) -> list[str]:
-    """Open `count` sessions on the scenario of data."""
+    """Open `count` sessions: the first of two on a scenario of data, the second on one with a spread."""
     with httpx2.Client(base_url=url, timeout=TIMEOUT) as http:
-        scenario = made(http, "/v1/scenarios", data_scenario())
-        return [made(http, "/v1/sessions", {"scenario": scenario}) for _ in range(count)]
+        box = http.post("/v1/objects", files={"file": ("box.obj", box_obj())}).raise_for_status().json()["id"]
+        scenarios = [made(http, "/v1/scenarios", body) for body in (data_scenario(), spread_scenario(box))]
+        return [made(http, "/v1/sessions", {"scenario": scenarios[number % 2]}) for number in range(count)]
 
 
 def assert_not_ready(answer: httpx2.Response) -> None:

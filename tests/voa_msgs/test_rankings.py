@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from voa_msgs.rankings import GraspNow, Look, Ranking, RankingRequest, VoaRequest
 
 GRASP = {"action": "grasp", "grasp": None, "expected_score": 0.0}
-LOOK = {"action": "look", "sensor": "Q1", "net_value": 0.25}
+LOOK = {"action": "look", "sensor": "Q1", "net_value": 0.25, "then": None}
+PAIR = LOOK | {"then": "Q2"}
 RANKING: dict[str, Any] = {
     "version": None,
     "definition": "posterior",
@@ -20,10 +21,17 @@ RANKING: dict[str, Any] = {
 }
 
 
-def test_a_request_ranks_all_sensors_and_grasps_by_the_posterior_unless_stated() -> None:
+def test_a_request_ranks_all_sensors_and_grasps_and_leaves_the_rest_to_the_scenario() -> None:
     assert VoaRequest().model_dump() == {
         "sensors": None,
-        "definition": "posterior",
+        "scans": None,
+        "samples": None,
+        "definition": None,
+        "sensor_std": None,
+        "lookahead": 2,
+        "from": None,
+        "cost_per_m": 0.0,
+        "pending": None,
         "grasps": None,
         "sensor_belief": None,
         "min_gain": None,
@@ -31,9 +39,33 @@ def test_a_request_ranks_all_sensors_and_grasps_by_the_posterior_unless_stated()
     }
 
 
+def test_a_departure_is_read_by_its_name_on_the_wire_and_written_so() -> None:
+    for given in ("Q1", {"x": 0.5, "y": -1.0}):
+        request = VoaRequest.model_validate({"from": given, "cost_per_m": 0.1})
+        assert request.model_dump(exclude_defaults=True) == {"from": given, "cost_per_m": 0.1}
+    assert VoaRequest(from_="Q1").from_ == "Q1"
+
+
 @pytest.mark.parametrize(
     "wrong",
-    [{"sensors": []}, {"grasps": []}, {"definition": "aecd"}, {"min_gain": 1.1}, {"min_gain": -0.1}, {"outcomes": 1}],
+    [
+        {"sensors": []},
+        {"grasps": []},
+        {"definition": "aecd"},
+        {"min_gain": 1.1},
+        {"min_gain": -0.1},
+        {"outcomes": 1},
+        {"scans": "sampled"},
+        {"samples": 0},
+        {"samples": 4_097},
+        {"lookahead": 0},
+        {"lookahead": 3},
+        {"cost_per_m": -0.1},
+        {"from": {"x": 0.0}},
+        {"from": ""},
+        {"sensor_std": {"xy_m": -0.1, "yaw_rad": 0.0}},
+        {"pending": ["Q1"] * 65},
+    ],
 )
 def test_a_request_with_another_value_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
@@ -46,7 +78,7 @@ def test_a_request_without_a_session_must_state_its_belief_or_null() -> None:
         RankingRequest.model_validate({"scenario": "S"})
 
 
-@pytest.mark.parametrize(("recommendation", "kind"), [(GRASP, GraspNow), (LOOK, Look)])
+@pytest.mark.parametrize(("recommendation", "kind"), [(GRASP, GraspNow), (LOOK, Look), (PAIR, Look)])
 def test_the_action_decides_on_the_kind_of_a_recommendation(recommendation: dict[str, Any], kind: type) -> None:
     ranking = Ranking.model_validate(RANKING | {"recommendation": recommendation})
     assert type(ranking.recommendation) is kind

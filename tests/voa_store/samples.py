@@ -18,7 +18,6 @@ from voa_service.ports import Store
 from voa_store.drivers import sqlite_driver
 from voa_store.errors import SessionMissing
 from voa_store.records import (
-    HistoryKind,
     IdempotencyKey,
     SessionState,
     StoredObject,
@@ -26,6 +25,7 @@ from voa_store.records import (
     StoredScenario,
     Upload,
     Write,
+    WriteKind,
 )
 
 T = TypeVar("T")
@@ -71,7 +71,7 @@ def write(
     named: IdempotencyKey | None = None,
     if_match: frozenset[int] | None = None,
     request: str = "{}",
-    kind: HistoryKind = "scan",
+    kind: WriteKind = "scan",
 ) -> Write:
     return Write(kind, request, named, if_match)
 
@@ -112,6 +112,26 @@ def next_version(state: SessionState) -> Result:
     version = state.version + 1
     after = replace(state, version=version, updated_at=NOON + timedelta(seconds=version))
     return Result(StoredResponse(f"v{version}", version), after, f'"report {version}"')
+
+
+def looking(looks: str | None) -> Callable[[SessionState], Result]:
+    """Make a step that accepts a look, after which the record of looks is the given text."""
+
+    def step(state: SessionState) -> Result:
+        response, after, report = next_version(state)
+        assert after is not None
+        return Result(response, replace(after, looks=looks), report)
+
+    return step
+
+
+def announcing(under_way: str | None) -> Callable[[SessionState], Result]:
+    """Make a step that sets the announced looks of a session, which makes no version."""
+
+    def step(state: SessionState) -> Result:
+        return Result(StoredResponse(f"announced {under_way}", state.version), replace(state, under_way=under_way))
+
+    return step
 
 
 def refuse(state: SessionState) -> Result:

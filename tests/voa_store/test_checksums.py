@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from sqlalchemy import text
 
-from tests.voa_store.samples import change, create, engine_of, next_version, scenario, write
+from tests.voa_store.samples import change, create, engine_of, looking, next_version, scenario, write
 from voa_service.ports import Store
 from voa_store.engines import connect
 from voa_store.errors import DamagedData
@@ -24,7 +24,7 @@ def long(store: Store) -> Store:
     for id_ in ("S", "T"):
         create(store, id_)
         for number in range(VERSIONS):
-            change(store, id_, write(request=f'"{id_}{number}"'), next_version)
+            change(store, id_, write(request=f'"{id_}{number}"'), looking(f'{{"since": {10 * number}}}'))
     return store
 
 
@@ -86,6 +86,8 @@ def test_a_bit_of_a_sessions_own_row_is_noticed_and_others_go_on(long: Store, da
         "updated_at = '2026-01-02T12:00:00.000001+00:00'",
         "created_at = '2026-01-02T12:00:00.000001+00:00'",
         "summary = '{}'",
+        "looks = NULL",
+        "looks = '{\"since\": 1}'",
         "newest = checksum",
         "checksum = NULL",
     ],
@@ -103,6 +105,8 @@ def test_every_column_of_a_session_is_covered(long: Store, database_url: str, as
         "request = '\"S4 \"'",
         "report = NULL",
         "last_fit_rmsd_mm = 0.0",
+        "looks = NULL",
+        "looks = '{\"since\": 1}'",
         "checksum = NULL",
     ],
 )
@@ -168,3 +172,25 @@ def test_verify_counts_what_is_right_and_prints_json(
 def test_verify_says_why_it_cannot_read(url: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([url]) == 2
     assert json.loads(capsys.readouterr().out)["error"]
+
+
+def test_announced_looks_are_covered_by_no_checksum(long: Store, database_url: str) -> None:
+    spoil(database_url, "UPDATE sessions SET under_way = '[]' WHERE id = 'S'")
+    state = long.get_session("S")
+    assert state is not None
+    assert state.under_way == "[]"
+    assert verified(database_url).well
+
+
+@pytest.mark.parametrize("table", ["sessions", "history"])
+def test_looks_in_a_row_that_had_none_are_damage(
+    long: Store, database_url: str, table: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    create(long, "U")
+    assert main([database_url]) == 0
+    capsys.readouterr()
+    column = "id" if table == "sessions" else "session"
+    spoil(database_url, f"UPDATE {table} SET looks = '' WHERE {column} = 'U'")  # noqa: S608 - our names
+    assert main([database_url]) == 1
+    (damage,) = json.loads(capsys.readouterr().out)["damaged"]
+    assert (damage["session"], damage["version"]) == ("U", 0)

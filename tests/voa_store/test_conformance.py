@@ -15,10 +15,12 @@ from tests.voa_store.samples import (
     THREADS,
     Open,
     Result,
+    announcing,
     at_once,
     change,
     create,
     key,
+    looking,
     mesh,
     never,
     next_version,
@@ -423,3 +425,98 @@ def test_everything_is_there_after_reopening(opened: Open, store: Store) -> None
     assert [entry.state.version for entry in again.history("S", -1, 9)] == [0, 1]
     assert change(again, "S", write(key()), never) == StoredResponse("v1", 1)
     assert create(again, "T", key(scope="caller")) == StoredResponse("created S", 0)
+
+
+# ------------------------------------------------------------------------------------------------------- looks
+
+
+def looks_of(store: Store) -> tuple[str | None, list[str | None]]:
+    """The record of looks of the session S, and that of each version of its history."""
+    state = store.get_session("S")
+    assert state is not None
+    return state.looks, [entry.state.looks for entry in store.history("S", -1, 99)]
+
+
+def under_way_of(store: Store) -> str | None:
+    state = store.get_session("S")
+    assert state is not None
+    return state.under_way
+
+
+def test_each_version_has_its_record_of_looks(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    begun = replace(session(), looks="prior")
+    one.create_session(begun, write(kind="prior"), StoredResponse("created", 0))
+    for looks in ("a", "ü \U0001f916", None, "b" * 100_000):
+        change(one, "S", write(), looking(looks))
+    expected = ["prior", "a", "ü \U0001f916", None, "b" * 100_000]
+    for store in (one, other):
+        assert looks_of(store) == (expected[-1], expected)
+
+
+def test_a_page_of_a_history_counts_the_bytes_of_looks(store: Store) -> None:
+    create(store)
+    for _ in range(4):
+        change(store, "S", write(), looking("x" * 1_000))
+    assert len(store.history("S", 0, 99, 2_000)) == 2
+
+
+def test_announced_looks_make_no_version_and_no_entry(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    create(one)
+    change(one, "S", write(), looking("record"))
+    before, entries = other.get_session("S"), other.history("S", -1, 99)
+    assert before is not None
+    for under_way in ("first", "ü", None, "last"):
+        mark = other.session_mark("S")
+        answer = change(one, "S", write(kind="look", request="look"), announcing(under_way))
+        assert answer == StoredResponse(f"announced {under_way}", 1)
+        after, mark_after = other.get_session("S"), other.session_mark("S")
+        assert after is not None
+        assert mark_after is not None
+        assert (mark_after.under_way, mark_after != mark) == (under_way, True)
+        assert bits(after) == bits(before)
+        assert (after.version, after.updated_at, after.looks) == (1, before.updated_at, "record")
+        assert after.under_way == under_way
+    assert [entry.state.version for entry in other.history("S", -1, 99)] == [entry.state.version for entry in entries]
+
+
+def test_announced_looks_go_on_with_the_next_version_as_the_step_says(store: Store) -> None:
+    create(store)
+    change(store, "S", write(kind="look"), announcing("first"))
+    change(store, "S", write(), next_version)
+    assert under_way_of(store) == "first"
+
+    def ends(state: SessionState) -> Result:
+        response, after, report = next_version(state)
+        assert after is not None
+        return Result(response, replace(after, under_way=None), report)
+
+    change(store, "S", write(), ends)
+    assert under_way_of(store) is None
+    change(store, "S", write(kind="look"), announcing("second"))
+    change(store, "S", write(), refuse)
+    assert under_way_of(store) == "second"
+    assert [entry.state.under_way for entry in store.history("S", -1, 99)] == [None] * 3
+
+
+def test_an_announcement_is_remembered_by_its_key_and_refused_at_a_stale_version(store: Store) -> None:
+    create(store)
+    first = change(store, "S", write(key(), kind="look"), announcing("first"))
+    assert change(store, "S", write(key(), kind="look"), never) == first
+    with pytest.raises(KeyReused):
+        change(store, "S", write(key(fingerprint="another"), kind="look"), never)
+    with pytest.raises(VersionMismatch):
+        change(store, "S", write(if_match=frozenset({1}), kind="look"), never)
+    assert change(store, "nothing", write(kind="look"), never) is None
+    assert under_way_of(store) == "first"
+
+
+def test_announcements_at_once_are_all_kept(pair: tuple[Store, Store]) -> None:
+    create(pair[0])
+
+    def one_more(state: SessionState) -> Result:
+        return announcing((state.under_way or "") + "x")(state)
+
+    at_once([partial(change, store, "S", write(kind="look"), one_more) for store in pair * THREADS])
+    assert under_way_of(pair[0]) == "x" * 2 * THREADS

@@ -5,16 +5,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
+import pytest
 from alembic import command
 from alembic.config import Config
 from sqlalchemy import Engine, text
 
 from tests.voa_core.worlds import box
-from tests.voa_store.samples import change, engine_of, next_version, write
+from tests.voa_store.samples import change, engine_of, looking, next_version, write
 from voa_core.objects import Object
 from voa_store import migrate
 from voa_store.records import RobotLook, StoredResponse, Upload, Write
 from voa_store.sql import SqlStore
+from voa_store.verify import main
 
 INSERT_OBJECT = text(
     "INSERT INTO objects (id, name, created_at, vertices, faces) VALUES (:id, 'box', :at, :vertices, :faces)"
@@ -137,4 +139,73 @@ def test_sessions_and_lists_from_before_checksums_are_filled_in(database_url: st
     assert (listed.extents, listed.faces) == (tuple(mesh.extents.tolist()), len(mesh.faces))
     (session,) = store.list_sessions(9, None).items
     assert session.summary is None
+    store.close()
+
+
+CHECKSUMS = ["5dd9d12eaf01a3cc0256eade9af6a78a", "d0fe9d0ff500c9f6287b4c8ca9754bd0", "662017e8adcadf5e014e6b5739b86b05"]
+CHECKSUM_OF_SESSION = "dd02eb0f868c6f9a8c37ab89d3ff21ae"
+"""Checksums of the rows below, as the service computed them before it recorded looks."""
+
+
+def insert_history(engine: Engine) -> None:
+    """Put a session of three versions, with the checksums of a service that records no looks."""
+    blob = np.array([[0.5, 0.5], [-0.7, -0.7]]).astype("<f8").tobytes()
+    with engine.begin() as connection:
+        connection.execute(
+            text("INSERT INTO scenarios (id, name, created_at, body) VALUES ('A', 'A', :at, '{}')"), {"at": AT}
+        )
+        connection.execute(
+            text(
+                "INSERT INTO sessions (id, scenario, version, belief, prior, last_fit_rmsd_mm, created_at, updated_at, "
+                "summary, newest, checksum) "
+                "VALUES ('S', 'A', 2, :blob, :blob, 0.1, :at, :at, :summary, :newest, :checksum)"
+            ),
+            {
+                "blob": blob,
+                "at": AT,
+                "summary": '{"entropy_nats": 0.1}',
+                "newest": bytes.fromhex(CHECKSUMS[-1]),
+                "checksum": bytes.fromhex(CHECKSUM_OF_SESSION),
+            },
+        )
+        connection.execute(
+            text(
+                "INSERT INTO history (session, version, kind, at, request, report, belief, last_fit_rmsd_mm, checksum) "
+                "VALUES ('S', :version, :kind, :at, :request, :report, :blob, :fit, :checksum)"
+            ),
+            [
+                {
+                    "version": version,
+                    "kind": "scan" if version else "prior",
+                    "at": AT,
+                    "request": '{"ü": 1}',
+                    "report": '{"accepted": true}' if version else None,
+                    "blob": blob,
+                    "fit": 0.1 if version else None,
+                    "checksum": bytes.fromhex(checksum),
+                }
+                for version, checksum in enumerate(CHECKSUMS)
+            ],
+        )
+
+
+def test_sessions_from_before_looks_were_recorded_keep_their_checksums_and_go_on(
+    database_url: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    engine = at_revision(database_url, "0006")
+    insert_history(engine)
+    engine.dispose()
+    assert main([database_url]) == 2, "its tables are those of the earlier version"
+    capsys.readouterr()
+    store = SqlStore(database_url)
+    assert main([database_url]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["sessions"], report["versions"], report["damaged"]) == (1, 3, [])
+    before = store.get_session("S")
+    assert before is not None
+    assert (before.version, before.looks, before.under_way) == (2, None, None)
+    assert [entry.state.looks for entry in store.history("S", -1, 9)] == [None] * 3
+    change(store, "S", write(), looking('{"since":2}'))
+    assert [entry.state.looks for entry in store.history("S", -1, 9)] == [None, None, None, '{"since":2}']
+    assert main([database_url]) == 0
     store.close()

@@ -50,6 +50,7 @@ REQUESTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="
 FLOATS = st.floats(allow_nan=False, width=64)
 BELIEFS = st.lists(st.tuples(FLOATS, FLOATS), min_size=1, max_size=4)
 FITS = st.none() | st.floats(allow_nan=False, allow_infinity=False)
+TEXTS = st.none() | REQUESTS
 
 
 @dataclass
@@ -61,6 +62,8 @@ class Entry:
     fit: str
     request: str
     report: str | None
+    record: str | None = None
+    """Record of looks."""
 
 
 @dataclass
@@ -78,6 +81,8 @@ class Model:
     """Session of each robot, and the order of its opening."""
     looks: dict[str, list[RobotLook]] = field(default_factory=dict)
     """Accepted looks of each session."""
+    under_way: dict[str, str | None] = field(default_factory=dict)
+    """Announced looks of each session, which belong to no version."""
 
     def has(self, session: str, look: RobotLook | None) -> bool:
         """True if a session has a look of the same robot with the same number."""
@@ -192,6 +197,7 @@ class Histories(RuleBasedStateMachine):
         request=REQUESTS,
         accepted=st.sampled_from([True, True, True, False]),
         look=LOOKS,
+        record=TEXTS,
     )
     def change(
         self,
@@ -205,6 +211,7 @@ class Histories(RuleBasedStateMachine):
         request: str,
         accepted: bool,
         look: RobotLook | None,
+        record: str | None,
     ) -> None:
         named = self._named(f"session:{id_}", key, fingerprint)
         log = self.model.sessions.get(id_)
@@ -220,6 +227,7 @@ class Histories(RuleBasedStateMachine):
                 belief=after_belief,
                 last_fit_rmsd_mm=fit,
                 updated_at=START + timedelta(seconds=version),
+                looks=record,
             )
             return Result(
                 StoredResponse(f"{request} {accepted}", version), after if accepted else None, f"report {request}"
@@ -242,9 +250,31 @@ class Histories(RuleBasedStateMachine):
             assert result == answer
             self._remember(named, answer)
             if accepted:
-                entry = Entry(log[-1].version + 1, bits(after_belief), exactly(fit), request, f"report {request}")
+                version = log[-1].version + 1
+                entry = Entry(version, bits(after_belief), exactly(fit), request, f"report {request}", record)
                 log.append(entry)
                 self.model.looks.setdefault(id_, []).extend([] if look is None else [look])
+
+    @rule(store=st.integers(0, 1), id_=IDS, key=KEYS, fingerprint=FINGERPRINTS, under_way=TEXTS)
+    def announce(self, store: int, id_: str, key: str | None, fingerprint: str, under_way: str | None) -> None:
+        named = self._named(f"session:{id_}", key, fingerprint)
+        log = self.model.sessions.get(id_)
+        ran: list[SessionState] = []
+
+        def step(state: SessionState) -> Result:
+            ran.append(state)
+            answer = StoredResponse(f"announced {under_way}", state.version)
+            return Result(answer, replace(state, under_way=under_way))
+
+        result = outcome(lambda: change(self.stores[store], id_, Write("look", "look", named, None), step))
+        expected = self._expected(named)
+        if expected is not None or log is None:
+            assert (result, ran) == (expected, [])
+            return
+        assert [state.under_way for state in ran] == [self.model.under_way.get(id_)]
+        assert result == StoredResponse(f"announced {under_way}", log[-1].version)
+        self._remember(named, result)
+        self.model.under_way[id_] = under_way
 
     @rule(store=st.integers(0, 1), id_=IDS, key=KEYS, fingerprint=FINGERPRINTS, seen=SEEN)
     def delete(self, store: int, id_: str, key: str | None, fingerprint: str, seen: frozenset[int] | None) -> None:
@@ -265,6 +295,7 @@ class Histories(RuleBasedStateMachine):
             self.model.order.remove(id_)
             del self.model.opened[id_]
             self.model.looks.pop(id_, None)
+            self.model.under_way.pop(id_, None)
 
     @rule(store=st.integers(0, 1), robot=ROBOTS)
     def settle(self, store: int, robot: str) -> None:
@@ -325,6 +356,7 @@ class Histories(RuleBasedStateMachine):
                     exactly(each.state.last_fit_rmsd_mm),
                     each.request,
                     each.report,
+                    each.state.looks,
                 )
                 for each in self.stores[1].history(id_, -1, 1000)
             ]
@@ -336,6 +368,7 @@ class Histories(RuleBasedStateMachine):
             assert (state.version, bits(state.belief)) == (log[-1].version, log[-1].belief)
             assert exactly(state.last_fit_rmsd_mm) == log[-1].fit
             assert bits(state.prior) == log[0].belief
+            assert (state.looks, state.under_way) == (log[-1].record, self.model.under_way.get(id_))
 
 
 def outcome(call: Callable[[], Any]) -> Any:

@@ -153,7 +153,8 @@ def _state_limits(node: Any, limits: Limits) -> None:
     if isinstance(node, dict):
         name = node.pop("x-limit", None)
         if name is not None:
-            node[_WORDS[node["type"]]] = getattr(limits, name)
+            word, limit = _WORDS[node["type"]], getattr(limits, name)
+            node[word] = min(limit, node.get(word, limit))  # the message's own limit may be smaller
         for child in node.values():
             _state_limits(child, limits)
     elif isinstance(node, list):

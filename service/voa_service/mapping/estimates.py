@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import Any
 
 from voa_core.absence import probability_of
+from voa_core.estimates import Estimate
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
 from voa_core.grasps import best_grasp
@@ -37,11 +38,11 @@ def summary_of(scenario: Scenario, belief: Belief, record: LookRecord) -> str:
     return json.dumps(belief_summary(scenario, belief, absent_of(record)))
 
 
-def absent_of(record: LookRecord) -> float | None:
+def absent_of(state: LookRecord | Estimate) -> float | None:
     """Return the probability that the object lies at none of the poses; None: that it lies at one is certain."""
-    if record.log_odds_absent is None:
+    if state.log_odds_absent is None:
         return None
-    return float(f"{probability_of(record.log_odds_absent):.15g}")  # 0.05 is 0.05 again
+    return float(f"{probability_of(state.log_odds_absent):.15g}")  # 0.05 is 0.05 again
 
 
 def absence_warnings(absent: float | None) -> list[ProbableMistake]:

@@ -7,8 +7,11 @@ from datetime import datetime, timedelta
 
 from pydantic import TypeAdapter
 
+from voa_core.errors import NoMesh
+from voa_core.scenario import Scenario
 from voa_msgs.looks import AnnouncedLook, AtPlace, LookAnnouncement
 from voa_service.mapping.observations import ScanObservation, viewpoint_of
+from voa_service.mapping.sensors import place_of
 from voa_store.records import SessionState
 
 LASTS = timedelta(seconds=120)
@@ -39,6 +42,25 @@ def announced(id_: str, request: LookAnnouncement, now: datetime) -> AnnouncedLo
         robot=request.robot,
         expires_at=now + LASTS,
     )
+
+
+def check_announced(scenario: Scenario, request: LookAnnouncement) -> None:
+    """Refuse a look whose scan cannot be predicted: the session's rankings would count it as pending, and all fail.
+
+    Raises:
+        UnknownName: the scenario lists no sensor configuration of that name.
+        NoMesh: it is a sensor pose, and the scenario has no mesh, or nothing gives the height of the scan plane.
+    """
+    sensor, _ = place_of(scenario, request)
+    if scenario.lists(sensor):
+        return
+    if scenario.predictor.contours_at is None:
+        raise NoMesh(
+            "the scenario has no mesh to predict the scan of a sensor pose from: announce a look from one of its "
+            "sensor configurations, by name"
+        )
+    if sensor.height_m is None and scenario.lidar.height_m is None:
+        raise NoMesh("neither the sensor pose nor the lidar has a height_m: state one of them")
 
 
 def without_announcement(state: SessionState, scan: ScanObservation, now: datetime) -> SessionState:

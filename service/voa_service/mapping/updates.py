@@ -13,7 +13,7 @@ from voa_core.updating import Update, update_estimate, update_estimate_by_outcom
 from voa_msgs.sessions import BeliefRequest, UpdatedEstimate, UpdateReport, UpdateRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_service.mapping.beliefs import belief_of, estimate_of
-from voa_service.mapping.estimates import absence_warnings, estimate_fields, summary_of, update_report
+from voa_service.mapping.estimates import absence_warnings, absent_of, estimate_fields, summary_of, update_report
 from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.models import Model
 from voa_service.mapping.observations import OutcomeObservation, ScanObservation, scan_observation
@@ -161,7 +161,7 @@ def updated_once(model: Model, request: UpdateRequest, warnings: list[ProbableMi
     scenario = model.scenario
     scan = scan_observation(scenario, request)
     result: Update = update_estimate(estimate_of(request, scenario), scan.evidence, scenario.policy)
-    absent = result.estimate.absent
+    absent = absent_of(result.estimate)
     return UpdatedEstimate(
         **estimate_fields(scenario, result.belief, absent),
         scenario=request.scenario,

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 from voa_msgs.looks import LookAnnouncement
 from voa_msgs.rankings import MOST_PENDING
 from voa_service.failures import not_found
-from voa_service.mapping.observations import viewpoint_of
-from voa_service.mapping.under_way import announced, announced_looks, stored_text
+from voa_service.mapping.under_way import announced, announced_looks, check_announced, stored_text
 from voa_service.usecases.sessions import Sessions
 from voa_store.records import StoredResponse, Write
 
@@ -27,15 +26,15 @@ class AnnouncedLooks:
         A session keeps the newest `MOST_PENDING` announcements.
 
         Raises:
-            NotFound: there is no such session.
             UnknownName: the session's scenario has no such sensor configuration.
-            StoreError: the idempotency key was used for another request.
+            NoMesh: no scan can be predicted at the sensor pose.
+            StoreError: there is no such session, or the idempotency key was used for another request.
         """
         sessions = self.sessions
         with sessions.store.change(id_, write) as change:
             state = change.state
             if state is not None:
-                viewpoint_of(sessions.model_of(state).scenario, request)  # refuses an unknown sensor
+                check_announced(sessions.model_of(state).scenario, request)
                 now = sessions.now()
                 look = announced(sessions.new_id(), request, now)
                 looks = [*announced_looks(state.under_way, now), look][-MOST_PENDING:]
@@ -47,8 +46,8 @@ class AnnouncedLooks:
         """Withdraw an announced look; the response has no body.
 
         Raises:
-            NotFound: there is no such session, or no such look is under way in it.
-            StoreError: the idempotency key was used for another request.
+            NotFound: no such look is under way in the session.
+            StoreError: there is no such session, or the idempotency key was used for another request.
         """
         with self.sessions.store.change(id_, write) as change:
             state = change.state

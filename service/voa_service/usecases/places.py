@@ -5,7 +5,7 @@ in the history, to the last bit. A cache keeps them, and a process that lacks th
 scans of those alone.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import cast
@@ -13,8 +13,10 @@ from typing import cast
 import numpy as np
 
 from voa_core.checks import Floats
+from voa_core.evidence import Evidence
 from voa_core.places import Place
 from voa_core.scenario import Scenario
+from voa_service.failures import not_found
 from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.observations import ScanObservation, accepted_scan, scan_evidence, viewpoint_of
 from voa_service.mapping.updates import Updated, updated_by_scan, with_place
@@ -65,40 +67,56 @@ class LookedFrom:
             scenario: of the session.
             index: of the place in the session's record.
             copies: number J of displaced copies of each pose, at least as many as the record says.
+
+        Raises:
+            NotFound: the session was deleted meanwhile.
         """
         record = record_of(state.looks)
         key = _key(state.id, record, index, record.places[index].looks, copies)
-        return self.cache.get(key, lambda: self._computed(state.id, scenario, record, index, copies))
+        return self.cache.get(key, lambda: self._computed(state, scenario, record, index, copies))
 
     def log_sums(self, state: SessionState, scenario: Scenario, index: int, copies: int) -> Floats:
         """Return the log weights (n, J) of the looks from a place of a session, summed; see `place`."""
         return self.place(state, scenario, index, copies).log_sums
 
-    def _computed(self, session: str, scenario: Scenario, record: LookRecord, index: int, copies: int) -> Place:
+    def _computed(self, state: SessionState, scenario: Scenario, record: LookRecord, index: int, copies: int) -> Place:
         """Compute the weights of a place from the newest that the cache has, and the scans of the looks since then."""
         known = record.places[index]
         place = Place(known.viewpoint, (), np.zeros((len(scenario.poses), 1)))
         for looks in range(known.looks - 1, 0, -1):
-            kept = self.cache.peek(_key(session, record, index, looks, copies))
+            kept = self.cache.peek(_key(state.id, record, index, looks, copies))
             if kept is not None:
                 place = cast(Place, kept)
                 break
         after = place.looks[-1] if place.looks else record.since
-        compared = list(self._compared(session, scenario, record, index, after, copies))
-        for version, log_copies in compared[-(known.looks - len(place.looks)) :]:
-            place = place.with_look(version, log_copies)
+        scans = list(self._scans(state, scenario, record, index, after, copies))
+        missing = known.looks - len(place.looks)
+        if len(scans) < missing:
+            raise not_found("session", state.id)
+        # A session from before looks were recorded may have older scans from here, which are not in the record.
+        for version, compared in scans[-missing:]:
+            place = place.with_look(version, compared().log_copies)
         return place
 
-    def _compared(
-        self, session: str, scenario: Scenario, record: LookRecord, index: int, after: int, copies: int
-    ) -> Iterator[tuple[int, Floats]]:
-        """Compare the scans of the accepted looks from a place again: the versions above `after`, with log weights."""
-        while entries := self.store.history(session, after, _VERSIONS_AT_ONCE, _BYTES_AT_ONCE):
+    def _scans(
+        self, state: SessionState, scenario: Scenario, record: LookRecord, index: int, after: int, copies: int
+    ) -> Iterator[tuple[int, Callable[[], Evidence]]]:
+        """Read the accepted scans from a place at the versions above `after`, up to that of the state.
+
+        Each comes with its version, as a function that compares it again.
+
+        Others may have written since the state was read: their looks are in the history and not in the state.
+        """
+        while after < state.version:
+            most = min(state.version - after, _VERSIONS_AT_ONCE)
+            entries = self.store.history(state.id, after, most, _BYTES_AT_ONCE)
+            if not entries:
+                return
             for entry in entries:
                 after = entry.state.version
                 request = accepted_scan(entry)
                 if request is not None and record.index_of(viewpoint_of(scenario, request)) == index:
-                    yield after, scan_evidence(scenario, request, copies).log_copies
+                    yield after, partial(scan_evidence, scenario, request, copies)
 
 
 def _key(session: str, record: LookRecord, index: int, looks: int, copies: int) -> tuple[str, str, int, int, int, int]:

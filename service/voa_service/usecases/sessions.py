@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary, UpdateReport
@@ -144,7 +144,8 @@ class Sessions:
     def states_since(self, id_: str, seen: int | None, most: int) -> Sequence[SessionState] | None:
         """Read at most `most` states of a session after version `seen`, oldest first; None: there is no such session.
 
-        Without `seen`, or where the session is older than that, the newest state alone.
+        Without `seen`, or where the session is older than that, the newest state alone. Announced looks belong to no
+        version: every state has those that are under way now.
         """
         state = self.store.get_session(id_)
         if state is None:
@@ -153,7 +154,8 @@ class Sessions:
             return [state]
         if seen == state.version:
             return []
-        return [entry.state for entry in self.store.history(id_, seen, most, self.history_bytes)]
+        entries = self.store.history(id_, seen, most, self.history_bytes)
+        return [replace(entry.state, under_way=state.under_way) for entry in entries]
 
     def has_response(self, key: IdempotencyKey) -> bool:
         """Return True if any process has already answered a call with this key."""

@@ -84,6 +84,9 @@ OUTCOME_CASES = [
     Case("outcome: half a surrogate pair as grasp", OUTCOMES, {"grasp": "\ud800", "success": True}, says="unicode"),
     Case("outcome: no grasp", OUTCOMES, {"success": True}, says="grasp"),
     Case("outcome: no success", OUTCOMES, {"grasp": "G1"}, says="success"),
+    Case(
+        "outcome: a move above 1", OUTCOMES, {"grasp": "G1", "success": True, "object_moved": 1.1}, says="object_moved"
+    ),
     Case("outcome: a number as success", OUTCOMES, {"grasp": "G1", "success": 1}, says="boolean"),
     Case("outcome: a string as success", OUTCOMES, {"grasp": "G1", "success": "true"}, says="boolean"),
 ]

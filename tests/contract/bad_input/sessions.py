@@ -1,7 +1,8 @@
 """Bad sessions, claims of robots, and lists of objects."""
 
-from tests.contract.bad_input.base import CONFLICT, JSON, TYPE, UNKNOWN, Case
+from tests.contract.bad_input.base import CONFLICT, JSON, NO_MESH, TYPE, UNKNOWN, Case
 from tests.contract.bad_input.scenarios import PRIOR
+from tests.support.serving import Json
 
 SESSIONS = [
     Case("session: no scenario", "/v1/sessions", {}, says="scenario"),
@@ -23,6 +24,29 @@ SESSIONS = [
          CONFLICT, "is mapped to scenario"),
     Case("session: a robot whose mapping names a session", "/v1/sessions", {"scenario": "{data}", "robots": ["fixed"]},
          409, CONFLICT, "write `scenario` instead of `session`"),
+]  # fmt: skip
+
+LOOKS = "/v1/sessions/{data_session}/looks"
+PLACE: Json = {"x": 0.0, "y": 0.0, "yaw_rad": 0.0}
+ANNOUNCEMENTS = [
+    Case("look: no place", LOOKS, {}, says="exactly one of"),
+    Case("look: two places", LOOKS, {"sensor": "Q1", "sensor_pose": PLACE}, says="exactly one of"),
+    Case("look: an unknown sensor", LOOKS, {"sensor": "Q9"}, 422, UNKNOWN, "'Q1', 'Q2'"),
+    Case("look: an empty name of a robot", LOOKS, {"sensor": "Q1", "robot": ""}, says="robot"),
+    Case("look: an unknown field", LOOKS, {"sensor": "Q1", "expires_at": None}, says="expires_at"),
+    Case("look: a pose without a yaw", LOOKS, {"sensor_pose": {"x": 0.0, "y": 0.0}}, says="yaw_rad"),
+    Case("look: a sensor pose without a mesh", LOOKS, {"sensor_pose": PLACE}, 422, NO_MESH, "by name"),
+    Case("look: a negative std", LOOKS, {"sensor_pose": PLACE | {"std": {"xy_m": -1, "yaw_rad": 0}}}, says="std"),
+    Case("look: no body", LOOKS, b"", says="body", headers=JSON),
+    Case("look: not JSON", LOOKS, b"{", 400, "malformed-json", headers=JSON),
+    Case("look: text/plain", LOOKS, b'{"sensor": "Q1"}', 415, TYPE, headers={"content-type": "text/plain"}),
+    Case("look: an unknown session", "/v1/sessions/nothing/looks", {"sensor": "Q1"}, 404, "not-found", "'nothing'"),
+    Case("look: a parameter", LOOKS + "?robot=r", {"sensor": "Q1"}, says="query.robot"),
+    Case("look: an Idempotency-Key of 256 characters", LOOKS, {"sensor": "Q1"}, says="at most 255",
+         headers={"idempotency-key": "k" * 256}),
+    Case("to end an unknown look", LOOKS + "/nothing", None, 404, "not-found", "'nothing'", "DELETE"),
+    Case("to end a look of an unknown session", "/v1/sessions/nothing/looks/L", None, 404, "not-found", "'nothing'",
+         "DELETE"),
 ]  # fmt: skip
 
 CLAIM = "/v1/robots/free/session"

@@ -86,8 +86,8 @@ def test_the_setting_decides_on_the_precision_and_memory_on_what_is_kept(
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
         small, large = (Models(inside.health.store, Cache(size * MEBIBYTE), setting) for size in (1, 2**20))
-        assert small.precision(sensors, poses) == (expected, kept_in_one_mebibyte)
-        assert large.precision(sensors, poses) == (expected, True)
+        assert small.precision(sensors * poses**2) == (expected, kept_in_one_mebibyte)
+        assert large.precision(sensors * poses**2) == (expected, True)
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:

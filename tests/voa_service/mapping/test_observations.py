@@ -1,6 +1,9 @@
-"""Observations: a scan or an outcome is compared with every pose once, and can then be applied to any belief."""
+"""Observations: a scan or an outcome is read from its message, and a scan is compared with every pose."""
 
+import json
 import math
+from datetime import UTC, datetime
+from typing import Any
 
 import pytest
 
@@ -8,9 +11,13 @@ from tests.support.scenarios import core_scenario
 from tests.support.serving import PREDICTIONS, as_scan
 from voa_core.errors import BeamGridMismatch, UnknownName
 from voa_core.filtering import Belief
-from voa_msgs.sessions import OutcomeRequest, ScanRequest
-from voa_service.mapping.observations import outcome_observation, scan_observation
+from voa_core.places import Viewpoint
+from voa_msgs.looks import AtPlace
+from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
+from voa_service.mapping.observations import accepted_scan, outcome_observation, scan_observation, viewpoint_of
+from voa_store.records import HistoryEntry, HistoryKind, SessionState
 
+NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
 UNIFORM = Belief.uniform(3)
 
 
@@ -20,26 +27,16 @@ def scan(pose: str, sensor: str = "Q1") -> ScanRequest:
 
 def test_a_scan_like_a_prediction_favours_its_pose() -> None:
     observation = scan_observation(core_scenario(), scan("P2"))
-    updated = observation.applied_to(UNIFORM)
-    assert (observation.kind, updated.report.accepted, updated.report.best_fit_pose) == ("scan", True, "P2")
-    assert (updated.report.fit_rmsd_mm, updated.report.beams_compared) == (0.0, 4)
+    evidence = observation.evidence
+    assert (observation.listed, observation.std, evidence.copies, evidence.best_fit) == (True, None, 1, 1)
+    assert (evidence.fit_rmsd_mm, evidence.beams_compared) == (0.0, 4)
     distance = math.hypot(0.1, 0.5)  # P1 differs by 0.1 m, and by a return of 0.5 m where 1 m stands for none
-    assert updated.belief.p[0] / updated.belief.p[1] == pytest.approx(math.exp(-distance))
+    assert evidence.log_weights[1] - evidence.log_weights[0] == pytest.approx(distance)
 
 
-def test_an_observation_can_be_applied_to_several_beliefs() -> None:
+def test_copies_that_are_all_alike_are_not_compared_again() -> None:
     observation = scan_observation(core_scenario(), scan("P2"))
-    certain = Belief.of([1.0, 0.0, 0.0])
-    first = observation.applied_to(UNIFORM).belief.p.tolist()
-    assert observation.applied_to(certain).belief.p.tolist() == [1.0, 0.0, 0.0]
-    assert observation.applied_to(UNIFORM).belief.p.tolist() == first
-
-
-def test_a_scan_without_a_beam_to_compare_is_not_accepted_and_changes_nothing() -> None:
-    missing = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [None] * 4}})
-    updated = scan_observation(core_scenario(), missing).applied_to(UNIFORM)
-    assert (updated.report.accepted, updated.report.reason, updated.report.best_fit_pose) == (False, "no_beams", None)
-    assert updated.belief is UNIFORM
+    assert observation.with_copies(64) is observation
 
 
 def test_a_scan_with_other_beams_is_refused() -> None:
@@ -47,21 +44,44 @@ def test_a_scan_with_other_beams_is_refused() -> None:
         scan_observation(core_scenario(), ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.5] * 3}}))
 
 
-@pytest.mark.parametrize(("success", "weights"), [(True, [0.9, 0.1, 0.2]), (False, [0.1, 0.9, 0.8])])
-def test_an_outcome_weighs_poses_by_the_scores_of_its_grasp(success: bool, weights: list[float]) -> None:
-    observation = outcome_observation(core_scenario(), OutcomeRequest(grasp="G1", success=success))
-    updated = observation.applied_to(UNIFORM)
-    assert updated.belief.p.tolist() == pytest.approx([weight / sum(weights) for weight in weights])
-    assert (observation.kind, updated.report.beams_compared, updated.report.fit_rmsd_mm) == ("outcome", 0, None)
+def test_a_viewpoint_has_the_name_of_a_listed_sensor_or_the_pose_of_the_request() -> None:
+    scenario = core_scenario()
+    assert viewpoint_of(scenario, AtPlace(sensor="Q2")) == Viewpoint("Q2", 0.0, 0.0, 0.0, None)
+    pose = {"x": 0.1, "y": 0.2, "yaw_rad": 0.3, "height_m": 0.4, "std": {"xy_m": 0.01, "yaw_rad": 0.0}}
+    stated = AtPlace.model_validate({"sensor_pose": pose})
+    assert viewpoint_of(scenario, stated) == Viewpoint(None, 0.1, 0.2, 0.3, 0.4)
+    with pytest.raises(UnknownName):
+        viewpoint_of(scenario, AtPlace(sensor="Q9"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "report", "counts"),
+    [
+        ("scan", {"accepted": True, "reason": None}, True),
+        ("scan", {"accepted": True, "reason": "nothing_seen"}, False),
+        ("scan", {"accepted": True, "reason": "nearest"}, False),
+        ("outcome", {"accepted": True, "reason": None}, False),
+        ("scan", None, False),
+    ],
+)
+def test_only_scans_that_count_for_the_poses_are_looks_of_a_place(
+    kind: HistoryKind, report: dict[str, Any] | None, counts: bool
+) -> None:
+    rest = dict.fromkeys(("log_evidence", "fit_rmsd_mm", "fit_hit_rmsd_mm", "best_fit_pose")) | {"beams_compared": 4}
+    text = None if report is None else UpdateReport.model_validate(report | rest).model_dump_json()
+    state = SessionState("S", "scenario", 1, UNIFORM, UNIFORM, None, NOON, NOON)
+    request = scan("P2")
+    entry = HistoryEntry(state, kind, json.dumps(request.model_dump(mode="json")), text)
+    assert accepted_scan(entry) == (request if counts else None)
+
+
+def test_an_outcome_names_its_grasp_by_index() -> None:
+    request = OutcomeRequest(grasp="G2", success=False, object_moved=0.25)
+    outcome = outcome_observation(core_scenario(), request)
+    assert (outcome.grasp, outcome.success, outcome.object_moved) == (1, False, 0.25)
 
 
 def test_an_outcome_of_an_unknown_grasp_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownName) as refused:
         outcome_observation(core_scenario(), OutcomeRequest(grasp="G9", success=True))
     assert refused.value.known == ["G1", "G2"]
-
-
-def test_a_scan_replaces_the_fit_of_a_session_and_an_outcome_keeps_it() -> None:
-    scenario = core_scenario()
-    assert scan_observation(scenario, scan("P2")).fit_rmsd_mm(7.0) == 0.0
-    assert outcome_observation(scenario, OutcomeRequest(grasp="G1", success=True)).fit_rmsd_mm(7.0) == 7.0

@@ -6,12 +6,14 @@ from typing import Any
 import pytest
 
 from tests.support.serving import Json, data_scenario, serving
-from voa_core.errors import InvalidInput, UnknownName
+from voa_core.errors import UnknownName
 from voa_core.filtering import Belief
 from voa_core.weights import wanted
 from voa_msgs.rankings import Ranking, VoaRequest
 from voa_service.mapping.models import Model
-from voa_service.mapping.rankings import RankingTask, ranked_grasps_message, ranking_message, ranking_task
+from voa_service.mapping.ranking_tasks import RankingTask, ranking_task
+from voa_service.mapping.ranking_weights import Weighing
+from voa_service.mapping.rankings import ranked_grasps_message, ranking_message
 
 GIVEN = [0.5, 0.5, 0.0]
 EXACT: Json = {"rule": "margin", "margin_m": 0.01, "no_return_m": 1.0}
@@ -25,11 +27,11 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def ranked(task: RankingTask) -> Ranking:
-    return ranking_message(task, "float64", True, map, wanted)
+    return ranking_message(task, Weighing("float64", True, wanted), map)
 
 
 def test_looks_are_ranked_by_net_value_and_the_first_is_recommended(model: Model) -> None:
-    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(outcomes=True)))
+    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(outcomes=True), None))
     first, second = ranking.ranking
     assert (first.sensor, second.sensor) == ("Q1", "Q2")
     assert second.voa == pytest.approx(0.0, abs=1e-12)
@@ -39,36 +41,26 @@ def test_looks_are_ranked_by_net_value_and_the_first_is_recommended(model: Model
     assert first.voa == pytest.approx(0.85 - 0.5)
     assert first.expected_score_after == pytest.approx(0.85)
     assert [(outcome.pose, outcome.best_grasp) for outcome in first.outcomes or []] == [("P1", "G1"), ("P2", "G2")]
-    assert ranking.recommendation.model_dump() == {"action": "look", "sensor": "Q1", "net_value": first.net_value}
+    assert ranking.recommendation.model_dump() == {
+        "action": "look",
+        "sensor": "Q1",
+        "net_value": first.net_value,
+        "then": None,
+    }
     assert (first.ties_with_first, second.ties_with_first, ranking.version) == (True, False, None)
 
 
 def test_a_grasp_is_recommended_where_no_look_gains_enough(model: Model) -> None:
-    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(min_gain=0.5)))
+    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(min_gain=0.5), None))
     assert ranking.recommendation.model_dump() == {"action": "grasp", "grasp": "G1", "expected_score": 0.5}
     assert all(look.outcomes is None for look in ranking.ranking)
 
 
-def test_a_task_counts_the_outcomes_of_each_look_by_the_sensor_agent_s_belief(model: Model) -> None:
-    own = ranking_task(model, GIVEN, VoaRequest())
-    other = ranking_task(model, GIVEN, VoaRequest(sensor_belief=[0.0, 0.0, 1.0]))
-    assert (own.possible_poses, other.possible_poses) == (2, 1)
-    assert own.outer is own.belief
-    assert other.outer.p.tolist() == [0.0, 0.0, 1.0]
-
-
 def test_only_the_requested_looks_and_grasps_take_part(model: Model) -> None:
-    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(sensors=["Q2"], grasps=["G2"])))
+    ranking = ranked(ranking_task(model, GIVEN, VoaRequest(sensors=["Q2"], grasps=["G2"]), None))
     assert [look.sensor for look in ranking.ranking] == ["Q2"]
     assert ranking.best_grasp_before == "G2"
     assert ranking.expected_score_before == pytest.approx(0.45)
-
-
-def test_requests_that_do_not_fit_the_scenario_are_refused(model: Model) -> None:
-    with pytest.raises(UnknownName):
-        ranking_task(model, None, VoaRequest(grasps=["G9"]))
-    with pytest.raises(InvalidInput, match="sensor_belief"):
-        ranking_task(model, None, VoaRequest(sensor_belief=[1.0]))
 
 
 def test_grasps_are_ranked_by_expected_score_and_named_alone_or_with_commas(model: Model) -> None:

@@ -6,7 +6,15 @@ from pathlib import Path
 from tests.support.serving import Service
 from voa_service.rpc.methods import methods_of
 
-WRITES = {"belief.put", "outcome.report", "scan.apply", "session.create", "session.delete"}
+WRITES = {
+    "belief.put",
+    "look.announce",
+    "look.cancel",
+    "outcome.report",
+    "scan.apply",
+    "session.create",
+    "session.delete",
+}
 HEAVY = {"ranking.compute", "scenario.create", "scenario.predict", "scenario.warnings", "voa.rank"}
 CONTRACT = Path(__file__).resolve().parents[3] / "deploy" / "docs" / "contract.md"
 

@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 from fastapi import Request, Response
 
-from tests.support.serving import POSES, Service, data_scenario, json_of, serving
+from tests.support.places import seen_from, spread_scenario
+from tests.support.serving import POSES, Service, data_scenario, json_of, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_service.runtime.test_queues import Gate
+from voa_msgs.rankings import VoaRequest
 from voa_service.http.routes.responses import unless_gone
 from voa_service.rpc.entry import Rpc
 
@@ -72,6 +74,52 @@ def test_an_answer_is_kept_for_equal_requests(service: Service, scenario: str) -
         service.post("/v1/rankings", body | change)
         assert service.inside.rankings.kept.held > held
         held = service.inside.rankings.kept.held
+
+
+def keys(service: Service, *sessions: str, **request: Any) -> set[Any]:
+    """Keys of the answers to one request in several sessions."""
+    body = VoaRequest.model_validate(request)
+    return {service.inside.rankings.of_session(session, body).key for session in sessions}
+
+
+def test_sessions_with_equal_beliefs_share_an_answer_if_their_looks_are_equal(service: Service, scenario: str) -> None:
+    one, other = (service.open(scenario, prior=[1.0, 0.0, 0.0]) for _ in range(2))
+    assert len(keys(service, one, other)) == 1
+    service.post(f"/v1/sessions/{one}/scans", scan_of([0.5, 0.5, None, 1.0], "Q1"))
+    assert len(keys(service, one, other)) == 2, "a certain belief stays, and the looks differ"
+    taken = [
+        {row["sensor"]: row["looks_taken"] for row in service.post(f"/v1/sessions/{session}/voa", {})["ranking"]}
+        for session in (one, other)
+    ]
+    assert taken == [{"Q1": 1, "Q2": 0}, {"Q1": 0, "Q2": 0}]
+    service.post(f"/v1/sessions/{other}/scans", scan_of([0.5, 0.5, None, 1.0], "Q1"))
+    assert len(keys(service, one, other)) == 1, "looks without displaced copies are equal anywhere"
+
+
+def test_sessions_with_displaced_copies_share_no_answer(service: Service) -> None:
+    spread = spread_scenario(service)
+    one, other = (service.open(spread, prior=[1.0, 0.0]) for _ in range(2))
+    assert len(keys(service, one, other)) == 1
+    for session in (one, other):
+        service.post(f"/v1/sessions/{session}/scans", seen_from(service, "E", "A"))
+    assert len(keys(service, one, other)) == 2
+    before = keys(service, one)
+    service.http.put(f"/v1/sessions/{one}/belief", json={"belief": None}).raise_for_status()
+    service.http.put(f"/v1/sessions/{other}/belief", json={"belief": None}).raise_for_status()
+    assert len(keys(service, one, other) | before) == 2
+
+
+def test_the_std_of_the_last_sensor_pose_and_announced_looks_are_part_of_a_question(service: Service) -> None:
+    spread = spread_scenario(service)
+    one, other, third = (service.open(spread, prior=[1.0, 0.0]) for _ in range(3))
+    place = {"x": 0.3, "y": 0.0, "yaw_rad": 3.141592653589793, "std": {"xy_m": 0.01, "yaw_rad": 0.0}}
+    service.post(f"/v1/sessions/{one}/scans", seen_from(service, place, "A"))
+    service.http.put(f"/v1/sessions/{one}/belief", json={"belief": None}).raise_for_status()
+    service.post(f"/v1/sessions/{other}/looks", {"sensor": "E"})
+    assert len(keys(service, one, other, third)) == 3
+    assert len(keys(service, other, third, pending=[])) == 1
+    service.post(f"/v1/sessions/{third}/looks", {"sensor": "E", "robot": "another"})
+    assert len(keys(service, other, third)) == 1
 
 
 def test_more_outcomes_than_an_answer_may_hold_are_refused(tmp_path_factory: pytest.TempPathFactory) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.serving import PREDICTIONS, Service, data_scenario, mesh_scenario
+from tests.support.serving import PREDICTIONS, Service, box_obj, data_scenario, mesh_scenario
 from voa_core.errors import NoMesh, UnknownName
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_service.failures import InvalidRequest, NotFound, TooLarge, UnknownReference
@@ -48,10 +48,30 @@ def test_a_new_field_with_its_default_is_no_part_of_the_id(
     own = scenarios.create(request())[0]
     content = own.request().model_dump(mode="json")
     assert (content.pop("min_gain"), content["update"].pop("on_nothing_seen")) == (0.005, "reject")
+    assert (content.pop("spread"), content.pop("absent")) == (None, None)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     assert hashlib.sha256(text.encode()).hexdigest() == own.id
     evidence = {"rule": "exponential", "no_return_m": 1.0, "on_nothing_seen": "evidence"}
     assert scenarios.create(request(update=evidence))[0].id != own.id
+    assert scenarios.create(request(absent=0.1))[0].id != own.id
+
+
+def test_a_scenario_from_before_spread_and_absence_keeps_its_id(scenarios: Scenarios) -> None:
+    plain = scenarios.create(request())[0].id
+    assert scenarios.create(request(spread=None, absent=None))[0].id == plain
+
+
+def test_the_spread_is_part_of_the_id_and_comes_back(scenarios: Scenarios, service: Service) -> None:
+    body = mesh_scenario(service.upload(box_obj()))
+    plain, spread, wider = (
+        scenarios.create(ScenarioRequest.model_validate(body | more))[0]
+        for more in ({}, {"spread": {"xy_m": 0.005, "yaw_rad": 0.05}}, {"spread": {"xy_m": 0.006, "yaw_rad": 0.05}})
+    )
+    assert len({plain.id, spread.id, wider.id}) == 3
+    assert plain.spread is None
+    assert scenarios.get(spread.id).spread == spread.spread
+    assert spread.spread is not None
+    assert spread.spread.model_dump() == {"xy_m": 0.005, "yaw_rad": 0.05}
 
 
 def test_a_list_shows_the_size_and_the_rule_of_each_scenario(scenarios: Scenarios) -> None:

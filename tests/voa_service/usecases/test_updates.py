@@ -59,7 +59,9 @@ def test_a_scan_that_is_not_accepted_changes_and_publishes_nothing(
 
 def test_every_observation_is_counted_by_kind_and_result(service: Service, session: str) -> None:
     counted: list[tuple[str, str]] = []
-    updates = Updates(service.inside.sessions, lambda kind, result: counted.append((kind, result)))
+    updates = Updates(
+        service.inside.sessions, service.inside.updates.places, lambda kind, result: counted.append((kind, result))
+    )
     updates.apply_scan(session, GOOD, write())
     updates.apply_scan(session, EMPTY, write())
     updates.report_outcome(session, OutcomeRequest(grasp="G1", success=True), write("outcome"))

@@ -13,6 +13,7 @@ import zenoh
 from zenoh.ext import CacheConfig, declare_advanced_publisher
 
 from tests.support.bus import Sample
+from tests.support.replaying import replayed
 from tests.support.routers import Router, router
 from tests.support.serving import Json, box_obj, data_scenario, mesh_scenario, scan_of
 from tests.support.waiting import wait_for
@@ -21,6 +22,7 @@ from voa_msgs.links import session_config
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, rmw_key
+from voa_service.mapping.looks import record_of
 from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.replicas import Replicas
 from voa_store.errors import Busy
@@ -173,6 +175,34 @@ def test_a_pose_that_was_published_before_the_mapping_is_fetched(
 
         wait_for(looked, "the look")
     assert own.last_request(session)["sensor_pose"]["x"] == 1.5
+
+
+def test_looks_by_odometry_share_a_place_as_unsure_as_the_mapping_says(own: Lab) -> None:
+    lidar = {"preset": "lds-01", "beams": 4, "angle_increment": 0.1, "height_m": 0.02}
+    session = own.service.open(own.service.create(mesh_scenario(own.service.upload(box_obj()), lidar=lidar)))
+    own.map(
+        f'name = "tb3_1"\nsession = "{session}"\nlook = {{ mode = "every" }}\n'
+        '[robot.place]\nfrom = "odometry"\nstd = { xy_m = 0.01, yaw_rad = 0.02 }\n'
+    )
+    own.service.post(f"/v1/sessions/{session}/looks", {"sensor_pose": {"x": 0.3, "y": 0.0, "yaw_rad": 3.1}})
+    for number, x in enumerate((0.3, 0.31, 0.5), start=1):
+        own.put("tb3_1/odom", odometry(x, 0.0, 3.1, 100.0 + number))
+        own.put("tb3_1/scan", laser_scan([0.28] * 4, 100.0 + number))
+        wait_for(lambda number=number: own.version(session) == number, "the look")  # type: ignore[misc]
+    assert own.last_request(session)["sensor_pose"]["std"] == {"xy_m": 0.01, "yaw_rad": 0.02}
+    state = own.service.get(f"/v1/sessions/{session}")
+    assert [place["looks"] for place in state["places"]] == [2, 1]
+    assert state["places"][0]["sensor_pose"]["x"] == pytest.approx(0.3)
+    assert state["under_way"] == [], "a look by the robot ends what it has announced"
+    places = record_of(own.service.inside.sessions.state(session).looks).places
+    assert [place.copies for place in places] == [64, 64]
+    ranking = own.service.get(f"/v1/sessions/{session}/voa")
+    assert ranking["scans"] == "simulated"
+    assert ranking == own.service.post(f"/v1/sessions/{session}/voa", {"sensor_std": {"xy_m": 0.01, "yaw_rad": 0.02}})
+    entries = own.service.inside.sessions.store.history(session, -1, 9)
+    scenario = own.service.inside.sessions.model_of(entries[-1].state).scenario
+    *_, estimate = replayed(scenario, entries)
+    assert state["belief"] == estimate.belief.p.tolist()
 
 
 @pytest.mark.parametrize(

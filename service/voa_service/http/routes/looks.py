@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Request, Response
 
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
-from voa_service.failures import Damaged, IdempotencyKeyReused, NotFound, UnknownReference
+from voa_service.failures import Damaged, IdempotencyKeyReused, MeshRequired, NotFound, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import Key
 from voa_service.http.openapi import problems
@@ -23,7 +23,7 @@ def routes(services: Services) -> APIRouter:
         "/sessions/{id}/looks",
         status_code=201,
         response_model=AnnouncedLook,
-        responses=problems(NotFound, IdempotencyKeyReused, Damaged, UnknownReference),
+        responses=problems(NotFound, IdempotencyKeyReused, Damaged, UnknownReference, MeshRequired),
         response_description="The look was announced.",
     )
     async def announce_look(id: SessionId, request: LookAnnouncement, http: Request, key: Key = None) -> Response:
