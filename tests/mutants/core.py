@@ -244,8 +244,8 @@ MUTANTS = (
     Mutant(
         name="many looks that tie are in any order",
         file="voa_core/ranking.py",
-        old='for look in ranked], kind="stable")',
-        new="for look in ranked])",
+        old='for look in looks], kind="stable")',
+        new="for look in looks])",
         tests="tests/voa_core/test_ranking.py",
     ),
     Mutant(
