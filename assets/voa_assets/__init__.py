@@ -5,6 +5,8 @@
 | `lidars/`          | one preset per file: beams, range, noise, meaning of a zero, and sources  |
 | `mug/`             | `mug.obj`, the program that makes it, `scenario.json`, `physics.json`     |
 | `mallet/`, `block/`| mesh, program, scenario and physics of two more objects                   |
+| `goblet/`          | an object for which the look for most information is not the best look    |
+| `coupling/`        | an object for which two looks are needed                                  |
 | `experiments/mug/` | synthetic scans of the mug in the format of a recorded experiment         |
 
 Files are read on request, with the standard library alone. The programs that make meshes share `make_obj`.

@@ -36,6 +36,7 @@ from voa_fleet.show.demo_page import (
     comparison_rows,
     comparison_summary,
     outcome_summary,
+    story_of,
     write_demo,
 )
 from voa_fleet.show.interruption import Interruption, TimeIsUp, interruptible
@@ -100,6 +101,9 @@ def show_episode(
     """Run the episode of the first drop, and report its events in the terminal."""
     name, poses, grasps = demo.target.name, len(scenario.poses), len(scenario.grasps)
     console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
+    story = story_of(demo.target)
+    if story:
+        console.print(f"{story}\n", style="bold", highlight=False, markup=False)
     console.print(
         f"The arm can attempt {grasps} grasps, the lidar robot can look from {len(scenario.sensors)} places. The "
         f"service keeps the belief (a probability for each pose) and the probability that the object is absent, "
@@ -224,7 +228,9 @@ def _seconds() -> float | None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa demo", description=(__doc__ or "").partition("\n\n")[2])
     parser.add_argument("--out", type=Path, default=Path("voa-demo"), help="folder for the page (default voa-demo)")
-    parser.add_argument("--object", default="mallet", help="mallet (default), mug, block, or a folder")
+    parser.add_argument(
+        "--object", default="mallet", help="mallet (default), mug, block, goblet, coupling, or a folder"
+    )
     parser.add_argument("--looks", type=count, default=MOST_LOOKS, help=f"at most (default {MOST_LOOKS})")
     parser.add_argument("--drops", type=count, default=20, help="for the counts, each grasped twice (default 20)")
     parser.add_argument("--seed", type=natural, default=0, help="of drops and noise (default 0)")

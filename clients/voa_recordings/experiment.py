@@ -12,6 +12,7 @@
 An empty `measured` or `predicted` is a no-return; a beam without a row has a no-return in both. `angle_deg` lies on
 the lidar's grid (default 360 beams, 1 degree, from 0). `observation.no_return` (default 1.0 m) is the range that a
 no-return counts as; a beam that is measured beyond it is a no-return, too. `scores` wins over `successes`.
+`selection` is "whole" or "matched": how the rows were chosen (`voa_recordings.selection`).
 """
 
 import csv
@@ -30,6 +31,7 @@ from voa_recordings.experiment_parts import (
     ExperimentSensor,
     InvalidExperiment,
 )
+from voa_recordings.selection import Selection
 
 _COLUMNS = ("sensor", "pose", "angle_deg", "measured", "predicted")
 
@@ -74,6 +76,7 @@ class RecordedExperiment:
         mesh: the mesh file, if there is one.
         scale: metres per unit of the mesh file.
         expected: content of `expected.json`, if there is one.
+        selection: how the rows of `scans.csv` were chosen; None: not stated.
     """
 
     name: str
@@ -89,6 +92,7 @@ class RecordedExperiment:
     mesh: Path | None
     scale: float
     expected: ExpectedResults | None
+    selection: Selection | None
 
     @property
     def pose_names(self) -> list[str]:
@@ -158,6 +162,7 @@ def read_experiment(folder: Path) -> RecordedExperiment:
         mesh=mesh,
         scale=1.0 if content.object is None else content.object.scale,
         expected=read_file(ExpectedResults, expected, InvalidExperiment) if expected.is_file() else None,
+        selection=content.selection,
     )
 
 

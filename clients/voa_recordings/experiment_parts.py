@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validat
 
 from voa_client import VoaClientError
 from voa_msgs.base import Point3, Quaternion
+from voa_recordings.selection import Selection
 
 _ON_GRID = 0.01  # of a beam spacing
 
@@ -116,6 +117,7 @@ class ExperimentFile(_Part):
     object: ExperimentObject | None = None
     lidar: ExperimentLidar = ExperimentLidar()
     observation: _Observation = _Observation()
+    selection: Selection | None = None
 
     @field_validator("poses", "sensors", mode="before")
     @classmethod

@@ -83,6 +83,7 @@ def experiment_of(scenario: dict[str, Any]) -> dict[str, Any]:
             "range_max": preset["range_max"],
         },
         "observation": {"no_return": scenario["update"]["no_return_m"]},
+        "selection": "whole",
         "poses": scenario["poses"],
         "sensors": [
             {

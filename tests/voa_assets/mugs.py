@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 
 from voa_assets import lidar_presets
+from voa_core.displacements import Spread
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
@@ -44,10 +45,25 @@ def scenario_of(file: Path) -> Scenario:
         body["scores"]["attempts"],
         len(poses),
     )
-    sensors = tuple(SensorConfiguration(s["name"], s["x"], s["y"], s["yaw_rad"]) for s in body["sensors"])
+    sensors = tuple(
+        SensorConfiguration(s["name"], s["x"], s["y"], s["yaw_rad"], s.get("height_m"), s.get("cost", 0.0))
+        for s in body["sensors"]
+    )
     update = dict(body["update"])
     policy = UpdatePolicy(update.pop("on_no_match"))
     rule = rule_of(update.pop("rule"), lidar, **update)
     box = Workspace(tuple(body["workspace"]["min"]), tuple(body["workspace"]["max"]))
     predictor = predictor_of_mesh(object_of(file.with_name(body["object"])), poses, lidar)
-    return Scenario(poses, table, sensors, predictor, rule, policy, Belief.uniform(len(poses)), box)
+    spread = Spread(**body["spread"]) if "spread" in body else None
+    return Scenario(
+        poses,
+        table,
+        sensors,
+        predictor,
+        rule,
+        policy,
+        Belief.uniform(len(poses)),
+        box,
+        spread=spread,
+        seed=body["name"],
+    )

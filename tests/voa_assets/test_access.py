@@ -15,7 +15,7 @@ def test_an_asset_has_a_path(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["teapot", "..", "../voa_assets/../../README.md"])
 def test_what_is_not_an_asset_is_refused_with_what_there_is(name: str) -> None:
-    with pytest.raises(FileNotFoundError, match="block, experiments/mug, lidars, mallet, mug"):
+    with pytest.raises(FileNotFoundError, match="block, coupling, experiments/mug, goblet, lidars, mallet, mug"):
         path(name)
 
 

@@ -1,4 +1,4 @@
-"""Mallet and block: meshes as made, poses at rest, and the best look depends on what is believed."""
+"""The project's own objects: meshes as made, poses at rest, scores as measured, and what the best look depends on."""
 
 import json
 from collections.abc import Callable
@@ -12,6 +12,8 @@ import trimesh
 from tests.voa_assets.mugs import object_of, scenario_of
 from voa_assets import path
 from voa_assets.block import make_block
+from voa_assets.coupling import make_coupling
+from voa_assets.goblet import make_goblet
 from voa_assets.make_obj import Mesh, obj_text
 from voa_assets.mallet import make_mallet
 from voa_core.filtering import Belief
@@ -19,7 +21,12 @@ from voa_core.ranking import Ranking, rank
 from voa_core.scenario import Scenario
 from voa_msgs.scenarios import ScenarioRequest
 
-MAKERS: dict[str, Callable[[], Mesh]] = {"mallet": make_mallet.make, "block": make_block.make}
+MAKERS: dict[str, Callable[[], Mesh]] = {
+    "mallet": make_mallet.make,
+    "block": make_block.make,
+    "goblet": make_goblet.make,
+    "coupling": make_coupling.make,
+}
 NAMES = list(MAKERS)
 
 
@@ -70,6 +77,14 @@ def test_the_measures_are_those_of_the_makers() -> None:
     mesh = trimesh.load_mesh(mesh_file("mallet"))
     assert mesh.bounds[1][0] == pytest.approx(mallet.head[0] / 2.0 + mallet.handle_length, abs=1e-6)
     assert mesh.extents[1:] == pytest.approx(mallet.head[1:], abs=1e-6)
+    goblet = make_goblet.Goblet()
+    mesh = trimesh.load_mesh(mesh_file("goblet"))
+    width = goblet.cup_width + goblet.fin_length
+    assert mesh.extents == pytest.approx([width, goblet.cup_width, goblet.height], abs=1e-6)
+    coupling = make_coupling.Coupling()
+    mesh = trimesh.load_mesh(mesh_file("coupling"))
+    length = coupling.narrow + 2.0 * coupling.fin_length
+    assert mesh.extents == pytest.approx([length, coupling.wide, coupling.height], abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["mug", *NAMES])

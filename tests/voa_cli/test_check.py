@@ -9,6 +9,7 @@ from tests.support.serving import box_obj, mesh_scenario
 from voa_assets import path as asset
 from voa_cli.main import main
 from voa_client import Client
+from voa_fleet.world.objects import OBJECTS
 
 
 def write(folder: Path, **changes: object) -> Path:
@@ -18,7 +19,7 @@ def write(folder: Path, **changes: object) -> Path:
     return file
 
 
-@pytest.mark.parametrize("name", ["mug", "mallet", "block"])
+@pytest.mark.parametrize("name", OBJECTS)
 def test_the_shipped_scenarios_are_as_they_should_be(
     capfd: pytest.CaptureFixture[str], process: str, name: str
 ) -> None:

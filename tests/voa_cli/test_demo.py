@@ -10,6 +10,7 @@ import threading
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from voa_fleet.episodes.episode import Episode
 from voa_fleet.episodes.events import Event, GraspEnded
 from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.errors import NoGraphics
-from voa_fleet.show.demo_page import Demo
+from voa_fleet.show.demo_page import Demo, story_of
 from voa_fleet.show.episode_pictures import belief_by_look
 from voa_fleet.show.interruption import TimeIsUp, interruptible
 from voa_fleet.world.clocks import VirtualClock
@@ -43,6 +44,8 @@ def test_the_demo_reports_the_episode_and_leaves_a_page(capfd: pytest.CaptureFix
     printed = capfd.readouterr().out
     flat = " ".join(printed.split())
     assert "\x1b" not in printed
+    assert story_of(named_object("mallet")) in flat
+    assert "From behind the head the handle is hidden" in flat
     assert (
         flat.index("0.0 s session")
         < flat.index("s look from")
@@ -61,10 +64,43 @@ def test_the_demo_reports_the_episode_and_leaves_a_page(capfd: pytest.CaptureFix
     assert page.count("data:image/png;base64,") >= 4
     assert not re.findall(r'(?:src|href)="(?!data:)', page)  # it needs no other file
     assert f"was {truth[1]} ({truth[2]})" in page
+    assert story_of(named_object("mallet")) in page
     for picture in ("belief.png", "from-above.png", "comparison.png", "before-and-after.png"):
         content = (out / picture).read_bytes()
         assert content.startswith(PNG)
         assert len(content) > 10_000
+
+
+def test_of_the_coupling_two_looks_are_announced_together(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["demo", "--out", str(tmp_path), "--object", "coupling", "--drops", "2"]) == 0
+    flat = " ".join(capfd.readouterr().out.split())
+    assert re.search(r"look from \S+-(low|mid) next, then from \S+-(low|mid) \(worth \+0\.4\d\d together\)", flat)
+    assert flat.count("looked from") == 2
+    assert "with looks 0 of 2." in flat
+
+
+def test_the_goblet_s_first_look_is_at_its_foot(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["demo", "--out", str(tmp_path), "--object", "goblet", "--drops", "2"]) == 0
+    flat = " ".join(capfd.readouterr().out.split())
+    assert re.search(r"look from \S+-low next \(\S+-low is worth \+0\.4\d\d, ", flat)
+    assert flat.count("looked from") == 1
+    assert "with looks 0 of 2." in flat
+
+
+@pytest.mark.parametrize(
+    ("text", "story"),
+    [
+        ("# Cup\n\nOf a cup,\nin two lines.\n\nMore.\n", "Of a cup, in two lines."),
+        ("# Cup\n", ""),
+        (None, ""),
+    ],
+)
+def test_the_story_of_an_object_is_the_first_paragraph_of_its_readme(
+    tmp_path: Path, text: str | None, story: str
+) -> None:
+    if text is not None:
+        (tmp_path / "README.md").write_text(text, encoding="utf-8")
+    assert story_of(replace(named_object("mug"), folder=tmp_path)) == story
 
 
 def test_without_opengl_it_says_so_and_takes_no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:

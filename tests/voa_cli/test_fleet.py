@@ -121,7 +121,10 @@ def test_options_that_make_no_sense_are_refused(
 
 def test_an_unknown_object_is_reported(process: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["fleet", "--url", process, "--object", "vase"]) == 1
-    assert "voa fleet: no object 'vase'; there are: mug, mallet, block, a folder" in capfd.readouterr().err
+    assert (
+        "voa fleet: no object 'vase'; there are: mug, mallet, block, goblet, coupling, a folder"
+        in capfd.readouterr().err
+    )
 
 
 def test_without_the_viewers_library_it_says_what_to_install(

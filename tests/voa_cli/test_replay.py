@@ -12,6 +12,7 @@ import pytest
 from tests.support.recorded import Row, expected, experiment, rows, write
 from voa_assets import path as asset
 from voa_cli.main import main
+from voa_recordings.selection import MATCHED, NOT_STATED, WHOLE
 
 MUG = asset("experiments/mug")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[3] / "shared" / "lab-holder"))
@@ -58,7 +59,11 @@ def test_the_report_has_the_form_of_the_contract_and_agrees_with_expected_json(
 ) -> None:
     report = replayed(capfd, process, folder)
     wanted = json.loads((folder / "expected.json").read_text(encoding="utf-8"))
-    assert list(report) == ["experiment", "poses", "sensors", "before", "rules", "prediction"]
+    stated = json.loads((folder / "experiment.json").read_text(encoding="utf-8")).get("selection")
+    assert list(report) == [
+        "experiment", "poses", "sensors", "before", "rules", "prediction", *(["selection"] if stated else []),
+    ]  # fmt: skip
+    assert report.get("selection") == stated
     assert list(report["rules"]) == ["margin", "exponential", "gaussian", "inverse_rmsd"]
     assert_close(report["before"], wanted["before"], 1e-6)
     for rule, sensors in wanted["rules"].items():
@@ -168,6 +173,21 @@ def test_a_person_reads_a_table_and_that_the_numbers_agree(capfd: pytest.Capture
     out = capfd.readouterr().out
     assert "best grasp before any look" in out
     assert "expected.json: agrees" in out
+
+
+@pytest.mark.parametrize(
+    ("stated", "says"),
+    [({}, NOT_STATED), ({"selection": "whole"}, WHOLE), ({"selection": "matched"}, MATCHED)],
+    ids=["not stated", "whole", "matched"],
+)
+def test_a_person_reads_how_the_rows_were_chosen(
+    capfd: pytest.CaptureFixture[str], process: str, tmp_path: Path, stated: dict[str, str], says: str
+) -> None:
+    folder = write(tmp_path, experiment(**stated))
+    assert main(["replay", str(folder), "--url", process, "--rules", "exponential"]) == 0
+    out = " ".join(capfd.readouterr().out.split())
+    assert [sentence for sentence in (NOT_STATED, WHOLE, MATCHED) if sentence in out] == [says]
+    assert ("Caution" in out) == (stated.get("selection") == "matched")
 
 
 def test_numbers_that_do_not_agree_are_an_error(

@@ -42,6 +42,7 @@ def without(name: str) -> dict[str, Any]:
         (experiment(poses=["P1", "P1"]), "'P1' twice"),
         (experiment(sensors=["Q1", "Q2", "Q1"]), "'Q1' twice"),
         (experiment(grasps=["G1", "G1"]), "'G1' twice"),
+        (experiment(selection="some"), "selection"),
     ],
 )
 def test_an_experiment_file_that_is_wrong_is_named_with_its_field(
@@ -123,6 +124,12 @@ def test_an_experiment_is_read_as_it_is_described(tmp_path: Path) -> None:
     assert len(read.predicted_ranges("Q1", "P2")) == 360
     assert not read.scan("Q3", "P1").was_measured
     assert read.height_m("Q9", "P1") == 0.01  # the most usual one
+    assert read.selection is None
+
+
+@pytest.mark.parametrize("selection", ["whole", "matched"])
+def test_an_experiment_states_how_its_rows_were_chosen(tmp_path: Path, selection: str) -> None:
+    assert read_experiment(write(tmp_path, experiment(selection=selection))).selection == selection
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", " ", ""])

@@ -56,7 +56,9 @@ def _print(console: Console, document: dict[str, Any]) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voa evaluate drops", description=__doc__)
-    parser.add_argument("object", nargs="?", default="mug", help="mug (default), mallet, block, or a folder")
+    parser.add_argument(
+        "object", nargs="?", default="mug", help="mug (default), mallet, block, goblet, coupling, or a folder"
+    )
     parser.add_argument("--drops", type=count, default=300, help="number of drops (default 300)")
     parser.add_argument("--seed", type=int, default=0, help="of the orientations (default 0)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")

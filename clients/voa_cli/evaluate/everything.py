@@ -1,7 +1,7 @@
 """`voa evaluate all`: the three evaluations of the paper as one HTML page, with CSV files beside it.
 
-In simulation, or with --recorded on a recorded experiment: errors of predicted scans, and VOA against the value of the
-measured scans. Equal options and seeds give equal pages, byte for byte.
+In simulation, or with --recorded on a recorded experiment: how its rows were chosen, errors of predicted scans, and VOA
+against the value of the measured scans. Equal options and seeds give equal pages, byte for byte.
 """
 
 import argparse
@@ -34,6 +34,7 @@ from voa_fleet.world.objects import FleetObject
 from voa_msgs.updates import BUILT_IN
 from voa_recordings.experiment import RecordedExperiment, read_experiment
 from voa_recordings.replay.experiments import replay_experiment
+from voa_recordings.selection import describe_selection
 
 PAGE = "report.html"
 _SCANS, _QUICK_SCANS = 10, 1
@@ -81,7 +82,8 @@ def _evaluate_simulated(options: argparse.Namespace, targets: Sequence[FleetObje
     repeated += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
     repeated += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
     repeated += [part for name in options.policy for part in ("--policy", shlex.quote(name))]
-    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(repeated), quick=options.quick)
+    notice = [Notice(QUICK_NOTICE)] if options.quick else []
+    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(repeated), first=notice)
     return {
         "grasp-score": [grasp_score_document(each) for each in results.scores],
         "observation": [observation_document(each) for each in errors],
@@ -111,8 +113,12 @@ def _evaluate_recorded(options: argparse.Namespace, experiment: RecordedExperime
         recorded_section(report, options.out / "voa-recorded.png"),
     ]
     title = f"Value of Assistance in a recorded experiment: {experiment.name}"
-    _write_page(options.out, title, sections, "--recorded DIR")
-    return {"observation": observation_document(errors), "voa": report.model_dump()}
+    selection = describe_selection(experiment.selection)
+    chosen = Notice(selection) if experiment.selection == "matched" else Paragraph(selection)
+    _write_page(options.out, title, sections, "--recorded DIR", first=[chosen])
+    if not options.json:
+        print(selection)
+    return {"observation": observation_document(errors), "voa": report.document()}
 
 
 def _observed(folder: Path, errors: Sequence[ObservationErrors]) -> Section:
@@ -123,9 +129,11 @@ def _observed(folder: Path, errors: Sequence[ObservationErrors]) -> Section:
     return observation_section(errors, pictures)
 
 
-def _write_page(folder: Path, title: str, sections: Sequence[Section], repeated: str, *, quick: bool = False) -> None:
+def _write_page(
+    folder: Path, title: str, sections: Sequence[Section], repeated: str, *, first: Sequence[Block] = ()
+) -> None:
     lead: list[Block] = [
-        *([Notice(QUICK_NOTICE)] if quick else []),
+        *first,
         Paragraph(LEAD),
         Paragraph(
             "Every figure is computed from the counts that the page names with it; the CSV files in the same folder "

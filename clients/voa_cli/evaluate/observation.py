@@ -35,6 +35,7 @@ from voa_fleet.errors import FleetError
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
 from voa_recordings.experiment import RecordedExperiment, read_experiment
+from voa_recordings.selection import describe_selection
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console()
     documents = []
     try:
-        for errors in _compared(options):
+        for errors in _compared(options, console):
             files = write_errors(options.out, errors)
             documents.append(observation_document(errors))
             if not options.json:
@@ -57,9 +58,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _compared(options: argparse.Namespace) -> Iterator[ObservationErrors]:
+def _compared(options: argparse.Namespace, console: Console) -> Iterator[ObservationErrors]:
     if options.recorded is not None:
-        yield errors_of_record(read_experiment(options.recorded), options.predict)
+        experiment = read_experiment(options.recorded)
+        yield errors_of_record(experiment, options.predict)
+        if not options.json:
+            console.print(describe_selection(experiment.selection), markup=False, highlight=False)
         return
     for target in objects_of(options):
         yield _simulated(target, options)

@@ -8,8 +8,9 @@ voa replay BAG --scenario FILE --sensor ENE       the same, with the lidar at on
 
 A recorded experiment gives, for every update rule and sensor configuration, the Value of Assistance before the look,
 the value of the look with the scans that were measured (AECD), and the differences between measured and predicted
-ranges. A rebuilt session must have exactly the recorded belief. Messages of recordings are read in the order of their
-log times; of damaged recordings, those that can be read. Compressed files are unpacked (zstd, gzip, bzip2, xz).
+ranges; and says how its rows were chosen. A rebuilt session must have exactly the recorded belief. Messages of
+recordings are read in the order of their log times; of damaged recordings, those that can be read. Compressed files are
+unpacked (zstd, gzip, bzip2, xz).
 """
 
 import argparse
@@ -73,7 +74,7 @@ def _replay_experiment(options: argparse.Namespace, console: Console) -> int:
     with service_at(options.url) as client, shown_progress("replaying") as progress:
         report = replay_experiment(client, experiment, options.predict, rules, progress)
     if options.json:
-        _print_json(report.model_dump())
+        _print_json(report.document())
         return 0
     experiments.show(console, report)
     if experiment.expected is None or options.predict != "recorded":

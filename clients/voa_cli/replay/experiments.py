@@ -7,10 +7,11 @@ from rich.table import Table
 from voa_client.formatting import share, signed
 from voa_recordings.replay.experiment_report import ExperimentReport
 from voa_recordings.replay.prediction_errors import PredictionErrors
+from voa_recordings.selection import describe_selection
 
 
 def show(console: Console, report: ExperimentReport) -> None:
-    """Print the values of looks as a table, and the prediction errors below it."""
+    """Print the values of looks as a table, the prediction errors, and how the experiment's rows were chosen."""
     before = report.before
     console.print(f"{report.experiment}: {len(report.poses)} poses, uniform belief", style="bold", markup=False)
     console.print(
@@ -20,6 +21,7 @@ def show(console: Console, report: ExperimentReport) -> None:
     )
     console.print(_table(report))
     _show_errors(console, report.prediction)
+    console.print(describe_selection(report.selection), markup=False, highlight=False)
 
 
 def _table(report: ExperimentReport) -> Table:

@@ -17,7 +17,9 @@ from voa_msgs.rankings import Ranking
 PAGE = "demo.html"
 _LABELS = {"none": "without a look", "voa": "with looks by VOA"}
 _NEXT = (
-    "voa demo --object mug      # an object for which looks gain less",
+    "voa demo --object goblet    # the look for most information is not the best",
+    "voa demo --object coupling  # two looks are needed",
+    "voa demo --object mug       # looks gain less",
     "voa fleet --pairs 4",
     "voa fleet --object block --policy random",
     "voa evaluate --help",
@@ -66,6 +68,19 @@ class Demo:
         """Counts per policy; empty if no drop was completed."""
         tallies = list(self.comparison.tallies.values())
         return tallies if all(tally.attempts for tally in tallies) else []
+
+
+def story_of(target: FleetObject) -> str:
+    """Return the first paragraph of the README.md in an object's folder, on one line; "" where there is none.
+
+    For the project's own objects it says what about the object makes looks worth taking.
+    """
+    file = target.folder / "README.md"
+    if not file.is_file():
+        return ""
+    paragraphs = file.read_text(encoding="utf-8", errors="replace").split("\n\n")
+    texts = (" ".join(paragraph.split()) for paragraph in paragraphs if not paragraph.lstrip().startswith("#"))
+    return next((text for text in texts if text), "")
 
 
 def outcome_summary(demo: Demo, episode: Episode) -> str:
@@ -139,14 +154,15 @@ def _first_episode(demo: Demo, out: Path) -> Section:
         scene = out / f"scene-{index}.png"
         write_picture(scene, frame)
         pictures.append(Picture(scene, caption))
-    text = Paragraph(
+    texts = [story_of(demo.target)] if story_of(demo.target) else []
+    texts.append(
         f"A {demo.target.name} lay in one of {len(demo.episode.before.poses)} poses, and the robots did not know in "
         f"which. Drop 0 of seed {demo.seed}. {outcome_summary(demo, demo.episode)}"
     )
     missing: list[Block] = []
     if demo.no_frames is not None:
         missing.append(Paragraph(f"There are no pictures of the scene: {demo.no_frames}"))
-    return Section("happened", "What happened", (text, *missing, Lines(demo.lines), *pictures))
+    return Section("happened", "What happened", (*map(Paragraph, texts), *missing, Lines(demo.lines), *pictures))
 
 
 def _comparison(demo: Demo, out: Path) -> Section:

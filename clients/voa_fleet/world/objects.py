@@ -22,7 +22,7 @@ from voa_msgs.scenarios import Pose, ScenarioRequest
 
 M = TypeVar("M", bound=BaseModel)
 
-OBJECTS = ("mug", "mallet", "block")
+OBJECTS = ("mug", "mallet", "block", "goblet", "coupling")
 """Names of the objects that are part of this project."""
 
 Vector = tuple[float, float, float]

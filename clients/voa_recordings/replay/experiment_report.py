@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from pydantic import BaseModel
 
 from voa_recordings.experiment_parts import ExpectedLook, ExpectedResults
 from voa_recordings.replay.prediction_errors import PredictionErrors
+from voa_recordings.selection import Selection
 
 
 class BeforeLooks(BaseModel):
@@ -31,7 +33,7 @@ class LookValue(BaseModel):
 
 
 class ExperimentReport(BaseModel):
-    """Values of looks and prediction errors of a recorded experiment; `model_dump()` is the document of `--json`.
+    """Values of looks and prediction errors of a recorded experiment.
 
     Attributes:
         experiment: its name.
@@ -40,6 +42,7 @@ class ExperimentReport(BaseModel):
         before: the state before any look, under a uniform belief.
         rules: the values of looks, by update rule and sensor configuration.
         prediction: differences between measured and predicted ranges.
+        selection: how the rows of the experiment were chosen; None: not stated.
     """
 
     experiment: str
@@ -48,6 +51,11 @@ class ExperimentReport(BaseModel):
     before: BeforeLooks
     rules: dict[str, dict[str, LookValue]]
     prediction: PredictionErrors
+    selection: Selection | None = None
+
+    def document(self) -> dict[str, Any]:
+        """Return the document of `--json`; it has `selection` only if the experiment states it."""
+        return self.model_dump(exclude={"selection"} if self.selection is None else None)
 
 
 def distance_from_expected(report: ExperimentReport, expected: ExpectedResults) -> float:

@@ -70,6 +70,7 @@ def replay_experiment(
         before=before,
         rules=values,
         prediction=prediction_errors(experiment, predictions, source),
+        selection=experiment.selection,
     )
 
 

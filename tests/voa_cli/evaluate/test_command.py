@@ -5,7 +5,7 @@ import json
 import os
 import shutil
 from collections import Counter
-from html import escape
+from html import escape, unescape
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from voa_evaluation.looks.running import measure_scores
 from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES, Setting
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
+from voa_recordings.selection import MATCHED, NOT_STATED, WHOLE
 
 TINY = ("--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--quick", "--seed", "5")
 LAB = Path(os.environ.get("VOA_LAB_HOLDER", Path(__file__).resolve().parents[4] / "shared" / "lab-holder"))
@@ -172,6 +173,25 @@ def test_a_recorded_experiment_of_names_alone_with_a_pair_missing(
     assert (out / "observation-lab-3-4-tiny-sensors.csv").is_file()
 
 
+@pytest.mark.parametrize(
+    ("stated", "says"),
+    [({}, NOT_STATED), ({"selection": "whole"}, WHOLE), ({"selection": "matched"}, MATCHED)],
+    ids=["not stated", "whole", "matched"],
+)
+def test_the_page_and_the_terminal_say_how_the_rows_were_chosen(
+    process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], stated: dict[str, str], says: str
+) -> None:
+    folder = recorded.write(tmp_path / "tiny", recorded.experiment(**stated))
+    for part in ("all", "observation"):
+        more = ["--url", process] if part == "all" else []
+        assert evaluate.main([part, "--recorded", str(folder), "--out", str(tmp_path / "out"), *more]) == 0
+        out = " ".join(capsys.readouterr().out.split())
+        assert [sentence for sentence in (NOT_STATED, WHOLE, MATCHED) if sentence in out] == [says]
+    page = unescape((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
+    assert says in page
+    assert ('class="notice"' in page) == (says == MATCHED)
+
+
 def test_a_recorded_experiment_by_its_mesh(process: str, tmp_path: Path) -> None:
     folder = tmp_path / "mug"
     shutil.copytree(path("experiments/mug"), folder)
@@ -188,4 +208,4 @@ def test_what_is_wrong_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert evaluate.main(["all", "--recorded", str(tmp_path), "--out", str(tmp_path / "out")]) == 1
     assert "experiment.json" in capsys.readouterr().err
     assert evaluate.main(["voa", "--object", "teapot", "--out", str(tmp_path / "out")]) == 1
-    assert "no object 'teapot'; there are: mug, mallet, block, a folder" in capsys.readouterr().err
+    assert "no object 'teapot'; there are: mug, mallet, block, goblet, coupling, a folder" in capsys.readouterr().err

@@ -38,7 +38,9 @@ def test_without_faults_a_scan_is_the_predicted_one(targets: dict[str, FleetObje
     for sensor in core.sensors[::3]:
         predicted = core.predictor.predict(sensor).dense()
         for row, pose in enumerate(target.poses):
-            measured = look(world, pose, SensorPose(x=sensor.x, y=sensor.y, yaw_rad=sensor.yaw_rad))
+            measured = look(
+                world, pose, SensorPose(x=sensor.x, y=sensor.y, yaw_rad=sensor.yaw_rad, height_m=sensor.height_m)
+            )
             assert (np.isfinite(measured) == np.isfinite(predicted[row])).all()
             seen = np.isfinite(measured)
             # A beam that runs along a facet may end on either side of its edge.

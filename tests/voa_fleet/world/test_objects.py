@@ -47,7 +47,9 @@ def test_a_folder_of_one_s_own_is_an_object(tmp_path: Path) -> None:
 
 
 def test_an_object_that_does_not_exist_is_refused_with_those_that_do() -> None:
-    with pytest.raises(UnknownName, match="no object 'teapot'; there are: mug, mallet, block, a folder"):
+    with pytest.raises(
+        UnknownName, match="no object 'teapot'; there are: mug, mallet, block, goblet, coupling, a folder"
+    ):
         named_object("teapot")
 
 

@@ -1,0 +1,1 @@
+"""The coupling: mesh, scenario, physics, and the program that makes the mesh."""

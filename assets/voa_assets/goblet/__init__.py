@@ -1,0 +1,1 @@
+"""The goblet: mesh, scenario, physics, and the program that makes the mesh."""
