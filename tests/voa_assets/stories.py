@@ -68,6 +68,7 @@ class Story:
     def _expected_entropy(self, name: str) -> float:
         weights = self.looks(self.sampling).together(self.scenario.sensor(name))
         assert isinstance(weights, SimulatedWeights)
+        assert weights.matrix is not None
         after = weights.matrix * self.scenario.prior.p
         after /= after.sum(axis=1, keepdims=True)
         entropy = -(after * np.log2(np.maximum(after, 1e-300))).sum(axis=1)
