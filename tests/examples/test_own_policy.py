@@ -50,17 +50,17 @@ def test_the_fleet_uses_it(process: str, capfd: pytest.CaptureFixture[str]) -> N
 @pytest.mark.usefixtures("on_the_path_of_python")
 def test_the_evaluation_compares_voa_with_it(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--quick", "--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--url", process]
-    arguments = ["voa", "block", *options, "--policy", "opposite", "--out", str(tmp_path), "--json"]
+    arguments = ["all", "block", *options, "--policy", "opposite", "--out", str(tmp_path), "--json"]
     assert evaluate.main(arguments) == 0
     document = json.loads(capsys.readouterr().out)
-    assert {each["policy"] for each in document["policies"]} == {*POLICIES, "opposite"}
+    assert {each["policy"] for each in document["voa"]["policies"]} == {*POLICIES, "opposite"}
     with (tmp_path / "voa-choices.csv").open(encoding="utf-8", newline="") as lines:
         rows = [row for row in csv.DictReader(lines) if row["policy"] == "opposite"]
     assert rows
     assert all(row["sensor"] != "none" for row in rows)
 
 
-@pytest.mark.parametrize("command", [["fleet"], ["evaluate", "voa", "block"]])
+@pytest.mark.parametrize("command", [["fleet"], ["evaluate", "all", "block"]])
 def test_where_it_is_not_installed_both_commands_list_the_others(
     command: list[str], process: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

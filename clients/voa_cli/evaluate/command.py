@@ -18,7 +18,8 @@ EVALUATIONS = {
     "grasp-score": Evaluation("voa_cli.evaluate.grasp_score", "measure how often each grasp succeeds at each pose"),
     "observation": Evaluation("voa_cli.evaluate.observation", "compare measured scans with predicted ones"),
     "voa": Evaluation(
-        "voa_cli.evaluate.looks", "compare the VOA of looks with what they achieve, and VOA with other policies"
+        "voa_cli.evaluate.values",
+        "compare the promised value of looks with what they achieve, and ways of choosing looks",
     ),
     "all": Evaluation("voa_cli.evaluate.everything", "run all but drops; write one HTML page and CSV files"),
 }

@@ -1,31 +1,14 @@
-"""`voa evaluate voa`: compare the Value of Assistance of looks with what they achieve, and VOA with other policies.
-
-In simulation: objects are dropped many times, the lidar looks from every place, the service updates its belief by each
-scan, and the arm attempts the best grasp. All policies (VOA, entropy, most beams, nearest, random, no look, and those
-of --policy) have the same drops, scans and attempts. Writes CSV files and pictures into the output folder.
-"""
+"""Options and pictures of the paper's own evaluation of looks, which `voa evaluate all` runs on the fleet."""
 
 import argparse
-import json
-import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-
-from voa_cli.evaluate.common import add_objects, count, objects_of, progress_bar
-from voa_cli.evaluate.documents import looks_document
+from voa_cli.evaluate.common import count
 from voa_cli.pictures import before_and_after
-from voa_client import VoaClientError
-from voa_client.local import service_at
-from voa_evaluation.looks.findings import findings
-from voa_evaluation.looks.results import Results, evaluate_looks
-from voa_evaluation.looks.setting import BELIEFS, Setting
+from voa_evaluation.looks.results import Results
+from voa_evaluation.looks.setting import Setting
 from voa_evaluation.report import pictures
-from voa_evaluation.report.tables import write_tables
-from voa_fleet.errors import FleetError
 
 QUICK = Setting(drops=4, attempts=2, sensitivity_drops=1)
 """Setting of a trial run: too few drops to conclude anything."""
@@ -33,30 +16,6 @@ QUICK_NOTICE = (
     "A trial run (--quick): it shows that the programs work. Its figures mean nothing, because they come from too few "
     "scans, attempts and drops; leave --quick out for figures that do."
 )
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Evaluate, write the files and print; return 0, or 1 if an error was reported."""
-    options = _parser().parse_args(arguments)
-    try:
-        targets = objects_of(options)
-        with service_at(options.url) as client:
-            results = evaluate_looks(client, targets, setting_of(options), progress_bar)
-        tables, drawn = write_tables(options.out, results), write_pictures(options.out, results)
-    except (FleetError, VoaClientError, OSError) as error:
-        print(f"voa evaluate voa: {error}", file=sys.stderr)
-        return 1
-    if options.json:
-        json.dump(looks_document(results), sys.stdout, indent=1)
-        print()
-        return 0
-    if options.quick:
-        Console().print(QUICK_NOTICE, style="bold", highlight=False)
-    show(Console(), results)
-    for kind, files in (("table", tables), ("picture", drawn)):
-        for contents, file in files.items():
-            Console().print(f"{kind}, {contents}: {file}", highlight=False, soft_wrap=True)
-    return 0
 
 
 def add_setting(parser: argparse.ArgumentParser) -> None:
@@ -109,31 +68,3 @@ def write_pictures(folder: Path, results: Results) -> dict[str, Path]:
     pictures.calibration_plot(files["calibration"], results.bins)
     pictures.sensitivity_curves(files["sensitivity"], results.levels)
     return files
-
-
-def show(console: Console, results: Results) -> None:
-    """Print the successes per policy, and the number of comparisons per verdict."""
-    for kind in BELIEFS:
-        table = Table(title=f"Successes per policy, all objects, {kind} belief", title_justify="left")
-        table.add_column("rule")
-        for policy in results.setting.policies:
-            table.add_column(policy, justify="right")
-        for rule in results.rows.rules:
-            own = [each for each in results.outcomes if (each.object, each.kind, each.rule) == (None, kind, rule)]
-            table.add_row(rule, *(f"{each.rate.successes}/{each.rate.drops}" for each in own))
-        console.print(table)
-    comparisons = findings(results)
-    for verdict in ("better", "worse", "no difference shown"):
-        own_verdict = [each for each in comparisons if each.verdict == verdict]
-        console.print(
-            f"VOA against another policy, {verdict}: {len(own_verdict)} of {len(comparisons)}", highlight=False
-        )
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="voa evaluate voa", description=__doc__)
-    add_objects(parser)
-    add_setting(parser)
-    parser.add_argument("--out", type=Path, default=Path("voa-evaluation"), help="folder (default voa-evaluation)")
-    parser.add_argument("--json", action="store_true", help="print one JSON document")
-    return parser

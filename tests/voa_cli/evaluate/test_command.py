@@ -1,4 +1,4 @@
-"""`voa evaluate voa` and `all` against the real service: the report agrees with its CSV files, and comes out again."""
+"""`voa evaluate all` against the real service: the report agrees with its CSV files, and comes out again."""
 
 import csv
 import json
@@ -125,17 +125,6 @@ def test_voa_is_what_the_services_answers_to_predicted_scans_give(
                 after = joint / joint.sum(axis=1, keepdims=True)
                 best = (after @ [[float(q) for q in row] for row in zip(*scores.successes, strict=True)]).max(axis=1)
                 assert voa == pytest.approx(float(best @ belief) - before.score, abs=1e-9)
-
-
-def test_the_command_shows_tables(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["voa", "block", *TINY, "--url", process, "--out", str(tmp_path)]
-    assert evaluate.main(arguments) == 0
-    said = capsys.readouterr().out
-    assert "Successes per policy, all objects, hinted belief" in said
-    assert "no difference shown" in said
-    assert " ".join(said.split()).startswith(QUICK_NOTICE)
-    named = {line.rpartition(": ")[2] for line in said.splitlines() if line.startswith(("table, ", "picture, "))}
-    assert named == {str(file) for file in tmp_path.iterdir()}  # every file that was written
 
 
 @needs_lab
