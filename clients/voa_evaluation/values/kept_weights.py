@@ -35,7 +35,7 @@ class KeptWeights(SimulatedWeights):
         if len(self.scans) != 1 or len(rows) == 0:
             return super().beliefs(rows, before, policy)
         if self._kept.logs is None:
-            self._kept.logs = self.log_rows(np.arange(len(self.matrix)))
+            self._kept.logs = self.log_rows(np.arange(len(self.scans[0].ranges)))
         logs = self._kept.logs
         dead = {int(row) for row in rows if logs[row].max() == -np.inf and policy.on_no_match == "nearest"}
         self._measure(sorted(dead - self._kept.nearest.keys()))

@@ -16,6 +16,7 @@ def test_beliefs_are_those_of_weights_that_keep_nothing(fixture: str, request: p
     sampling, policy = Sampling("any", 3), own.scenario.policy
     kept = KeptWeights.of(own.world, own.sensors[0], sampling, listed=True)
     plain = SimulatedWeights.of(own.world, own.sensors[0], sampling, listed=True)
+    assert plain.matrix is not None
     rows = np.arange(len(plain.matrix))
     if fixture == "margin_bench":
         assert (plain.matrix == 0.0).all(axis=1).any(), "expected a scan that matches no pose"
