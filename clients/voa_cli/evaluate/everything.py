@@ -1,4 +1,4 @@
-"""`voa evaluate all`: the three evaluations of the paper as one HTML page, with CSV files beside it.
+"""`voa evaluate all`: the evaluation of values and the paper's own three as one HTML page, with CSV files beside it.
 
 In simulation, or with --recorded on a recorded experiment: how its rows were chosen, errors of predicted scans, and VOA
 against the value of the measured scans. Equal options and seeds give equal pages, byte for byte.
@@ -17,6 +17,8 @@ from voa_cli.evaluate.documents import grasp_score_document, looks_document, obs
 from voa_cli.evaluate.grasp_score import write_scores
 from voa_cli.evaluate.looks import QUICK_NOTICE, add_setting, setting_of, write_pictures
 from voa_cli.evaluate.observation import errors_of_record, write_errors
+from voa_cli.evaluate.values import setting_of as setting_of_values
+from voa_cli.evaluate.values import write_values
 from voa_cli.progress import shown_progress
 from voa_client import VoaClientError
 from voa_client.local import service_at
@@ -26,8 +28,11 @@ from voa_evaluation.observation import ObservationErrors, simulated_errors
 from voa_evaluation.report.measurement_sections import grasp_section, observation_section
 from voa_evaluation.report.pictures import recorded_values
 from voa_evaluation.report.recorded_section import recorded_section
-from voa_evaluation.report.sections import LEAD, looks_sections
+from voa_evaluation.report.sections import LEAD, PAPER_LEAD, looks_section
 from voa_evaluation.report.tables import write_csv, write_tables
+from voa_evaluation.report.value_report import PAGE, paper_section, value_sections, write_report
+from voa_evaluation.values.running import evaluate_values
+from voa_evaluation.values.tables import document
 from voa_fleet.errors import FleetError
 from voa_fleet.show.page import Block, Command, Notice, Paragraph, Section, write_page
 from voa_fleet.world.objects import FleetObject
@@ -36,7 +41,6 @@ from voa_recordings.experiment import RecordedExperiment, read_experiment
 from voa_recordings.replay.experiments import replay_experiment
 from voa_recordings.selection import describe_selection
 
-PAGE = "report.html"
 _SCANS, _QUICK_SCANS = 10, 1
 
 
@@ -68,27 +72,37 @@ def _evaluate_simulated(options: argparse.Namespace, targets: Sequence[FleetObje
     errors = [_errors(target, scans, setting) for target in targets]
     with service_at(options.url) as client:
         results = evaluate_looks(client, targets, setting, progress_bar)
+    values = evaluate_values(targets, setting_of_values(options), progress_bar, options.processes)
     folder = options.out
+    write_values(folder, values)
     tables = {
         target.name: write_scores(folder, target, each) for target, each in zip(targets, results.scores, strict=True)
     }
     write_tables(folder, results)
-    sections = [
+    looks = looks_section(results, write_pictures(folder, results))
+    parts = [
         grasp_section(results.scores, {name: files["picture"] for name, files in tables.items()}),
         _observed(folder, errors),
-        *looks_sections(results, write_pictures(folder, results)),
+        looks,
     ]
-    repeated = ["--object", *(shlex.quote(target.name) for target in targets), "--seed", str(setting.seed)]
-    repeated += ["--drops", str(setting.drops), "--attempts", str(setting.attempts)]
-    repeated += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
-    repeated += [part for name in options.policy for part in ("--policy", shlex.quote(name))]
-    notice = [Notice(QUICK_NOTICE)] if options.quick else []
-    _write_page(folder, "Value of Assistance on the simulated fleet", sections, " ".join(repeated), first=notice)
+    notices = [Notice(QUICK_NOTICE)] if options.quick else []
+    sections = [*value_sections(folder, values), paper_section([Paragraph(PAPER_LEAD), looks.blocks[0]], parts)]
+    write_report(folder, notices, sections, _command(options, targets, setting))
     return {
+        "values": document(values),
         "grasp-score": [grasp_score_document(each) for each in results.scores],
         "observation": [observation_document(each) for each in errors],
         "voa": looks_document(results),
     }
+
+
+def _command(options: argparse.Namespace, targets: Sequence[FleetObject], setting: Setting) -> str:
+    """Write the command line that gives the same page again; the number of processes does not change it."""
+    words = ["voa evaluate all --object", *(shlex.quote(target.name) for target in targets)]
+    words += ["--seed", str(setting.seed), "--drops", str(setting.drops), "--attempts", str(setting.attempts)]
+    words += ["--sensitivity-drops", str(setting.sensitivity_drops), *(["--quick"] if options.quick else [])]
+    words += [part for name in options.policy for part in ("--policy", shlex.quote(name))]
+    return " ".join([*words, "--out DIR"])
 
 
 def _errors(target: FleetObject, scans: int, setting: Setting) -> ObservationErrors:

@@ -2,12 +2,13 @@
 
 Noisy scans of the project's objects are simulated by the thousand, weighed by the update that runs in the service, and
 valued by the measured scores of the grasps that are then chosen. Drops in MuJoCo confirm it end to end. Prints the main
-tables and writes all of them into the output folder as CSV files and one JSON document. Equal options and seeds give
-equal files.
+tables, and writes a page with the answer and all tables as CSV files and one JSON document into the output folder.
+Equal options and seeds give equal files.
 """
 
 import argparse
 import json
+import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,11 +18,13 @@ from rich.console import Console
 
 from voa_cli.evaluate.common import add_objects, count, objects_of, progress_bar
 from voa_cli.evaluate.value_tables import answer, shown_tables
+from voa_evaluation.report.value_report import value_sections, write_report
 from voa_evaluation.values.results import Values
 from voa_evaluation.values.running import evaluate_values
 from voa_evaluation.values.setting import QUICK, Setting
 from voa_evaluation.values.tables import document, write_tables
 from voa_fleet.errors import FleetError
+from voa_fleet.show.page import Notice
 
 QUICK_VALUES_NOTICE = (
     "A trial run (--quick): few scans, beliefs, sessions and drops and no robot error of 3 cm, so that intervals are "
@@ -36,6 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         values = evaluate_values(objects_of(options), setting_of(options), progress_bar, options.processes)
         files = write_values(options.out, values)
+        notices = [Notice(QUICK_VALUES_NOTICE)] if options.quick else []
+        files |= write_report(options.out, notices, value_sections(options.out, values), _command(options))
     except (FleetError, OSError) as error:
         print(f"voa evaluate voa: {error}", file=sys.stderr)
         return 1
@@ -66,6 +71,13 @@ def write_values(folder: Path, values: Values) -> dict[str, Path]:
     files["document"] = folder / DOCUMENT
     files["document"].write_text(json.dumps(document(values), indent=1) + "\n", encoding="utf-8")
     return files
+
+
+def _command(options: argparse.Namespace) -> str:
+    """Write the command line that gives the same page again; the number of processes does not change it."""
+    names = [shlex.quote(target.name) for target in objects_of(options)]
+    quick = ["--quick"] if options.quick else []
+    return " ".join(["voa evaluate voa --object", *names, "--seed", str(options.seed), *quick, "--out DIR"])
 
 
 def _parser() -> argparse.ArgumentParser:

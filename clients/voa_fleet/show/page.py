@@ -164,7 +164,15 @@ class Folded:
     blocks: "Sequence[Block]"
 
 
-Block = Heading | Paragraph | Notice | Command | Items | Lines | Table | Picture | Folded
+@dataclass(frozen=True)
+class Abreast:
+    """Pictures beside one another where the screen is wide enough, else below one another."""
+
+    kind: ClassVar[str] = "abreast"
+    pictures: Sequence[Picture]
+
+
+Block = Heading | Paragraph | Notice | Command | Items | Lines | Table | Picture | Abreast | Folded
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,11 @@
 import csv
 import json
 import os
+import re
 import shutil
 from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
 from html import escape, unescape
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,7 @@ from voa_client import Client
 from voa_evaluation.looks.requests import estimate_before_look, register
 from voa_evaluation.looks.running import measure_scores
 from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES, Setting
+from voa_evaluation.values.setting import QUICK, ROBOT_ERRORS
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
 from voa_recordings.selection import MATCHED, NOT_STATED, WHOLE
@@ -33,6 +37,15 @@ needs_lab = pytest.mark.skipif(
 def rows_of(file: Path) -> list[dict[str, str]]:
     with file.open(encoding="utf-8", newline="") as lines:
         return list(csv.DictReader(lines))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def few_scans() -> Iterator[None]:
+    """Evaluate values with so little that it takes seconds."""
+    setting = replace(QUICK, scans=8, beliefs=2, sessions=3, drops=1, rules=("beam",), robot_errors=ROBOT_ERRORS[1:2])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("voa_cli.evaluate.values.QUICK", setting)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +64,20 @@ def test_the_same_seed_gives_the_same_files_and_json_is_one_document(
     said = capsys.readouterr()
     assert said.err == ""
     report = json.loads(said.out)
-    assert set(report) == {"grasp-score", "observation", "voa"}
+    assert set(report) == {"values", "grasp-score", "observation", "voa"}
+    assert report["values"]["setting"]["seed"] == 5
     assert (report["voa"]["drops"], report["voa"]["seed"]) == (1, 5)
     assert len(report["voa"]["policies"]) == 2 * len(BELIEFS) * len(EVALUATED_RULES) * len(POLICIES)
     files = sorted(file.name for file in reported.iterdir())
     assert files == sorted(file.name for file in tmp_path.iterdir())
-    assert {"report.html", "voa-looks.csv", "grasp-score-block.csv", "observation-block-sensors.csv"} <= set(files)
+    assert {
+        "report.html",
+        "report.md",
+        "values-ways.csv",
+        "voa-looks.csv",
+        "grasp-score-block.csv",
+        "observation-block-sensors.csv",
+    } <= set(files)
     different = [name for name in files if (reported / name).read_bytes() != (tmp_path / name).read_bytes()]
     assert different == []
 
@@ -105,6 +126,13 @@ def test_the_page_needs_nothing_beside_it(reported: Path) -> None:
         in page
     )
     assert "Negative" in page
+    titles = re.findall("<h2>(.+?)</h2>", page)
+    assert titles[0] == "The answer"
+    assert titles[-1] == "The paper&#39;s own evaluation"
+    paper = page.partition('<section id="paper">')[2]
+    assert paper.index("comparisons of VOA with another policy") < paper.index("<details>")
+    for title in ("Grasp scores", "Observation prediction", "Values of looks"):
+        assert f"<details><summary>{title}</summary>" in paper
     assert page.index(f'<p class="notice">{escape(QUICK_NOTICE)}</p>') < page.index("<section")
     assert "figures mean nothing" in QUICK_NOTICE
 
