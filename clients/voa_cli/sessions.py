@@ -56,9 +56,11 @@ def _list(client: Client, options: argparse.Namespace) -> None:
         more = [{"scenario_name": names.get(each.scenario), "robots": robots[each.id]} for each in sessions]
         print(json.dumps([each.model_dump(mode="json") | new for each, new in zip(sessions, more, strict=True)]))
         return
+    # A line of 80 columns has no room for columns that are empty in every session.
     absences = any(session.absent is not None for session in sessions)
-    headings = ["session", "scenario", "version", "grasp", "score", "updated", "robots"]
-    table = _table(*headings[:5], *(["absent"] if absences else []), *headings[5:])
+    claims = any(robots[session.id] for session in sessions)
+    headings = ["session", "scenario", "version", "grasp", "score"]
+    table = _table(*headings, *(["absent"] if absences else []), "updated", *(["robots"] if claims else []))
     for session in sessions:
         table.add_row(
             session.id,
@@ -68,7 +70,7 @@ def _list(client: Client, options: argparse.Namespace) -> None:
             share(session.expected_score, 3),
             *(["" if session.absent is None else share(session.absent)] if absences else []),
             f"{session.updated_at:%m-%d %H:%M}",
-            " ".join(robots[session.id]),
+            *([" ".join(robots[session.id])] if claims else []),
         )
     _console().print(table if sessions else f"no sessions at {options.url}")
 

@@ -310,12 +310,12 @@ def test_range_noise_alone_is_simulated_without_a_mesh(service: Service, data_id
 
 
 def test_more_scans_than_memory_allows_are_refused(service: Service) -> None:
-    names = [f"P{number}" for number in range(100)]
+    names = [f"P{number}" for number in range(600)]
     row = {name: [0.5, 0.5, None, 1.0] for name in names}
     body = data_scenario(
         name="many",
         poses=[{"name": name} for name in names],
-        scores={"probabilities": [[0.5] * 100, [0.4] * 100]},
+        scores={"probabilities": [[0.5] * 600, [0.4] * 600]},
         predictions={"Q1": row, "Q2": row},
     )
     request = {"scenario": service.create(body), "belief": None, "scans": "simulated", "samples": 4096}

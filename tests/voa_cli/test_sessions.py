@@ -73,7 +73,7 @@ def test_a_list_names_the_scenario_and_fits_80_columns_with_ids_whole(
     assert "…" not in "".join(lines)
     (headings,) = [line.split() for line in lines if line.split()[:1] == ["session"]]
     absences = [heading for heading in headings if heading == "absent"]  # of sessions of other tests
-    assert headings == ["session", "scenario", "version", "grasp", "score", *absences, "updated", "robots"]
+    assert headings == ["session", "scenario", "version", "grasp", "score", *absences, "updated"]
     assert main(["sessions", "list", "--json", "--url", process]) == 0
     items = {item["id"]: item for item in json.loads(capsys.readouterr().out)}
     assert (items[session]["scenario_name"], items[session]["robots"], items[session]["version"]) == ("mug", [], 4)
