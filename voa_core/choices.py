@@ -44,8 +44,14 @@ class LookWeights(Protocol):
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights of the poses `columns` after the scans `rows`, each row scaled by a positive number of its own."""
 
-    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
-        """Largest total, (k,), of the weights that are left out of the scans `rows`, as they are scaled."""
+    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats:
+        """Largest total, (k,), of what may be left out of `weights(rows, columns)`, each pose counted with its mass.
+
+        Args:
+            rows: scans.
+            columns: poses.
+            masses: (c,) probabilities of these poses, which sum to at most 1.
+        """
 
     def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
         """Compute the belief after each of the scans `rows` (k,) from the k beliefs before them, in logarithms."""
@@ -91,9 +97,10 @@ def after_each(
         check()
         block = slice(start, start + rows_at_once)
         product = right @ look.weights(rows[block], columns).T
+        left_out = look.most_left_out(rows[block], columns, masses)
         chosen[block], scores[block], undecided = _choose_each(product)
         again = product[-1] < _LEAST_NORM[look.dtype.name]
-        again |= shares[block] * look.most_left_out(rows[block]) > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
+        again |= shares[block] * left_out > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
         doubtful[block] = again | undecided if sure else again
     again_rows = np.flatnonzero(doubtful)
     rows_at_once = max(1, _BLOCK_BYTES // (8 * len(belief.p)))

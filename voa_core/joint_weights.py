@@ -51,12 +51,23 @@ class JointWeights:
             product = product * part.weights(rows, columns)
         return product
 
-    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
-        """Largest total, (k,), of the products that are left out of the samples `rows`, as they are scaled.
+    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats:
+        """Largest total, (k,), of what is left out of the products of the samples `rows`, each pose by its mass.
 
-        The largest weight of each look is 1, so that what is left out of one look cannot grow by the others.
+        What a look leaves out of the weight of a pose counts as often as the other looks weigh that pose. With E the
+        most that the product P of some looks lacks, and e the most that the weight w of one more look lacks, the
+        product of all lacks at most E (w + e) + P e. A bound by the largest weights alone, which are 1, would not do:
+        the product is far smaller, and nearly every sample would have to be computed again in full.
         """
-        total: Floats = sum((part.most_left_out(rows) for part in self.parts), np.zeros(len(rows)))
+        left_out = [part.most_left_out(rows, columns, masses) for part in self.parts]
+        if not any(each.any() for each in left_out):
+            return np.zeros(len(rows))
+        product, lacking = np.ones((len(rows), len(columns))), np.zeros((len(rows), len(columns)))
+        for part, each in zip(self.parts, left_out, strict=True):
+            weights, most = part.weights(rows, columns), each[:, None]
+            lacking = lacking * (weights + most) + product * most
+            product *= weights
+        total: Floats = lacking @ masses
         return total
 
     def seen_with(self, belief: Belief, policy: UpdatePolicy) -> "JointWeights":

@@ -162,8 +162,8 @@ class SimulatedWeights:
             return self.matrix if len(rows) == samples else self.matrix[rows]
         return self.matrix[np.ix_(rows, columns)]
 
-    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
-        """Largest total, (k,), of the weights that are left out of the samples `rows`, as they are scaled."""
+    def most_left_out(self, rows: NDArray[np.intp], _columns: NDArray[np.intp], _masses: Floats) -> Floats:
+        """Most, (k,), that is left out of the weight of any pose after the samples `rows`, as they are scaled."""
         return self.left_out[rows]
 
     def log_rows(self, rows: NDArray[np.intp], check: Callable[[], None] = wanted) -> Floats:

@@ -120,8 +120,8 @@ class Weigher:
             for row, belief in zip(rows, before, strict=True)
         ]
 
-    def most_left_out(self, rows: NDArray[np.intp]) -> Floats:
-        """Largest total, (k,), of the weights that are left out of the rows: nothing is."""
+    def most_left_out(self, rows: NDArray[np.intp], _columns: NDArray[np.intp], _masses: Floats) -> Floats:
+        """Most, (k,), that is left out of the weight of any pose in the rows: nothing is."""
         return np.zeros(len(rows))
 
     def seen_with(self, _belief: Belief, _policy: UpdatePolicy) -> "Weigher":

@@ -120,7 +120,34 @@ def test_scans_of_which_too_much_is_left_out_are_weighed_in_full() -> None:
     assert valuation.value(replace(look, matrix=spoilt)).voa != pytest.approx(full, abs=1e-6)
     known = replace(look, matrix=spoilt, left_out=np.ones(15))
     assert valuation.value(known).voa == pytest.approx(full, abs=1e-10)
-    assert JointWeights((known, look)).most_left_out(np.arange(2)) == pytest.approx([1.0, 1.0], abs=1e-6)
+
+
+def test_what_looks_together_leave_out_is_bounded_by_what_the_others_weigh() -> None:
+    look = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING)
+    assert look.matrix is not None
+    rows, poses, masses = np.arange(15), np.arange(5), np.array(BELIEF)
+    spoilt = np.where(look.matrix < 0.1, 0.0, look.matrix)
+    known = replace(look, matrix=spoilt, left_out=np.full(15, 0.1))
+    together = JointWeights((known, known, look))
+    lacking = (look.matrix**3 - together.weights(rows, poses)) @ masses
+    bound = together.most_left_out(rows, poses, masses)
+    assert lacking.max() > 0.0
+    assert (bound >= lacking).all()
+    assert (bound < 0.2).any()  # the sum over the looks
+    whole = replace(look, left_out=np.zeros(15))
+    assert not JointWeights((whole, whole)).most_left_out(rows, poses, masses).any()
+
+
+def test_looks_that_weigh_a_scan_little_together_are_not_all_computed_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    twin = CASES[0]
+    look = SimulatedWeights.of(twin.model, NEAR, SAMPLING)
+    assert look.matrix is not None
+    own = 0.01 * look.matrix + 1e-6  # a scan of other places weighs them more
+    some = replace(look, matrix=own, left_out=np.full(15, 1e-10))
+    again = []
+    monkeypatch.setattr(SimulatedWeights, "log_rows", lambda _, rows, *_rest: again.append(len(rows)))
+    Valuation(Belief.of(BELIEF), TABLE, twin.policy, "executed").value(JointWeights((some,) * 3))
+    assert again == []
 
 
 def test_float32_and_blocks_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,7 +176,7 @@ def test_weights_that_are_too_many_are_not_kept(monkeypatch: pytest.MonkeyPatch)
     assert computed.nbytes < kept.nbytes
     rows, columns = np.array([14, 3, 4]), np.array([4, 1])
     np.testing.assert_allclose(computed.weights(rows, columns), kept.matrix[np.ix_(rows, columns)], rtol=1e-6)
-    assert (computed.most_left_out(rows) < 1e-9).all()
+    assert (computed.most_left_out(rows, columns, np.full(2, 0.5)) < 1e-9).all()
 
 
 def test_wrong_states_of_a_place_are_refused() -> None:

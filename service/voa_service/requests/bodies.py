@@ -110,7 +110,8 @@ def message(kind: type[M], fields: Any, limits: Limits) -> M:
         Failure: a field is missing, unknown or wrong, or a list is longer than the limits allow.
     """
     try:
-        return kind.model_validate(fields, context=limits)
+        # Fields have their names in JSON alone: `from`, and not Python's `from_`.
+        return kind.model_validate(fields, context=limits, by_alias=True, by_name=False)
     except ValidationError as error:
         if error.error_count() > _MANY:
             _refuse_many_names(kind, fields)
@@ -132,7 +133,9 @@ def _too_wide(kinds: list[Any], value: Any, path: str) -> Iterator[tuple[str, li
     if isinstance(value, dict):
         models = [model for kind in kinds for model in models_of(kind)]
         if models and len(value) > _WIDE:
-            known = list(dict.fromkeys(name for model in models for name in model.model_fields))
+            known = list(
+                dict.fromkeys(field.alias or name for model in models for name, field in model.model_fields.items())
+            )
             yield path, known, [name for name in value if name not in known][:_MOST_NAMED]
         for name, item in value.items():
             if isinstance(item, dict | list):

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.support.serving import PREDICTIONS, data_scenario, json_of, scan_of
+from voa_msgs.rankings import VoaRequest
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import ScanRequest
 from voa_service.failures import Failure
@@ -93,6 +94,15 @@ def test_far_too_many_fields_are_named_by_the_first() -> None:
     failure = refused(ScanRequest, body, Limits())
     assert failure.detail == "body.k0: no such field: expected one of sensor, sensor_pose, scan (and more)"
     assert len(failure.more["errors"]) <= 20
+
+
+def test_fields_have_their_names_in_json_alone() -> None:
+    request = read(VoaRequest, b'{"from": "Q1", "cost_per_m": 1}', LIMITS)
+    assert request.from_ == "Q1"
+    for body in (b'{"from_": "Q1"}', json_of({"from_": "Q1"} | {f"k{i}": 0 for i in range(300)})):
+        detail = refused(VoaRequest, body, Limits()).detail
+        assert detail.startswith("body.from_: no such field: expected one of ")
+        assert ", from, " in detail
 
 
 def test_whole_numbers_are_read_as_the_numbers_they_are() -> None:
