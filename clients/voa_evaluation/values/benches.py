@@ -56,8 +56,15 @@ def evaluate_bench(target: FleetObject, rule: str, error: RobotError, setting: S
     single = []
     for kind in (UNIFORM, HINTED):
         own = [index for index, case in enumerate(cases) if case.kind == kind]
-        picked = [[each[index] for index in own] for each in (cases, truths, promises)]
-        single.append(evaluate_single_looks(bench, picked[0], picked[1], picked[2], setting.seed))  # type: ignore[arg-type]
+        single.append(
+            evaluate_single_looks(
+                bench,
+                [cases[index] for index in own],
+                [truths[index] for index in own],
+                [promises[index] for index in own],
+                setting.seed,
+            )
+        )
     sessions = {}
     if rule in SESSION_RULES and setting.sessions:
         sessions = dict(run_sessions(SessionBench(bench, setting.sessions, setting.seed)))

@@ -7,6 +7,8 @@ attempts the best grasp. A robot error of 1 cm and 1 degree and the object's spr
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from voa_core.estimates import Estimate
 from voa_core.filtering import Belief
 from voa_core.grasps import best_grasp
@@ -135,4 +137,4 @@ def _row(name: str, strata: Sequence[Sequence[DropResult]], seed: int) -> Confir
 
 
 def _paired(strata: Sequence[Sequence[float]], seed: int) -> Interval:
-    return bootstrap_mean([list(stratum) for stratum in strata], seed)  # type: ignore[misc]
+    return bootstrap_mean([np.array(stratum, dtype=np.float64) for stratum in strata], seed)

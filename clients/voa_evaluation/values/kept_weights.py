@@ -1,5 +1,6 @@
 """Weights of simulated scans that serve many beliefs: what does not depend on the belief is kept."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -30,7 +31,7 @@ class KeptWeights(SimulatedWeights):
 
     _kept: _Kept = field(default_factory=_Kept, init=False, repr=False)
 
-    def beliefs(self, rows: NDArray[np.intp], before: "list[Belief]", policy: UpdatePolicy) -> list[Belief]:  # type: ignore[override]
+    def beliefs(self, rows: NDArray[np.intp], before: Sequence[Belief], policy: UpdatePolicy) -> list[Belief]:
         """Compute the belief after each of the samples `rows` from that before it, in logarithms."""
         if len(self.scans) != 1 or len(rows) == 0:
             return super().beliefs(rows, before, policy)

@@ -18,7 +18,7 @@ from voa_evaluation.values.single_looks import SingleLooks
 from voa_evaluation.values.single_tables import bin_rows, difference_rows, look_values, promise_rows, way_rows
 from voa_fleet.world.objects import FleetObject
 
-I = TypeVar("I")  # noqa: E741 - an item, beside the result R
+Item = TypeVar("Item")
 R = TypeVar("R")
 Bar = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 """Function that opens a progress bar with a text and the total number of units."""
@@ -51,7 +51,7 @@ def _bench(item: tuple[FleetObject, str, RobotError], setting: Setting) -> Bench
 
 
 def _each(
-    function: Callable[[I], R], items: Iterable[I], processes: int, advance: Callable[[int], None]
+    function: Callable[[Item], R], items: Iterable[Item], processes: int, advance: Callable[[int], None]
 ) -> Iterator[R]:
     """Apply a function to each item, in order, on one process or several."""
     if processes == 1:
