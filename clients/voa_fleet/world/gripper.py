@@ -9,12 +9,6 @@ from voa_fleet.world.objects import GripperSetting
 
 PALM_M = 0.090
 """Distance from the flange to the fingers' roots."""
-FINGER_M = 0.055
-"""Length of a finger."""
-THICKNESS_M = 0.008
-"""Thickness of a finger along the direction in which it closes."""
-WIDTH_M = 0.020
-"""Width of a finger across the direction in which it closes."""
 PALM_WIDTH_M = 0.028
 TOOL = "tool"
 """The site in the middle between the fingertips; its z points out of the hand, its x along the closing direction."""
@@ -28,7 +22,7 @@ _TOUCH = HAND_TABLE | HAND_OBJECT
 def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> None:
     """Mount a gripper, opened and limited in force as `setting` says, on the arm's flange."""
     reach = setting.opening_m / 2.0
-    palm = [reach + THICKNESS_M + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
+    palm = [reach + setting.finger_thickness_m + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
     flange.add_geom(
         name="palm",
         type=mujoco.mjtGeom.mjGEOM_BOX,
@@ -42,9 +36,9 @@ def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> No
         group=ARM_SEEN,
         rgba=[0.25, 0.27, 0.30, 1.0],
     )
-    flange.add_site(name=TOOL, pos=[0.0, 0.0, PALM_M + FINGER_M], size=[0.002, 0.0, 0.0], group=5)
+    flange.add_site(name=TOOL, pos=[0.0, 0.0, PALM_M + setting.finger_length_m], size=[0.002, 0.0, 0.0], group=5)
     for name, side in zip(FINGERS, (1.0, -1.0), strict=True):
-        _add_finger(flange, name, side, reach)
+        _add_finger(flange, name, side, setting)
     spec.add_exclude(bodyname1=FINGERS[0], bodyname2=FINGERS[1])
     coupling = spec.add_equality(
         name="coupling",
@@ -64,9 +58,11 @@ def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> No
     servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
 
 
-def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
-    """A finger whose slide counts metres from the middle: `reach` when open, 0 when closed."""
-    finger = flange.add_body(name=name, pos=[side * THICKNESS_M / 2.0, 0.0, PALM_M + FINGER_M / 2.0], gravcomp=1.0)
+def _add_finger(flange: Any, name: str, side: float, setting: GripperSetting) -> None:
+    """A finger whose slide counts metres from the middle: half of the opening when open, 0 when closed."""
+    reach = setting.opening_m / 2.0
+    thickness, width, length = setting.finger_thickness_m, setting.finger_width_m, setting.finger_length_m
+    finger = flange.add_body(name=name, pos=[side * thickness / 2.0, 0.0, PALM_M + length / 2.0], gravcomp=1.0)
     finger.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE,
@@ -81,7 +77,7 @@ def _add_finger(flange: Any, name: str, side: float, reach: float) -> None:
     finger.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[THICKNESS_M / 2.0, WIDTH_M / 2.0, FINGER_M / 2.0],
+        size=[thickness / 2.0, width / 2.0, length / 2.0],
         mass=0.05,
         contype=_TOUCH,
         conaffinity=_TOUCH,

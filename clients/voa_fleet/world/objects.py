@@ -87,6 +87,12 @@ class GripperSetting(_Part):
     """Distance between the open fingers: 0.018 in the paper, 0.085 for a Robotiq 2F-85."""
     force_n: Length
     """Force of each finger."""
+    finger_length_m: Length = 0.055
+    """Length of a finger from the palm to its tip."""
+    finger_thickness_m: Length = 0.008
+    """Thickness of a finger along the direction in which it closes."""
+    finger_width_m: Length = 0.020
+    """Width of a finger across the directions in which it closes and in which it points."""
 
 
 class GraspGeometry(_Part):

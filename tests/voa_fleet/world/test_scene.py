@@ -9,7 +9,7 @@ import trimesh
 
 from voa_fleet.errors import UnstableSimulation
 from voa_fleet.world.frames import Floats
-from voa_fleet.world.gripper import FINGER_M, PALM_M
+from voa_fleet.world.gripper import PALM_M
 from voa_fleet.world.groups import OBJECT_SEEN, OBJECT_TOUCHED
 from voa_fleet.world.imperfections import room
 from voa_fleet.world.object_poses import scenario_pose
@@ -46,7 +46,8 @@ def test_the_tool_is_where_the_denavit_hartenberg_table_puts_it(mug_world: World
     data.qpos[mug_world.joints] = joints
     mujoco.mj_kinematics(mug_world.model, data)
     flange = flange_by_hand(joints)
-    tip = flange @ np.array([0.0, 0.0, PALM_M + FINGER_M, 1.0])
+    finger = mug_world.object.physics.gripper.finger_length_m
+    tip = flange @ np.array([0.0, 0.0, PALM_M + finger, 1.0])
     np.testing.assert_allclose(data.site_xpos[mug_world.tool], tip[:3] + BASE, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(data.site_xmat[mug_world.tool].reshape(3, 3), flange[:3, :3], rtol=0.0, atol=1e-9)
 
