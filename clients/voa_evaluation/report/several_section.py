@@ -41,7 +41,10 @@ def _sessions_words(shown: Shown) -> str:
         f"If all poses are equally likely, {of_hundred(own[0].achieved.value)} of 100 grasps succeed without a look, "
         f"and after looks that VOA chooses {steps}; {own[0].achieved.count} sessions, {own[-1].taken:.1f} looks taken "
         f"on average, expected in the end: {of_hundred(own[-1].promised)}. Looks from one place share the robot's "
-        "error there, so a second look from the same place adds less than one from elsewhere; VOA reckons with that."
+        "error there, so a second look from the same place adds less than one from elsewhere; VOA reckons with that. "
+        "In the table below one look is recommended where the best single look is worth taking: after it the robot "
+        "asks again, and takes a second look if that pays. Both looks are recommended where none pays alone. Places "
+        "are named by the direction in which they lie from the object (east is +x) and their height."
     )
 
 
@@ -73,7 +76,7 @@ def _two_robots(shown: Shown) -> Table:
         ]
         for row in own
     ]
-    header = ("second robot", "promised", "achieved", "less than when it knows, by", "both at one place")
+    header = ("second robot", "promised", "achieved", "loss against knowing", "both at the same place")
     return Table(f"Two robots look at the same time, robot error {shown.error}", header, rows)
 
 
@@ -162,6 +165,6 @@ def _two_of_every_error(shown: Shown) -> Table:
     ]
     header = (
         *("object", "robot error", "second robot", "promised", "achieved"),
-        *("less than when it knows, by", "both at one place"),
+        *("loss against knowing", "both at the same place"),
     )
     return Table("Two robots look at the same time", header, rows)

@@ -100,7 +100,7 @@ def _promises(shown: Shown) -> Figure | None:
             )
     axes.set_xlabel("promised value of a look", fontsize=12)
     axes.set_ylabel("achieved value", fontsize=12)
-    axes.margins(0.09)
+    axes.margins(0.13)
     _finish(figure, axes, columns=2)
     return figure
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from voa_client.formatting import signed
 from voa_evaluation.statistics import Interval
 from voa_evaluation.values.cases import HINTED
 from voa_evaluation.values.policies import (
@@ -124,9 +123,8 @@ def with_interval(interval: Interval | None, *, signs: bool = True) -> str:
     """Write a figure with its 95 % interval; a dash for None."""
     if interval is None:
         return "-"
-    value, low, high = (
-        signed(figure) if signs else f"{figure:.3f}" for figure in (interval.value, interval.low, interval.high)
-    )
+    form = "+.3f" if signs else ".3f"
+    value, low, high = (f"{round(figure, 3) + 0.0:{form}}" for figure in (interval.value, interval.low, interval.high))
     return f"{value} [{low}, {high}]"
 
 

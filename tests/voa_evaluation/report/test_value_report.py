@@ -28,7 +28,7 @@ def test_the_answer_comes_first_and_the_rest_needs_no_other_file(written: Path) 
     html = (written / PAGE).read_text(encoding="utf-8")
     titles = re.findall(r"<h2>(.+?)</h2>", html)
     assert titles[0] == "The answer"
-    assert titles[-1] == "What is not shown"
+    assert titles[-1] == "Limits, and which differences are sure"
     assert html.index("A trial.") < html.index("A robot arm must grasp")
     assert "voa evaluate voa --seed 7" in html
     assert html.count("<img ") == html.count('src="data:image/png;base64,') == len(list(written.glob("*.png"))) == 5
@@ -67,9 +67,9 @@ def with_error(values: Values, error: float) -> Values:
 
 def test_a_promise_that_is_not_kept_is_called_so(values: Values) -> None:
     verdicts = {error: answers(Shown(with_error(values, error)))[1] for error in (0.0, 0.1, -0.1)}
-    assert "The promise is kept." in verdicts[0.0]
-    assert "The promise is not kept: it is too high." in verdicts[0.1]
-    assert "The promise is not kept: it is too low." in verdicts[-0.1]
+    assert "The promise is kept (on average to 2 in 100)." in verdicts[0.0]
+    assert "The promise is not kept (on average to 2 in 100): it is too high." in verdicts[0.1]
+    assert "The promise is not kept (on average to 2 in 100): it is too low." in verdicts[-0.1]
 
 
 def test_only_sure_differences_are_called_better_or_worse(values: Values) -> None:
@@ -89,7 +89,7 @@ def test_only_sure_differences_are_called_better_or_worse(values: Values) -> Non
 
 def test_counts_of_verdicts_add_up(values: Values, written: Path) -> None:
     shown = Shown(values)
-    table = (written / TEXT).read_text(encoding="utf-8").partition("surely better, surely worse, or neither**")[2]
+    table = (written / TEXT).read_text(encoding="utf-8").partition("surely better, surely worse, or neither")[2]
     cells = next(line for line in table.splitlines() if line.startswith("| least entropy |")).split("|")[2:-1]
     for alone, (better, worse, unsure) in ((False, cells[:3]), (True, cells[4:7])):
         own = shown.all_differences(ENTROPY, alone=alone)
