@@ -17,6 +17,7 @@ from tests.support.serving import Json, data_scenario, scan_of
 
 TIMEOUT = 120.0
 END_SECONDS = 2.0
+MOST_COMMENTS = 5  # one every 15 s
 
 
 class Event(NamedTuple):
@@ -83,13 +84,19 @@ def following(http: httpx2.Client, session: str, last: str | None = None) -> Ite
 
 
 def events_of(lines: Iterator[str]) -> Iterator[Event]:
+    """Read events; comments that keep the connection alive must not hide that no event comes."""
     fields: dict[str, str] = {}
+    comments = 0
     for line in lines:
         if line == "":
             if "event" in fields:
                 yield Event(fields["event"], fields.get("id"), json.loads(fields["data"]))
+                comments = 0
             fields = {}
-        elif not line.startswith(":"):
+        elif line.startswith(":"):
+            comments += 1
+            assert comments < MOST_COMMENTS, "no event came, only comments that keep the connection alive"
+        else:
             name, _, value = line.partition(": ")
             fields[name] = value
 
