@@ -53,6 +53,8 @@ class EstimateBefore:
 def register(client: Client, target: FleetObject, scores: GraspScores, rules: Sequence[str]) -> RegisteredObject:
     """Store the object and its scenario under each update rule, and request a forecast under each.
 
+    The scenarios state no spread, whatever the object's own one does: the paper compares scans with exact predictions.
+
     Args:
         client: of the service.
         target: the object.
@@ -66,7 +68,12 @@ def register(client: Client, target: FleetObject, scores: GraspScores, rules: Se
     base = scores.scenario(target.scenario)
     scenarios = {}
     for rule in rules:
-        changed = {"name": f"{target.name}, {rule}", "object": mesh.id, "update": evaluated_update(rule, base.update)}
+        changed = {
+            "name": f"{target.name}, {rule}",
+            "object": mesh.id,
+            "update": evaluated_update(rule, base.update),
+            "spread": None,
+        }
         scenarios[rule] = client.create_scenario(base.model_copy(update=changed))
     return RegisteredObject(scenarios, {rule: forecast_of(client, scenario) for rule, scenario in scenarios.items()})
 

@@ -41,9 +41,9 @@ class Setting:
         policies: names of the policies that are compared.
     """
 
-    drops: int = 100
+    drops: int = 60
     attempts: int = 15
-    sensitivity_drops: int = 30
+    sensitivity_drops: int = 20
     seed: int = 0
     imperfections: Imperfections = field(default_factory=default_imperfections)
     threads: int = 3

@@ -54,7 +54,7 @@ class Setting:
 
     scans: int = 400
     beliefs: int = 50
-    sessions: int = 120
+    sessions: int = 100
     drops: int = 100
     seed: int = 0
     rules: tuple[str, ...] = tuple(RULES)
