@@ -12,6 +12,8 @@ from voa_client.formatting import signed
 from voa_fleet.world.frames import Floats
 
 RESAMPLES = 2000
+_DIGITS = 12
+"""Decimal digits in which two values differ that are not tied: means of equal counts in another order may not."""
 _LOW, _HIGH = 2.5, 97.5
 
 
@@ -84,7 +86,11 @@ def bootstrap_ratio(numerators: Floats, denominators: Floats, seed: int, resampl
 
 
 def rank_correlation(first: Floats, second: Floats) -> float | None:
-    """Compute Kendall's tau-b of two series (k,); None where one of them is constant, so that it has no order."""
+    """Compute Kendall's tau-b of two series (k,); None where one of them is constant, so that it has no order.
+
+    Values that differ by a rounding error are tied.
+    """
+    first, second = np.round(first, _DIGITS), np.round(second, _DIGITS)
     if len(first) < 2 or np.ptp(first) == 0.0 or np.ptp(second) == 0.0:
         return None
     return float(kendalltau(first, second).statistic)
@@ -102,23 +108,25 @@ def bootstrap_rank_correlation(
         resamples: their number; those with constant means are left out.
 
     Returns:
-        None where the values or the means are constant.
+        None where the values or the means are constant, or the means of every resample are.
     """
     tau = rank_correlation(beforehand, achieved.mean(axis=0))
     if tau is None:
         return None
     chosen = np.random.default_rng(seed).integers(0, len(achieved), (resamples, len(achieved)))
     taus = _taus(beforehand, np.stack([achieved[rows].mean(axis=0) for rows in chosen]))
-    low, high = np.percentile(taus[np.isfinite(taus)], [_LOW, _HIGH])
+    known = taus[np.isfinite(taus)]
+    if not len(known):
+        return None
+    low, high = np.percentile(known, [_LOW, _HIGH])
     return Interval(tau, float(low), float(high), len(achieved))
 
 
 def _taus(first: Floats, rows: Floats) -> Floats:
     """Kendall's tau-b of `first` (k,) with every row of (b, k), (b,); NaN for constant rows."""
     left, right = np.triu_indices(len(first), 1)
-    # Means of equal counts in another order may differ by a rounding error, which is a tie.
-    signs = np.sign(np.round(rows[:, left] - rows[:, right], 12))
-    own = np.sign(np.round(first[left] - first[right], 12))
+    signs = np.sign(np.round(rows[:, left] - rows[:, right], _DIGITS))
+    own = np.sign(np.round(first[left] - first[right], _DIGITS))
     untied: NDArray[np.float64] = np.sqrt(np.abs(own).sum() * np.abs(signs).sum(axis=1))
     taus: Floats = np.where(untied > 0.0, (signs @ own) / np.where(untied > 0.0, untied, 1.0), np.nan)
     return taus

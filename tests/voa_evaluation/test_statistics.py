@@ -74,3 +74,21 @@ def test_resampled_taus_are_scipys() -> None:
     assert interval.value == pytest.approx(kendalltau(beforehand, np.round(achieved.mean(axis=0), 12)).statistic)
     assert (interval.low, interval.high) == pytest.approx(tuple(np.percentile(taus, [2.5, 97.5])))
     assert bootstrap_rank_correlation(np.ones(5), achieved, 0) is None
+
+
+def test_means_that_differ_by_a_rounding_error_have_no_order() -> None:
+    beforehand = np.array([0.1, 0.2, 0.3])
+    measured = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.3], [0.3, 0.2, 0.1]])
+    assert np.ptp(measured.mean(axis=0)) > 0.0
+    assert rank_correlation(beforehand, measured.mean(axis=0)) is None
+    assert bootstrap_rank_correlation(beforehand, measured, 0) is None
+
+
+def test_equal_observations_up_to_rounding_have_no_rank_correlation() -> None:
+    measured = np.tile([0.1 + 0.2, 0.3, 0.3], (4, 1))
+    assert bootstrap_rank_correlation(np.array([0.1, 0.2, 0.3]), measured, 0) is None
+
+
+def test_an_order_that_no_resample_shows_has_no_interval() -> None:
+    beforehand, measured = np.array([0.1, 0.2]), np.array([[0.0, 1.0]] + [[0.0, 0.0]] * 400)
+    assert None in [bootstrap_rank_correlation(beforehand, measured, seed, resamples=1) for seed in range(20)]

@@ -82,8 +82,8 @@ def gains(rows: Rows, seed: int) -> list[Gain]:
 
 def pooled_tau(values: Sequence[Worth]) -> float | None:
     """Compute Kendall's tau-b of VOA against achieved value over all given values; None: undefined."""
-    voa = np.array([round(worth.voa, 12) for worth in values])
-    return rank_correlation(voa, np.array([round(worth.achieved.value, 12) for worth in values]))
+    voa = np.array([worth.voa for worth in values])
+    return rank_correlation(voa, np.array([worth.achieved.value for worth in values]))
 
 
 def _groups(rows: Rows) -> Iterator[Rows]:
