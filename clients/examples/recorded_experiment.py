@@ -64,6 +64,7 @@ def write_experiment(folder: Path, seed: int = 0) -> RecordedExperiment:
     folder.mkdir(parents=True, exist_ok=True)
     experiment = {
         "name": "box",
+        "selection": "whole",  # every beam near the object has a row, whether it fits the pose or not
         "poses": list(POSES),
         "sensors": [
             dict(zip(("name", "x", "y", "yaw_deg"), (sensor, *place(sensor)), strict=True)) for sensor in SENSORS

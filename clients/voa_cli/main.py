@@ -22,6 +22,8 @@ COMMANDS = {
     "replay": Command(
         "voa_cli.replay.command", "send recorded experiments, sessions or scans through the service", "cli"
     ),
+    "experiment": Command("voa_cli.experiment", "begin, check or make a recorded experiment", "cli"),
+    "calibrate": Command("voa_cli.calibrate", "estimate odometry's origin or the lidar's mount from a stop", "setup"),
     "doctor": Command("voa_cli.doctor.command", "find out what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service publish on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),

@@ -15,10 +15,7 @@ no-return counts as; a beam that is measured beyond it is a no-return, too. `sco
 `selection` is "whole" or "matched": how the rows were chosen (`voa_recordings.selection`).
 """
 
-import csv
-import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,18 +28,8 @@ from voa_recordings.experiment_parts import (
     ExperimentSensor,
     InvalidExperiment,
 )
+from voa_recordings.experiment_rows import SCANS, Beam, beam_row, raw_rows
 from voa_recordings.selection import Selection
-
-_COLUMNS = ("sensor", "pose", "angle_deg", "measured", "predicted")
-
-
-@dataclass(frozen=True)
-class Beam:
-    """A row of `scans.csv`: the beam's index, and its measured and predicted range; metres, None for a no-return."""
-
-    index: int
-    measured: float | None
-    predicted: float | None
 
 
 @dataclass(frozen=True)
@@ -158,7 +145,7 @@ def read_experiment(folder: Path) -> RecordedExperiment:
         attempts=content.attempts,
         lidar=content.lidar,
         no_return_m=content.observation.no_return,
-        scans=_scans(folder / "scans.csv", content.lidar, {sensor.name for sensor in content.sensors}, set(names)),
+        scans=_scans(folder / SCANS, content.lidar, {sensor.name for sensor in content.sensors}, set(names)),
         mesh=mesh,
         scale=1.0 if content.object is None else content.object.scale,
         expected=read_file(ExpectedResults, expected, InvalidExperiment) if expected.is_file() else None,
@@ -185,37 +172,11 @@ def _scans(
     beams: dict[tuple[str, str], list[Beam]] = {}
     heights: dict[tuple[str, str], float | None] = {}
     with source.open(encoding="utf-8", newline="") as lines:
-        for number, row in _rows(source, lines):
+        for number, cells in raw_rows(source, lines):
             try:
-                pair = (row["sensor"], row["pose"])
-                for what, name, names in (("sensor", pair[0], sensors), ("pose", pair[1], poses)):
-                    if name not in names:
-                        raise InvalidExperiment(
-                            f"experiment.json has no {what} {name!r}, only {', '.join(sorted(names))}"
-                        )
-                beam = Beam(lidar.beam(float(row["angle_deg"])), _metres(row["measured"]), _metres(row["predicted"]))
-                beams.setdefault(pair, []).append(beam)
-                heights.setdefault(pair, _metres(row.get("plane_height")))
-            except (KeyError, TypeError, ValueError, InvalidExperiment) as error:
+                row = beam_row(cells, lidar, sensors, poses)
+            except InvalidExperiment as error:
                 raise InvalidExperiment(f"{source}, line {number}: {error}") from error
+            beams.setdefault((row.sensor, row.pose), []).append(row.beam)
+            heights.setdefault((row.sensor, row.pose), row.height_m)
     return {pair: ExperimentScan(heights[pair], tuple(rows)) for pair, rows in beams.items()}
-
-
-def _rows(source: Path, lines: Iterable[str]) -> Iterator[tuple[int, dict[str, str]]]:
-    """Read the rows of a CSV file, each with the number of its line."""
-    try:
-        reader = csv.DictReader(lines)
-        absent = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
-        if absent:
-            raise InvalidExperiment(f"{source}: expected columns {', '.join(_COLUMNS)}, and {absent[0]} is missing")
-        for row in reader:
-            yield reader.line_num, row
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InvalidExperiment(f"{source} is not CSV in UTF-8: {error}") from error
-
-
-def _metres(text: str | None) -> float | None:
-    value = float(text) if text and not text.isspace() else math.nan
-    if value < 0.0:
-        raise ValueError(f"expected a range of at least 0 m, got {value:g}")
-    return value if math.isfinite(value) else None

@@ -100,7 +100,9 @@ class ExpectedResults(_Part):
     rules: dict[str, dict[str, ExpectedLook]]
 
 
-class _Observation(_Part):
+class Observation(_Part):
+    """Meaning of measured ranges: from `no_return` metres on, a beam counts as a no-return."""
+
     no_return: Annotated[float, Gt(0.0)] = 1.0
 
 
@@ -116,7 +118,7 @@ class ExperimentFile(_Part):
     attempts: int | None = None
     object: ExperimentObject | None = None
     lidar: ExperimentLidar = ExperimentLidar()
-    observation: _Observation = _Observation()
+    observation: Observation = Observation()
     selection: Selection | None = None
 
     @field_validator("poses", "sensors", mode="before")

@@ -3,4 +3,5 @@
 | to                                                     | see          |
 |--------------------------------------------------------|--------------|
 | look up a gripper by its name or its opening           | `grippers`   |
+| estimate a robot's odometry origin or lidar mount      | `calibration` |
 """
