@@ -52,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="voa check", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scenario", type=Path, help="scenario file; its `object` may name a mesh file in its folder")
+    parser.add_argument("scenario", type=Path, help="scenario file, or a folder with scenario.json")
     parser.add_argument("--url", help="address of a running service (default: start one for the length of the command)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

@@ -5,6 +5,7 @@ voa rank scenario.json --belief 0.5,0.3,0.2         under a belief (or a JSON fi
 voa rank --session ID --url http://lab:8000         under a session's belief
 voa rank scenario.json --sensor-std 0.01,1          by a robot that arrives within 1 cm and 1 degree (std)
 voa rank scenario.json --from Q1 --cost-per-m 0.05  with the drive from Q1 as a cost
+voa rank scenario.json --picture ranking.png        and draws it
 
 VOA is printed with its standard error where scans are simulated; looks that tie share a rank.
 
@@ -21,6 +22,7 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.console import Console
 
+from voa_cli.predicted_points import predicted_points
 from voa_cli.rank_options import read_options, request_of
 from voa_cli.tables import ranking_table
 from voa_cli.warnings import print_warnings
@@ -44,6 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with service_at(options.url) as client:
             result = _rank(client, options)
+            if options.picture is not None:
+                _draw(client, options.picture, result)
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
@@ -60,10 +64,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @dataclass(frozen=True)
 class _Result:
-    """A ranking with its scenario, the probability that the object is absent, and all warnings."""
+    """A ranking with its scenario, the probability that the object is absent, and all warnings.
+
+    `belief` is the one that was ranked under; None: the scenario's prior.
+    """
 
     scenario: Scenario
     ranking: Ranking
+    belief: list[float] | None
     absent: float | None
     warnings: list[ProbableMistake]
 
@@ -91,14 +99,31 @@ def _rank(client: Client, options: argparse.Namespace) -> _Result:
         session = client.get_session(options.session)
         scenario = client.get_scenario(session.scenario)
         ranking = client.rank_looks(options.session, request)
-        return _Result(scenario, ranking, session.absent, [*scenario.warnings, *ranking.warnings])
+        return _Result(scenario, ranking, session.belief, session.absent, [*scenario.warnings, *ranking.warnings])
     scenario, of_mesh = load_with_warnings(client, options.scenario)
     belief = None if options.belief is None else _belief(options.belief)  # None: the scenario's prior
     stated = RankingRequest.model_validate(
         {"scenario": scenario.id, "belief": belief} | request.model_dump(exclude_unset=True)
     )
     ranking = client.rank_once(stated)
-    return _Result(scenario, ranking, scenario.absent, [*of_mesh, *scenario.warnings, *ranking.warnings])
+    return _Result(scenario, ranking, belief, scenario.absent, [*of_mesh, *scenario.warnings, *ranking.warnings])
+
+
+def _draw(client: Client, file: Path, result: _Result) -> None:
+    """Draw the ranking into a file; raises PictureNotWritten."""
+    from voa_cli.picture import draw_ranking  # noqa: PLC0415 - matplotlib takes half a second
+
+    belief = result.belief or _prior(client, result.scenario)
+    draw_ranking(file, result.scenario, belief, predicted_points(client, result.scenario), result.ranking)
+
+
+def _prior(client: Client, scenario: Scenario) -> list[float]:
+    """Return the probability of each pose under the scenario's prior, which the service evaluates."""
+    sensors = [scenario.sensors[0].name]
+    request = RankingRequest(scenario=scenario.id, belief=None, sensors=list(sensors), scans="exact", outcomes=True)
+    outcomes = client.rank_once(request).ranking[0].outcomes or []
+    held = {outcome.pose: outcome.probability for outcome in outcomes}
+    return [held.get(pose.name, 0.0) for pose in scenario.poses]
 
 
 def _belief(text: str) -> list[float]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from voa_cli.picture_option import add_picture_option
 from voa_msgs.rankings import MOST_SAMPLES, VoaRequest
 
 
@@ -93,7 +94,8 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
         "scenario",
         type=Path,
         nargs="?",
-        help="scenario file; its `object` may name a mesh file in its folder, read with `scale` and `up`",
+        help="scenario file, or a folder with scenario.json; its `object` may name a mesh file in its folder, read "
+        "with `scale` and `up`",
     )
     parser.add_argument("--session", help="id of a session, instead of a scenario file")
     parser.add_argument(
@@ -147,4 +149,5 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument("--url", help="address of a running service (default: start one for the length of the command)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
+    add_picture_option(parser, "the object, the places and their VOA")
     return parser

@@ -2,6 +2,7 @@
 
 voa sessions list                           all sessions
 voa sessions show ID                        the belief of a session, and its best grasp
+voa sessions show ID --picture FILE.svg     draws both, with the places of its looks
 voa sessions history ID                     its versions, each with the request that made it
 voa sessions export ID > session.json       a file from which `voa replay` rebuilds the session on another service
 voa sessions delete ID...                   delete sessions with their histories, for good
@@ -15,15 +16,19 @@ import math
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
+from voa_cli.picture_option import add_picture_option
+from voa_cli.predicted_points import predicted_points
 from voa_client import Client, VoaClientError
 from voa_client.formatting import absence, bar, scale, share
 from voa_client.local import BRIEFLY
 from voa_msgs.looks import AnnouncedLook, Place
+from voa_msgs.sessions import Session
 from voa_recordings.session_file import export_session
 
 DEFAULT_URL = "http://127.0.0.1:8000"
@@ -86,6 +91,8 @@ def _robots(client: Client) -> defaultdict[str, list[str]]:
 
 def _show(client: Client, options: argparse.Namespace) -> None:
     session = client.get_session(options.id)
+    if options.picture is not None:
+        _draw(client, options.picture, session)
     if options.json:
         print(session.model_dump_json(indent=1))
         return
@@ -103,6 +110,14 @@ def _show(client: Client, options: argparse.Namespace) -> None:
     for held, pose in sorted(zip(session.belief, session.poses, strict=True), key=lambda both: -both[0]):
         table.add_row(pose, share(held, 4), bar(held, 1.0, _BAR))
     console.print(table)
+
+
+def _draw(client: Client, file: Path, session: Session) -> None:
+    """Draw a session into a file; raises PictureNotWritten."""
+    from voa_cli.picture import draw_session  # noqa: PLC0415 - matplotlib takes half a second
+
+    scenario = client.get_scenario(session.scenario)
+    draw_session(file, scenario, session, predicted_points(client, scenario))
 
 
 def _where(place: Place | AnnouncedLook) -> str:
@@ -200,7 +215,8 @@ def _parser() -> argparse.ArgumentParser:
         return one
 
     command("list", _list, of_one=False)
-    command("show", _show, of_one=True)
+    show = command("show", _show, of_one=True)
+    add_picture_option(show, "the belief, and the places of its looks,")
     command("history", _history, of_one=True)
     command("export", _export, of_one=True, has_json=False)
     delete = command("delete", _delete, of_one=False, has_json=False)

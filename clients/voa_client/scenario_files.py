@@ -1,6 +1,7 @@
 """Scenario files: JSON with the body of POST /v1/scenarios, in which `object` may name a mesh file.
 
 Beside `object`, the file may have the mesh file's `scale` (metres per unit of the file) and `up` ("+Z" or "+Y").
+A folder with `scenario.json` stands for that file.
 """
 
 import re
@@ -36,7 +37,7 @@ def load_scenario(client: Client, path: Path, *, spread: Spread | None = None, a
 
     Args:
         client: of the service.
-        path: of the scenario file; mesh files are searched in its folder.
+        path: of the scenario file, or of a folder with `scenario.json`; mesh files are searched in the file's folder.
         spread: of the object about each pose, which replaces the file's; None: the file's.
         absent: probability that the object lies at none of the poses, which replaces the file's; None: the file's.
 
@@ -54,7 +55,7 @@ def load_with_warnings(
 
     Args:
         client: of the service.
-        path: of the scenario file; mesh files are searched in its folder.
+        path: of the scenario file, or of a folder with `scenario.json`; mesh files are searched in the file's folder.
         spread: of the object about each pose, which replaces the file's; None: the file's.
         absent: probability that the object lies at none of the poses, which replaces the file's; None: the file's.
 
@@ -62,6 +63,7 @@ def load_with_warnings(
         InvalidScenarioFile: the scenario file or its mesh file is missing or not valid.
         VoaClientError: the service cannot be reached, or refuses.
     """
+    path = path / "scenario.json" if path.is_dir() else path
     file = read_file(ScenarioFile, path, InvalidScenarioFile)
     mesh = _mesh(file, path)
     fields = {name: getattr(file, name) for name in file.model_fields_set - _MESH_FIELDS}

@@ -38,7 +38,8 @@ def run(program: Block, url: str) -> dict[str, Any]:
 def test_every_program_and_most_commands_are_run() -> None:
     programs = {each.path: len(each.blocks("python")) for each in PAGES if each.blocks("python")}
     others = {"deploy/docs/own-rule.md", "deploy/docs/own-policy.md"}  # tested with their example packages
-    expected = {"README.md": 1, "deploy/docs/quick-start.md": 1, "deploy/docs/on-your-robots.md": 1}
+    docs = ("quick-start", "on-your-robots", "see-a-scenario")
+    expected = {"README.md": 1} | {f"deploy/docs/{name}.md": 1 for name in docs}
     run_elsewhere = {"CONTRIBUTING.md"} | others
     assert {path: count for path, count in programs.items() if path not in run_elsewhere} == expected
     assert {command.words[1] for command in LOCAL} >= {"check", "rank", "fleet", "replay"}
@@ -50,6 +51,15 @@ def test_the_program_of_the_readme_prints_what_is_stated(process: str, capsys: p
     stated = re.match(r"\s*It prints `([^`]+)`", program.after)
     assert stated is not None, "README: expected what the program prints behind it: It prints `...`"
     assert capsys.readouterr().out == stated[1] + "\n"
+
+
+def test_the_program_of_a_scenario_s_page_writes_it(tmp_path: Path) -> None:
+    program = page("see-a-scenario").program("write_look")
+    here = program.text.replace('Path(".")', f"Path({str(tmp_path)!r})")
+    names: dict[str, Any] = {}
+    exec(compile(here, "page.md", "exec"), names)  # noqa: S102 - our own text
+    assert [names["page"]] == list(tmp_path.iterdir())
+    assert "goblet: is it right?" in names["page"].read_text(encoding="utf-8")
 
 
 def test_the_program_of_the_quick_start_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:

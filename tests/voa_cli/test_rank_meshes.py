@@ -47,6 +47,14 @@ def test_a_mesh_that_is_there_is_not_uploaded_and_warned_of_all_the_same(process
         assert len(client.uploaded) == 3
 
 
+def test_a_folder_stands_for_its_scenario_file(process: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    file = written(tmp_path / "scenario.json", mesh_scenario("box.obj"), box_obj())
+    assert values(capfd, process, tmp_path) == values(capfd, process, file)
+    file.unlink()
+    assert main(["rank", str(tmp_path), "--url", process]) == 1
+    assert f"{file}: No such file" in capfd.readouterr().err
+
+
 class Old(Noted):
     """A client of a service that knows no question for a file: it refuses it, or lists what it has."""
 

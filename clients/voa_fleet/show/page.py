@@ -118,6 +118,40 @@ def _style_of(cells: Sequence[str]) -> str:
 
 
 @dataclass(frozen=True)
+class ShadedCell:
+    """A cell of a shaded table.
+
+    Attributes:
+        text: content of the cell.
+        share: darkness of the background, 0 (none) to 1.
+    """
+
+    text: str
+    share: float
+
+    @property
+    def opacity(self) -> str:
+        """Opacity of the background; at most 0.65, so that black text can be read on it."""
+        return f"{0.65 * min(max(self.share, 0.0), 1.0):.2f}"
+
+
+@dataclass(frozen=True)
+class ShadedTable:
+    """A table of figures whose cells are the darker the larger the figure; the first column stays in sight.
+
+    Attributes:
+        caption: above the table; "": none.
+        header: names of the columns, that of the rows' names included.
+        rows: name of each row, and its cells.
+    """
+
+    kind: ClassVar[str] = "shaded"
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[ShadedCell]]]
+
+
+@dataclass(frozen=True)
 class Picture:
     """A PNG file that is embedded in the page.
 
@@ -172,7 +206,7 @@ class Abreast:
     pictures: Sequence[Picture]
 
 
-Block = Heading | Paragraph | Notice | Command | Items | Lines | Table | Picture | Abreast | Folded
+Block = Heading | Paragraph | Notice | Command | Items | Lines | Table | ShadedTable | Picture | Abreast | Folded
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@ from voa_fleet.show.page import (
     Paragraph,
     Picture,
     Section,
+    ShadedCell,
+    ShadedTable,
     Table,
     page,
 )
@@ -92,3 +94,14 @@ def test_every_kind_of_block_is_rendered() -> None:
     assert html == html_of(
         Heading("h & h"), Command("voa <x>"), Items(["one", "<two>"]), Folded("more & more", [inner] * 2)
     )
+
+
+def test_shaded_cells_are_the_darker_the_larger_and_stay_legible() -> None:
+    cells = [ShadedCell("0 of 15", 0.0), ShadedCell("15 of 15", 1.0), ShadedCell("<2>", 7.0)]
+    html = html_of(ShadedTable("", ("pose", "A", "B", "C"), [("upright & dry", cells)]))
+    assert "<tr><th>upright &amp; dry</th>" in html
+    shades = [
+        f'rgba(0, 114, 178, {opacity})">{text}</td>' for opacity, text in (("0.00", "0 of 15"), ("0.65", "15 of 15"))
+    ]
+    assert [shade in html for shade in shades] == [True, True]
+    assert '0.65)">&lt;2&gt;</td>' in html
