@@ -43,7 +43,7 @@ def _sessions_words(shown: Shown) -> str:
         f"on average, expected in the end: {of_hundred(own[-1].promised)}. Looks from one place share the robot's "
         "error there, so a second look from the same place adds less than one from elsewhere; VOA reckons with that. "
         "In the table below one look is recommended where the best single look is worth taking: after it the robot "
-        "asks again, and takes a second look if that pays. Both looks are recommended where none pays alone. Places "
+        "ranks again, and takes a second look if that pays. Both looks are recommended where none pays alone. Places "
         "are named by the direction in which they lie from the object (east is +x) and their height."
     )
 

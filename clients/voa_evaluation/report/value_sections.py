@@ -165,8 +165,8 @@ def limits_section(shown: Shown) -> Section:
                 "Nothing here was measured with a real robot. Scans are simulated: range noise of 3 mm, 4 % of the "
                 "beams lost, the object 5 mm and 3 degrees off its pose, the robot as far off as it says; what happens "
                 "if it states a wrong error was not tried. A grasp counts as successful with the probability that was "
-                "measured for it in simulation, in the promise and in the achievement alike; only the drops try grasps "
-                "anew. Intervals cover the choice of beliefs and scans, not of objects: all are the project's own."
+                "measured for it in simulation, in the promise and in the achievement alike; only the drops repeat "
+                "grasps. Intervals cover the choice of beliefs and scans, not of objects: all are the project's own."
             ),
             Paragraph(
                 f"The sample: {', '.join(counts.objects)}, each with {setting.beliefs} beliefs drawn at random and the "
