@@ -56,6 +56,7 @@ from voa_client._transport import AsyncTransport, Transport
 from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
 from voa_client._zenoh_address import ZenohAddress
 from voa_msgs.geometry import CandidateSensor, Location, PoseUncertainty, SensorPose, Spread, UncertainSensorPose
+from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement, Place
 from voa_msgs.objects import Object, StablePoses
@@ -102,6 +103,7 @@ __all__ = [
     "Client",
     "ConflictError",
     "DeniedError",
+    "GraspGeometry",
     "GraspNow",
     "Health",
     "HistoryEntry",

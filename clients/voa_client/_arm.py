@@ -5,10 +5,14 @@ from contextlib import aclosing, closing
 from dataclasses import dataclass
 from typing import Literal
 
+from pydantic import ValidationError
+
 from voa_client._async_client import AsyncClient
 from voa_client._client import Client
-from voa_client._errors import NotFoundError
+from voa_client._errors import NotFoundError, UsageError
+from voa_msgs.grasp_geometry import GraspGeometry, grasp_geometry
 from voa_msgs.rankings import Look, RankedGrasp, RankedGrasps, VoaRequest
+from voa_msgs.scenarios import Grasp
 from voa_msgs.sessions import OutcomeRequest, Session, UpdatedSession
 
 SCORE = 0.9
@@ -43,6 +47,7 @@ class ArmClient:
     def __init__(self, client: Client, session_id: str) -> None:
         self._client = client
         self._session = session_id
+        self._grasps: dict[str, Grasp] | None = None
 
     def best_grasp(self, reachable: Sequence[str] | None = None) -> RankedGrasp | None:
         """Return the reachable grasp that is most likely to succeed; None if none can succeed.
@@ -54,6 +59,23 @@ class ArmClient:
             VoaClientError: the service cannot be reached, or refuses.
         """
         return _best(self._client.rank_grasps(self._session, _named(reachable)))
+
+    def geometry(self, grasp: str) -> GraspGeometry | None:
+        """Return where the hand has to be for a grasp, as the scenario states it; None if it states none.
+
+        It is read from the grasp's `data` (`voa_msgs.grasp_geometry`); the scenario is fetched once.
+
+        Args:
+            grasp: name of the grasp.
+
+        Raises:
+            UsageError: the scenario has no such grasp, or its `data` is not a valid geometry.
+            VoaClientError: the service cannot be reached, or refuses.
+        """
+        if self._grasps is None:
+            scenario = self._client.get_session(self._session).scenario
+            self._grasps = {known.name: known for known in self._client.get_scenario(scenario).grasps}
+        return _geometry(self._grasps, grasp)
 
     def wait_until(
         self,
@@ -145,6 +167,7 @@ class AsyncArmClient:
     def __init__(self, client: AsyncClient, session_id: str) -> None:
         self._client = client
         self._session = session_id
+        self._grasps: dict[str, Grasp] | None = None
 
     async def best_grasp(self, reachable: Sequence[str] | None = None) -> RankedGrasp | None:
         """Return the reachable grasp that is most likely to succeed; None if none can succeed.
@@ -156,6 +179,23 @@ class AsyncArmClient:
             VoaClientError: the service cannot be reached, or refuses.
         """
         return _best(await self._client.rank_grasps(self._session, _named(reachable)))
+
+    async def geometry(self, grasp: str) -> GraspGeometry | None:
+        """Return where the hand has to be for a grasp, as the scenario states it; None if it states none.
+
+        It is read from the grasp's `data` (`voa_msgs.grasp_geometry`); the scenario is fetched once.
+
+        Args:
+            grasp: name of the grasp.
+
+        Raises:
+            UsageError: the scenario has no such grasp, or its `data` is not a valid geometry.
+            VoaClientError: the service cannot be reached, or refuses.
+        """
+        if self._grasps is None:
+            scenario = (await self._client.get_session(self._session)).scenario
+            self._grasps = {known.name: known for known in (await self._client.get_scenario(scenario)).grasps}
+        return _geometry(self._grasps, grasp)
 
     async def wait_until(
         self,
@@ -240,6 +280,17 @@ class AsyncArmClient:
 
 def _named(reachable: Sequence[str] | None) -> list[str] | None:
     return None if reachable is None else list(reachable)
+
+
+def _geometry(grasps: dict[str, Grasp], name: str) -> GraspGeometry | None:
+    if name not in grasps:
+        raise UsageError(f"the scenario has no grasp {name!r}; there are: {', '.join(grasps)}")
+    try:
+        return grasp_geometry(grasps[name].data)
+    except ValidationError as error:
+        mistake = error.errors()[0]
+        where = ".".join(["data", *map(str, mistake["loc"])])
+        raise UsageError(f"grasp {name!r} of the scenario has no valid geometry: {where}: {mistake['msg']}") from error
 
 
 def _best(ranked: RankedGrasps) -> RankedGrasp | None:

@@ -1,8 +1,10 @@
 """Make a scenario from a mesh: poses, grasps, grasp scores and places, and a page that shows whether they are right.
 
-| to                                                     | see            |
-|--------------------------------------------------------|----------------|
-| look up a gripper by its name or its opening           | `grippers`     |
-| draw the page that shows whether it is right           | `look/`        |
-| estimate a robot's odometry origin or lidar mount      | `calibration/` |
+| to                                                        | see                 |
+|-----------------------------------------------------------|---------------------|
+| look up a gripper by its name or its opening              | `grippers`          |
+| divide a mesh into convex pieces for collisions           | `hulls`, `pieces/`  |
+| score grasps by simulated attempts, read and write scores | `scores/`           |
+| draw the page that shows whether it is right              | `look/`             |
+| estimate a robot's odometry origin or lidar mount         | `calibration/`      |
 """

@@ -108,7 +108,6 @@ PACKAGES = {
         "voa_recordings",
         "voa_ros",
         "voa_assets",
-        "coacd",
         "jinja2",
         "manifold3d",
         "matplotlib",

@@ -3,11 +3,14 @@
 A folder's conftest.py imports those that its tests use.
 """
 
+from dataclasses import replace
+
 import pytest
 
 from voa_fleet.world.kinematics import GraspPlan, plan_grasp
 from voa_fleet.world.objects import OBJECTS, FleetObject, named_object
 from voa_fleet.world.scene import World, build_world
+from voa_setup.hulls import collision_solids, convex_pieces
 
 
 @pytest.fixture(scope="session")
@@ -20,6 +23,12 @@ def targets() -> dict[str, FleetObject]:
 def mug(targets: dict[str, FleetObject]) -> FleetObject:
     """The mug."""
     return targets["mug"]
+
+
+def with_pieces(target: FleetObject) -> FleetObject:
+    """An object that collides by convex pieces of its mesh instead of its own solids."""
+    physics = target.physics.model_copy(update={"solids": collision_solids("hulls.obj")})
+    return replace(target, physics=physics, hulls={"hulls.obj": tuple(convex_pieces(target.mesh))})
 
 
 @pytest.fixture(scope="session")

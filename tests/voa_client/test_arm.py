@@ -2,11 +2,13 @@
 
 import json
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 
 from tests.voa_client.roles import ANNOUNCED, COLOURS, GRASP, Json, Replies, arm_role, calling, ranked, session, updated
-from voa_client import Waited
+from voa_assets import path
+from voa_client import UsageError, Waited
 from voa_client._responses import Response
 
 LOOK = ranked("Q1")
@@ -114,3 +116,35 @@ def test_an_outcome_may_say_that_the_object_was_moved(colour: str, moved: Json, 
     with calling(replies, colour) as client:
         arm_role(client).report("G1", success=False, **moved)
     assert replies.payloads("outcome.report") == [{"session": "s", "grasp": "G1", "success": False} | sent]
+
+
+def scenario(data: Any) -> Response:
+    """The mug's scenario, whose grasp TD90 has other data."""
+    body = json.loads(path("mug/scenario.json").read_text(encoding="utf-8"))
+    body["grasps"][1]["data"] = data
+    return Response(json.dumps(body | {"id": "m", "created_at": "2026-01-01T00:00:00Z"}).encode())
+
+
+@pytest.mark.parametrize("colour", COLOURS)
+def test_the_geometry_of_a_grasp_is_read_from_its_data_with_one_request(colour: str) -> None:
+    replies = Replies({"session.get": [session()], "scenario.get": [scenario({"joints": [0.1, 0.2]})]})
+    with calling(replies, colour) as client:
+        arm = arm_role(client)
+        geometry = arm.geometry("OI90")
+        assert geometry is not None
+        assert (geometry.tool_centre_point, geometry.approach) == ((0.0, 0.052, 0.0475), (0.0, -1.0, 0.0))
+        assert arm.geometry("TD90") is None
+        with pytest.raises(UsageError, match="the scenario has no grasp 'X'; there are: TD0, TD90, OI90, TDH0"):
+            arm.geometry("X")
+    assert replies.rpcs() == ["session.get", "scenario.get"]
+
+
+@pytest.mark.parametrize("colour", COLOURS)
+def test_data_that_is_no_geometry_is_refused(colour: str) -> None:
+    wrong = {"tool_centre_point": [0, 0, 0], "approach": [0, 0, -1]}
+    replies = Replies({"session.get": [session()], "scenario.get": [scenario(wrong)]})
+    with (
+        calling(replies, colour) as client,
+        pytest.raises(UsageError, match=r"'TD90' .* data\.closing: Field required"),
+    ):
+        arm_role(client).geometry("TD90")

@@ -85,7 +85,17 @@ CLIENTS = {"ArmClient", "AsyncArmClient", "AsyncClient", "AsyncSensorClient", "C
 OF_CLIENTS = {"next_look", "poses_of", "Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
 TRANSPORTS = {f"{twin}{kind}Transport" for twin in ("", "Async") for kind in ("", "Http", "InProcess", "Zenoh")}
 MESSAGES = {
-    *("BeliefRequest", "CandidateSensor", "GraspNow", "Health", "HistoryEntry", "LidarPresets", "Look", "Object"),
+    *(
+        "BeliefRequest",
+        "CandidateSensor",
+        "GraspGeometry",
+        "GraspNow",
+        "Health",
+        "HistoryEntry",
+        "LidarPresets",
+        "Look",
+        "Object",
+    ),
     *(
         "OutcomeRequest",
         "PoseUncertainty",
@@ -97,7 +107,7 @@ MESSAGES = {
         "RankedSensor",
         "Ranking",
     ),
-    *("AnnouncedLook", "Location", "LookAnnouncement", "Place", "Spread"),
+    *("AnnouncedLook", "GraspGeometry", "Location", "LookAnnouncement", "Place", "Spread"),
     *("RankingRequest", "RobotReport", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
     *("ScenarioSummary", "SensorPose", "Session", "SessionRequest", "SessionSummary", "StablePoses"),
     *("UncertainSensorPose", "UpdateRequest", "UpdatedEstimate", "UpdatedSession", "VoaRequest", "Warnings"),

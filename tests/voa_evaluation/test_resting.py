@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ def test_every_pose_of_every_scenario_is_stable(targets: dict[str, FleetObject],
 def test_a_pose_that_is_not_stable_is_detected(mug: FleetObject) -> None:
     tilted = mug.pose("U_0").model_copy(update={"quaternion_wxyz": [0.9, 0.436, 0.0, 0.0], "position": [0, 0, 0.05]})
     scenario = mug.scenario.model_copy(update={"poses": [tilted]})
-    target = FleetObject(mug.name, mug.folder, scenario, mug.physics, mug.mesh)
+    target = replace(mug, scenario=scenario)
     assert tilt_when_let_go(target, "U_0") > STABLE_RAD
 
 

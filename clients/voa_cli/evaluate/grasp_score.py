@@ -19,10 +19,11 @@ from rich.table import Table
 
 from voa_cli.evaluate.common import add_objects, amount, count, objects_of, progress_bar
 from voa_cli.evaluate.documents import grasp_score_document, one_or_all
-from voa_evaluation.grasp_scores import RESULTS, Cell, GraspScores, score_grasps
+from voa_evaluation.grasp_scores import GraspScores, score_grasps
 from voa_evaluation.report.figures import grasp_score_table
 from voa_fleet.errors import FleetError
 from voa_fleet.world.attempts import Result
+from voa_fleet.world.cells import RESULTS, Cell
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.objects import FleetObject
 

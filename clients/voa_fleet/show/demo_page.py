@@ -87,8 +87,8 @@ def outcome_summary(demo: Demo, episode: Episode) -> str:
     """Describe in plain words how the object lay, and how the grasp ended."""
     rests = [name for name, rest in demo.target.physics.rests.items() if demo.truth in rest.poses]
     data = [grasp.data for grasp in demo.target.scenario.grasps if grasp.name == episode.grasp]
-    approach = data[0].get("approach") if data and isinstance(data[0], dict) else None
-    description = "" if approach is None else f" ({approach})"
+    words = data[0].get("description") if data and isinstance(data[0], dict) else None
+    description = f" ({words})" if isinstance(words, str) else ""
     lay = f"The true pose of the {demo.target.name} was {demo.truth} ({', '.join(rests)})."
     if episode.outcome is None:
         return f"{lay} No grasp was attempted."

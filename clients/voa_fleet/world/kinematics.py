@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 
 from voa_fleet.world.frames import Floats, tool_rotation
-from voa_fleet.world.objects import GraspGeometry
 from voa_fleet.world.scene import STEP_S, World
 from voa_fleet.world.ur5e import DAMPING, LINKS
+from voa_msgs.grasp_geometry import GraspGeometry
 
 CONTROL_STEPS = 5
 """Physics steps between two commands: 10 ms."""
@@ -53,7 +53,7 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
     the highest elbow is returned. Equal worlds and grasps give equal plans.
     """
     data = mujoco.MjData(world.model)
-    tip, approach = np.array(grasp.tip), np.array(grasp.approach)
+    tip, approach = np.array(grasp.tool_centre_point), np.array(grasp.approach)
     forward = approach / np.linalg.norm(approach)
     up = np.array([0.0, 0.0, 1.0])
     best: tuple[float, GraspPlan] | None = None

@@ -1,23 +1,30 @@
 """Objects of the fleet: a scenario with its mesh, and the physical properties that the service need not know.
 
-| file            | content                                                                            |
-|-----------------|------------------------------------------------------------------------------------|
-| `scenario.json` | the body of `POST /v1/scenarios`; `object` is the mesh's file name                 |
-| the mesh        | an OBJ file in metres, which the lidar sees                                        |
-| `physics.json`  | `density_kg_m3`, `friction`, `gripper`, `solids`, `grasps`, `rests`: see `Physics` |
+| file            | content                                                                                     |
+|-----------------|---------------------------------------------------------------------------------------------|
+| `scenario.json` | the body of `POST /v1/scenarios`; `object` is the mesh's file name, and the `data` of each  |
+|                 | grasp its geometry (`voa_msgs.grasp_geometry`)                                              |
+| the mesh        | an OBJ file in metres, which the lidar sees                                                 |
+| `physics.json`  | `density_kg_m3`, `friction`, `gripper`, `solids`, `rests`, and optionally `grasps`: see     |
+|                 | `Physics`                                                                                   |
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, TypeVar
 
-from annotated_types import Ge, Gt
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+import numpy as np
+from annotated_types import Gt
+from pydantic import BaseModel, Field, ValidationError
 
 from voa_assets import path as asset_path
 from voa_client.message_files import read_file
 from voa_fleet.errors import InvalidObject, UnknownName
-from voa_fleet.world.meshes import Mesh, read_obj
+from voa_fleet.world.frames import tool_rotation
+from voa_fleet.world.meshes import LEAST_M3, Mesh, read_groups, read_obj, volume_of
+from voa_fleet.world.shapes import Hulls, Length, Part, Solid, Vector
+from voa_msgs.grasp_geometry import GraspGeometry, grasp_geometry
 from voa_msgs.scenarios import Pose, ScenarioRequest
 
 M = TypeVar("M", bound=BaseModel)
@@ -25,62 +32,8 @@ M = TypeVar("M", bound=BaseModel)
 OBJECTS = ("mug", "mallet", "block", "goblet", "coupling")
 """Names of the objects that are part of this project."""
 
-Vector = tuple[float, float, float]
-Length = Annotated[float, Gt(0.0)]
-Touches = Literal["table", "gripper", "both"]
-"""Partners with which a solid collides: fewer pairs are faster, and a tube of boxes need not rest on the table."""
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
-
-
-class Box(_Part):
-    """A box along the axes of the object's frame."""
-
-    kind: Literal["box"]
-    centre: Vector
-    size: tuple[Length, Length, Length]
-    touches: Touches = "both"
-
-
-class Cylinder(_Part):
-    """A cylinder from `start` to `end`."""
-
-    kind: Literal["cylinder"]
-    start: Vector
-    end: Vector
-    radius: Length
-    touches: Touches = "both"
-
-
-class Capsule(_Part):
-    """A cylinder from `start` to `end` with a half ball at each end."""
-
-    kind: Literal["capsule"]
-    start: Vector
-    end: Vector
-    radius: Length
-    touches: Touches = "both"
-
-
-class Tube(_Part):
-    """A wall of `pieces` boxes around the line from `start` to `end`."""
-
-    kind: Literal["tube"]
-    start: Vector
-    end: Vector
-    radius: Length
-    """Radius of the outside."""
-    wall: Length
-    pieces: Annotated[int, Ge(3)]
-    touches: Touches = "both"
-
-
-Solid = Annotated[Box | Cylinder | Capsule | Tube, Field(discriminator="kind")]
-
-
-class GripperSetting(_Part):
+class GripperSetting(Part):
     """Setting of the gripper for an object."""
 
     opening_m: Annotated[float, Gt(0.0), Field(le=0.2)]
@@ -95,18 +48,29 @@ class GripperSetting(_Part):
     """Width of a finger across the directions in which it closes and in which it points."""
 
 
-class GraspGeometry(_Part):
-    """Pose of the gripper for a grasp in the world frame; it is fixed, because the object's pose is not known."""
+class TipGeometry(Part):
+    """Geometry of a grasp as `physics.json` may state it; a grasp's `data` in the scenario is the usual place."""
 
     tip: Vector
-    """Point between the fingertips when they close."""
+    """Point between the fingertips when they close, in the world frame."""
     approach: Vector
     """Direction in which the fingers point and approach."""
     closing: Vector
-    """Direction along which the fingers close."""
+    """Direction along which the fingers close; the part of it along `approach` does not matter."""
+
+    def geometry(self) -> GraspGeometry:
+        """Return the geometry as a grasp's `data` states it; raises ValidationError for parallel directions."""
+        closing = tool_rotation(self.approach, self.closing)[:, 0].tolist() if self._oblique() else self.closing
+        return GraspGeometry(tool_centre_point=self.tip, approach=self.approach, closing=closing)
+
+    def _oblique(self) -> bool:
+        """True if the directions are neither perpendicular nor parallel."""
+        along = sum(a * c for a, c in zip(self.approach, self.closing, strict=True))
+        across = float(np.linalg.norm(np.cross(self.approach, self.closing)))
+        return along != 0.0 and across > 0.0
 
 
-class Rest(_Part):
+class Rest(Part):
     """A way of the object to rest on the table."""
 
     poses: list[str]
@@ -115,7 +79,7 @@ class Rest(_Part):
     """Directions in the object's frame that point up at rest, of any length; several for a symmetric shape."""
 
 
-class Physics(_Part):
+class Physics(Part):
     """Physical properties of an object that the simulation needs beside the scenario."""
 
     density_kg_m3: Length
@@ -123,8 +87,8 @@ class Physics(_Part):
     gripper: GripperSetting
     solids: Annotated[list[Solid], Field(min_length=1)]
     """Solids that collide, in the object's frame; the mesh itself is only seen by the lidar."""
-    grasps: dict[str, GraspGeometry]
-    """Geometry of each grasp, by its name in the scenario."""
+    grasps: Annotated[dict[str, TipGeometry], Field(default_factory=dict)]
+    """Geometry of grasps by their names, in place of that in their `data`; usually there is none here."""
     rests: dict[str, Rest]
     """Ways to rest, by name."""
 
@@ -139,6 +103,8 @@ class FleetObject:
         scenario: as in the file; its `object` is the mesh's file name.
         physics: the physical properties.
         mesh: in metres, in the object's frame.
+        geometries: of the grasps, by name.
+        hulls: convex pieces of each file that `physics.solids` names, in metres, in the object's frame.
     """
 
     name: str
@@ -146,6 +112,8 @@ class FleetObject:
     scenario: ScenarioRequest
     physics: Physics
     mesh: Mesh
+    geometries: Mapping[str, GraspGeometry]
+    hulls: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
 
     @property
     def poses(self) -> list[str]:
@@ -166,9 +134,9 @@ class FleetObject:
 
     def grasp(self, name: str) -> GraspGeometry:
         """Return the geometry of the grasp of that name; raises UnknownName."""
-        if name not in self.physics.grasps:
+        if name not in self.geometries:
             raise UnknownName("grasp", name, self.grasps)
-        return self.physics.grasps[name]
+        return self.geometries[name]
 
     def with_opening(self, opening_m: float) -> "FleetObject":
         """Return a copy of the object for a gripper with another opening, metres.
@@ -213,29 +181,69 @@ def read_object(folder: Path) -> FleetObject:
     physics = _read(folder / "physics.json", Physics)
     if scenario.object is None:
         raise InvalidObject(f"{folder / 'scenario.json'}: expected the mesh's file name as `object`, got none")
-    target = FleetObject(scenario.name, folder, scenario, physics, read_obj(folder / scenario.object))
-    _check(target)
-    return target
+    _check(folder, scenario, physics)
+    mesh = read_obj(_inside(folder, scenario.object))
+    hulls = {solid.file: _pieces(folder, solid.file) for solid in physics.solids if isinstance(solid, Hulls)}
+    return FleetObject(scenario.name, folder, scenario, physics, mesh, _geometries(folder, scenario, physics), hulls)
 
 
 def _read(file: Path, model: type[M]) -> M:
     return read_file(model, file, InvalidObject)
 
 
-def _check(target: FleetObject) -> None:
-    where = target.folder / "physics.json"
-    if set(target.physics.grasps) != set(target.grasps):
-        raise InvalidObject(f"{where}: expected grasps {target.grasps}, got {sorted(target.physics.grasps)}")
-    resting = [pose for rest in target.physics.rests.values() for pose in rest.poses]
-    if sorted(resting) != sorted(target.poses):
-        absent = sorted(set(target.poses) - set(resting))
+def _inside(folder: Path, name: str) -> Path:
+    """Path of a file in a folder; raises InvalidObject for a name that leads out of it."""
+    file = folder / name
+    if not file.resolve().is_relative_to(folder.resolve()):
+        raise InvalidObject(f"{folder}: expected the name of a file in this folder, got {name!r}")
+    return file
+
+
+def _pieces(folder: Path, name: str) -> tuple[Mesh, ...]:
+    """Read convex pieces; raises InvalidObject for one that is flat, because a simulation cannot collide it."""
+    file = _inside(folder, name)
+    pieces = tuple(read_groups(file))
+    for index, piece in enumerate(pieces):
+        if volume_of(piece) <= LEAST_M3:
+            raise InvalidObject(f"{file}: expected pieces that have volume, got a flat one: number {index} from 0")
+    return pieces
+
+
+def _geometries(folder: Path, scenario: ScenarioRequest, physics: Physics) -> dict[str, GraspGeometry]:
+    """Geometry of every grasp: from physics.json where it is there, else from the grasp's `data`."""
+    geometries: dict[str, GraspGeometry] = {}
+    for grasp in scenario.grasps:
+        own, file = physics.grasps.get(grasp.name), folder / ("physics.json" if physics.grasps else "scenario.json")
+        try:
+            geometry = grasp_geometry(grasp.data) if own is None else own.geometry()
+        except ValidationError as error:
+            mistake = error.errors()[0]
+            where = ".".join(str(part) for part in mistake["loc"])
+            raise InvalidObject(f"{file}: geometry of grasp {grasp.name!r}: {where}: {mistake['msg']}") from error
+        if geometry is None:
+            raise InvalidObject(
+                f"{file}: grasp {grasp.name!r} has no geometry: expected tool_centre_point, approach and closing in "
+                f"its `data` (voa_msgs.grasp_geometry), or the grasp under `grasps` of physics.json"
+            )
+        geometries[grasp.name] = geometry
+    return geometries
+
+
+def _check(folder: Path, scenario: ScenarioRequest, physics: Physics) -> None:
+    where = folder / "physics.json"
+    grasps, poses = [grasp.name for grasp in scenario.grasps], [pose.name for pose in scenario.poses]
+    if not set(physics.grasps) <= set(grasps):
+        raise InvalidObject(f"{where}: expected grasps of the scenario, {grasps}, got {sorted(physics.grasps)}")
+    resting = [pose for rest in physics.rests.values() for pose in rest.poses]
+    if sorted(resting) != sorted(poses):
+        absent = sorted(set(poses) - set(resting))
         repeated = sorted({pose for pose in resting if resting.count(pose) > 1})
-        unknown = sorted(set(resting) - set(target.poses))
+        unknown = sorted(set(resting) - set(poses))
         raise InvalidObject(
             f"{where}: expected each pose under exactly one of `rests`: missing {absent}, repeated {repeated}, "
             f"unknown {unknown}"
         )
-    if any(pose.position is None or pose.quaternion_wxyz is None for pose in target.scenario.poses):
-        raise InvalidObject(f"{target.folder / 'scenario.json'}: expected position and quaternion_wxyz of every pose")
-    if target.scenario.lidar.height_m is None:
-        raise InvalidObject(f"{target.folder / 'scenario.json'}: expected lidar.height_m, got none")
+    if any(pose.position is None or pose.quaternion_wxyz is None for pose in scenario.poses):
+        raise InvalidObject(f"{folder / 'scenario.json'}: expected position and quaternion_wxyz of every pose")
+    if scenario.lidar.height_m is None:
+        raise InvalidObject(f"{folder / 'scenario.json'}: expected lidar.height_m, got none")

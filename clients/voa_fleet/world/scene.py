@@ -18,9 +18,11 @@ from voa_fleet.world.gripper import FINGERS, SERVO, TOOL, add_gripper
 from voa_fleet.world.groups import HAND_TABLE, HARD, OBJECT_SEEN, OBJECT_TABLE, STIFF, WORLD_SEEN
 from voa_fleet.world.imperfections import Clutter
 from voa_fleet.world.lidar_robot import HEIGHT_M, add_robot
+from voa_fleet.world.meshes import encloses_volume
 from voa_fleet.world.object_poses import ObjectPose
 from voa_fleet.world.objects import FleetObject
-from voa_fleet.world.solids import add_solid
+from voa_fleet.world.shapes import Hulls
+from voa_fleet.world.solids import add_joint_hull, add_piece_meshes, add_solid
 from voa_fleet.world.ur5e import add_arm, joint_names
 
 STEP_S = 0.002
@@ -176,12 +178,16 @@ def _add_clutter(spec: mujoco.MjSpec, clutter: Sequence[Clutter], floor: float) 
 
 
 def _add_object(spec: mujoco.MjSpec, target: FleetObject) -> None:
+    density = target.physics.density_kg_m3
+    # A mesh that encloses no volume has no mass; its convex pieces have.
+    heavy_pieces = bool(target.hulls) and not encloses_volume(target.mesh)
+    inertia = mujoco.mjtMeshInertia
     spec.add_mesh(
         name=OBJECT,
         uservert=target.mesh.vertices.astype(np.float32).ravel(),
         userface=target.mesh.faces.ravel(),
         # The default computes six times the mass of a hollow mug.
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
+        inertia=inertia.mjMESH_INERTIA_SHELL if heavy_pieces else inertia.mjMESH_INERTIA_EXACT,
     )
     body = spec.worldbody.add_body(name=OBJECT, pos=[0.0, 0.0, 0.0])
     body.add_freejoint(name=OBJECT)
@@ -189,14 +195,18 @@ def _add_object(spec: mujoco.MjSpec, target: FleetObject) -> None:
         name=OBJECT,
         type=mujoco.mjtGeom.mjGEOM_MESH,
         meshname=OBJECT,
-        density=target.physics.density_kg_m3,
+        density=0.0 if heavy_pieces else density,
         contype=0,
         conaffinity=0,
         group=OBJECT_SEEN,
         rgba=list(_COLOUR),
     )
+    add_piece_meshes(spec, target.hulls)
+    # A mesh that encloses no volume may be flat, and then has no hull; its pieces have.
+    hull = add_joint_hull(spec, target.hulls) if heavy_pieces else OBJECT
     for solid in target.physics.solids:
-        add_solid(body, solid, target.physics.friction)
+        weighs = heavy_pieces and isinstance(solid, Hulls)
+        add_solid(body, solid, target, hull, density if weighs else 0.0)
 
 
 def _world(model: mujoco.MjModel, target: FleetObject, robots: tuple[str, ...], arm: bool) -> World:

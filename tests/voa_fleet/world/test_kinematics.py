@@ -7,8 +7,9 @@ import pytest
 from voa_fleet.world.frames import Floats, tool_rotation
 from voa_fleet.world.kinematics import APPROACH_M, LIFT_M, GraspPlan, commands, joint_move, plan_grasp
 from voa_fleet.world.object_poses import ObjectPose
-from voa_fleet.world.objects import OBJECTS, FleetObject, GraspGeometry
+from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
+from voa_msgs.grasp_geometry import GraspGeometry
 
 
 def tools(world: World, joints: Floats) -> tuple[Floats, Floats]:
@@ -28,7 +29,7 @@ def test_the_tool_comes_straight_and_goes_straight_up(
     mug: FleetObject, mug_world: World, mug_plans: dict[str, GraspPlan], grasp: str
 ) -> None:
     geometry, plan = mug.grasp(grasp), mug_plans[grasp]
-    tip, forward = np.array(geometry.tip), np.array(geometry.approach, dtype=float)
+    tip, forward = np.array(geometry.tool_centre_point), np.array(geometry.approach, dtype=float)
     places, rotations = tools(mug_world, plan.approach)
     np.testing.assert_allclose(places[-1], tip, rtol=0.0, atol=2e-4)
     along = (places - tip) @ forward
@@ -67,7 +68,7 @@ def test_the_same_grasp_gives_the_same_plan(
 
 @pytest.mark.parametrize("tip", [(1.2, 0.0, 0.1), (0.0, 0.0, 1.5)])
 def test_a_grasp_out_of_reach_has_no_plan(mug_world: World, tip: tuple[float, float, float]) -> None:
-    geometry = GraspGeometry(tip=tip, approach=(0.0, 0.0, -1.0), closing=(1.0, 0.0, 0.0))
+    geometry = GraspGeometry(tool_centre_point=tip, approach=(0.0, 0.0, -1.0), closing=(1.0, 0.0, 0.0))
     assert plan_grasp(mug_world, geometry) is None
 
 

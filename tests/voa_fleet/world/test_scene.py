@@ -1,21 +1,26 @@
 """The world: an arm with a UR5e's kinematics, objects of the right mass, solids where the mesh is."""
 
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 import trimesh
 
+from tests.support.fleet_objects import with_pieces
+from tests.support.mesh_shapes import open_box, sheet
 from voa_fleet.errors import UnstableSimulation
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.gripper import PALM_M
 from voa_fleet.world.groups import OBJECT_SEEN, OBJECT_TOUCHED
 from voa_fleet.world.imperfections import room
-from voa_fleet.world.object_poses import scenario_pose
+from voa_fleet.world.meshes import Mesh, volume_of
+from voa_fleet.world.object_poses import ObjectPose, scenario_pose
 from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
 from voa_fleet.world.ur5e import BASE
+from voa_setup.pieces.shells import THICKNESS_M
 
 # The manufacturer's published table: a, d, alpha.
 UR5E = [
@@ -101,6 +106,37 @@ def test_an_object_that_rests_keeps_still(targets: dict[str, FleetObject], name:
     world.put_object(data, start)
     world.step(data, 500)
     assert np.abs(np.array(world.object_pose(data).position) - start.position).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["goblet", "coupling"])
+def test_an_object_of_convex_pieces_keeps_still(targets: dict[str, FleetObject], name: str) -> None:
+    target = with_pieces(targets[name])
+    world = build_world(target)
+    for pose in target.poses:
+        data = mujoco.MjData(world.model)
+        start = scenario_pose(target, pose)
+        world.put_object(data, start)
+        world.step(data, 300)
+        middle = world.object_pose(data)
+        world.step(data, 500)
+        end = world.object_pose(data)
+        assert np.abs(np.array(end.position) - start.position).max() < 1e-3
+        assert np.abs(np.array(end.position) - middle.position).max() < 5e-5
+
+
+@pytest.mark.parametrize(("mesh", "height"), [(open_box(), 0.05), (sheet(), 0.0)], ids=["open box", "sheet"])
+def test_an_object_without_an_inside_weighs_as_much_as_its_shell_and_rests_on_it(
+    targets: dict[str, FleetObject], mesh: Mesh, height: float
+) -> None:
+    target = with_pieces(replace(targets["block"], mesh=mesh))
+    world = build_world(target, arm=False)
+    volume = sum(volume_of(piece) for piece in target.hulls["hulls.obj"])
+    expected = volume * target.physics.density_kg_m3
+    assert world.model.body_mass[world.body] == pytest.approx(expected, rel=0.01)
+    data = mujoco.MjData(world.model)
+    world.put_object(data, ObjectPose((0.0, 0.0, height), (1.0, 0.0, 0.0, 0.0)))
+    world.step(data, 500)
+    assert world.object_pose(data).position == pytest.approx((0.0, 0.0, height + THICKNESS_M / 2.0), abs=1e-5)
 
 
 def test_an_explosion_is_an_error_and_no_result(mug: FleetObject) -> None:
