@@ -9,6 +9,8 @@ cones of both.
 | give every grasp and pose a first score from geometry         | `scoring`    |
 | sample points and normals of a surface                        | `surface`    |
 | place hands in the world, clear of the table                  | `hands`      |
+| turn hands with an object at rest                             | `resting_hands` |
+| group hands by what they hold and from where they come        | `kinds`      |
 | make candidates from antipodal pairs of surface points        | `candidates` |
 | close hands on the surface: collisions, contacts, widths      | `closing`    |
 | move the object as the spread says, and count the good grips  | `shares`     |

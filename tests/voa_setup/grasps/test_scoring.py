@@ -24,7 +24,7 @@ def shipped(name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_geometry_agrees_with_simulated_attempts_on_the_shipped_objects() -> None:
-    """Of the 132 cells all lie on the same side of 0.5, with a correlation of 0.99, when this was written."""
+    """All 132 cells lay on the same side of 0.5, with a correlation of 0.99, when this was written."""
     pairs = [shipped(name) for name in OBJECTS]
     geometric, simulated = (np.concatenate([pair[side].ravel() for pair in pairs]) for side in (0, 1))
     assert ((geometric > 0.5) == (simulated > 0.5)).mean() >= 0.95
