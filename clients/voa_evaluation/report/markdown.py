@@ -19,11 +19,18 @@ from voa_fleet.show.page import (
 
 
 def markdown(sections: Sequence[Section]) -> str:
-    """Render sections as Markdown; pictures are linked by their file names, folded blocks are left out."""
+    """Render sections as Markdown; pictures are linked by their file names.
+
+    Folded blocks are left out, unless they are paragraphs alone.
+    """
     parts = []
     for section in sections:
         parts.append(f"## {section.title}")
-        parts += [_block(block) for block in section.blocks if not isinstance(block, Folded)]
+        for block in section.blocks:
+            if not isinstance(block, Folded):
+                parts.append(_block(block))
+            elif all(isinstance(inner, Paragraph) for inner in block.blocks):
+                parts += [_block(inner) for inner in block.blocks]
     return "\n\n".join(parts) + "\n"
 
 

@@ -185,10 +185,10 @@ def _errors(shown: Shown) -> list[str]:
     if len(shown.errors) < 2:
         return []
     ways = {error: shown.ways(error=error)[VOA] for error in shown.errors}
-    parts = [f"{of_hundred(row.success)} of 100 grasps succeed if it is {_off(error)}" for error, row in ways.items()]
+    parts = [f"{of_hundred(row.success)} if it is {_off(error)}" for error, row in ways.items()]
     return [
-        f"When the lidar's own place is uncertain, and the robot says so: after VOA's look {', '.join(parts)} "
-        f"({next(iter(ways.values())).gain.count} beliefs each)."
+        "When the lidar's own place is uncertain, and the robot says so: of 100 grasps after VOA's look there succeed "
+        f"{', '.join(parts)} ({next(iter(ways.values())).gain.count} beliefs each)."
     ]
 
 

@@ -169,15 +169,6 @@ def limits_section(shown: Shown) -> Section:
                 "grasps. Intervals cover the choice of beliefs and scans, not of objects: all are the project's own."
             ),
             Paragraph(
-                f"The sample: {', '.join(counts.objects)}, each with {setting.beliefs} beliefs drawn at random and the "
-                f"uniform one ({counts.cases} in all). For each update rule, robot error, place and pose "
-                f"{setting.scans} scans, which all beliefs of an object share; objects with more poses and places have "
-                f"more ({counts.scans} scans in all). {counts.sessions} sessions of several looks: {setting.sessions} "
-                "for each object, robot error, way of choosing and of two update rules. "
-                f"{counts.attempts} grasps in the physics simulation: {setting.drops} drops of each object, each "
-                "grasped after VOA's look, after a random look and without a look."
-            ),
-            Paragraph(
                 "A difference is sure where its 95 % interval excludes 0. A comparison is one of "
                 f"{len(setting.rules)} update rules with one of {len(setting.robot_errors)} robot errors, for all "
                 f"objects together ({cases}) or for one of them ({cases * len(counts.objects)}). Where it is not sure, "
@@ -186,8 +177,22 @@ def limits_section(shown: Shown) -> Section:
                 "corrected."
             ),
             _verdicts(shown),
+            Folded("how many beliefs, scans, sessions and drops", [_sample(shown)]),
             Folded("every difference of all objects together that is not sure", [_not_sure(shown)]),
         ),
+    )
+
+
+def _sample(shown: Shown) -> Paragraph:
+    counts, setting = shown.values.counts, shown.values.setting
+    return Paragraph(
+        f"The sample: {', '.join(counts.objects)}, each with {setting.beliefs} beliefs drawn at random and the "
+        f"uniform one ({counts.cases} in all). For each update rule, robot error, place and pose "
+        f"{setting.scans} scans, which all beliefs of an object share; objects with more poses and places have "
+        f"more ({counts.scans} scans in all). {counts.sessions} sessions of several looks: {setting.sessions} "
+        "for each object, robot error, way of choosing and of two update rules. "
+        f"{counts.attempts} grasps in the physics simulation: {setting.drops} drops of each object, each "
+        "grasped after VOA's look, after a random look and without a look."
     )
 
 

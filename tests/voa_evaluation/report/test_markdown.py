@@ -19,7 +19,7 @@ from voa_fleet.show.page import (
 )
 
 
-def test_every_block_becomes_markdown_and_folded_ones_are_left_out(tmp_path: Path) -> None:
+def test_every_block_becomes_markdown_and_of_folded_ones_text_alone(tmp_path: Path) -> None:
     file = tmp_path / "p.png"
     file.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(8) + struct.pack(">II", 4, 3))
     blocks = (
@@ -31,7 +31,8 @@ def test_every_block_becomes_markdown_and_folded_ones_are_left_out(tmp_path: Pat
         Lines(["$ voa"]),
         Command("voa"),
         Notice("Beware."),
-        Folded("more", [Paragraph("Hidden.")]),
+        Folded("more", [Paragraph("Hidden."), Table("Hidden", ("name",), [["a"]])]),
+        Folded("how", [Paragraph("Folded text.")]),
     )
     assert markdown([Section("s", "Title", blocks)]).split("\n\n") == [
         "## Title",
@@ -44,5 +45,6 @@ def test_every_block_becomes_markdown_and_folded_ones_are_left_out(tmp_path: Pat
         "*Below.*",
         "```\n$ voa\n```",
         "`voa`",
-        "Beware.\n",
+        "Beware.",
+        "Folded text.\n",
     ]
