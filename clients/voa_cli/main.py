@@ -27,6 +27,7 @@ COMMANDS = {
     "doctor": Command("voa_cli.doctor.command", "find out what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service publish on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
+    "new": Command("voa_cli.new.command", "make a scenario from a mesh", "setup"),
     "evaluate": Command("voa_cli.evaluate.command", "run the paper's evaluations, simulated or recorded", "fleet"),
     "fleet": Command("voa_cli.fleet", "run simulated robots that use the service", "fleet"),
     "check": Command("voa_cli.check", "list the probable mistakes in a scenario file", "cli"),

@@ -5,6 +5,6 @@
 | run an episode, and follow its events              | `episode`, `events`                       |
 | choose where to look                               | `policies`, `forecasts`                   |
 | bring looks to a session, through the client or by ROS 2 | `looks`, `ros2_looks`, `look_scans` |
-| drop an object on the bench                        | `bench`                                   |
+| drop an object on the bench, in a pose drawn from the scenario's prior | `bench`, `priors`     |
 | run the same drops with looks and without          | `comparison`                              |
 """

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from voa_fleet.devices.simulated import Scene, SimulatedArm, SimulatedSensorRobot, make_scene
-from voa_fleet.errors import InvalidObject
+from voa_fleet.episodes.priors import prior_of
 from voa_fleet.world.attempts import Watch
 from voa_fleet.world.clocks import Clock, VirtualClock
 from voa_fleet.world.imperfections import Clutter, Imperfections, wall
@@ -58,7 +58,7 @@ class Bench:
         """Make the drop with that index, in a pose drawn from the scenario's prior; robot and arm go back to wait.
 
         Raises:
-            InvalidObject: the scenario's prior is not a list of probabilities.
+            InvalidObject: the scenario's prior does not fit its poses.
         """
         rng = np.random.default_rng([self.seed, index])
         target = self.scene.world.object
@@ -96,21 +96,6 @@ def make_bench(
     """
     scene = make_scene(target, clock or VirtualClock(), seed, imperfections, robots=(robot,))
     return Bench(scene, seed, SimulatedArm(scene))
-
-
-def prior_of(target: FleetObject) -> list[float]:
-    """Return the prior of the object's scenario, (poses,), which sums to 1; uniform where the scenario has none.
-
-    Raises:
-        InvalidObject: the prior is not a list of probabilities.
-    """
-    prior = target.scenario.prior
-    if prior is None:
-        return [1.0 / len(target.poses)] * len(target.poses)
-    if not isinstance(prior, list):
-        raise InvalidObject(f"{target.name}: expected a prior that lists a share per pose, got form {prior.form!r}")
-    total = sum(prior)
-    return [share / total for share in prior]
 
 
 def stated_by(imperfections: Imperfections) -> PoseUncertainty | None:

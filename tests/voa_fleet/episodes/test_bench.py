@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voa_fleet.episodes.bench import CLUTTER, Bench, make_bench, prior_of, spread_of, stated_by
-from voa_fleet.errors import InvalidObject
+from voa_fleet.episodes.bench import CLUTTER, Bench, make_bench, spread_of, stated_by
 from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections
 from voa_fleet.world.lidar import lidar_geometry, true_ranges
 from voa_fleet.world.objects import FleetObject
 from voa_msgs.geometry import PoseUncertainty, Spread
-from voa_msgs.priors import PoseModelPrior, Prior
+from voa_msgs.priors import Prior
 
 IMPERFECTIONS = replace(Imperfections.of_lds_01(), object_xy_m=0.005, object_yaw_rad=0.05, robot_xy_m=0.01)
 
@@ -53,13 +52,6 @@ def test_poses_come_as_often_as_the_prior_says(bench: Bench, mug: FleetObject) -
 
     assert min(counts(None)) > 6  # 20 each on average, standard deviation 4.1
     assert counts([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]) == [0, 0, 120, 0, 0, 0]
-
-
-def test_a_prior_without_shares_is_refused(mug: FleetObject) -> None:
-    model = PoseModelPrior.model_validate({"form": "pose_model", "categories": [{"pose": "U_0", "probability": 1.0}]})
-    target = replace(mug, scenario=mug.scenario.model_copy(update={"prior": model}))
-    with pytest.raises(InvalidObject, match="a share per pose, got form 'pose_model'"):
-        prior_of(target)
 
 
 def test_an_honest_robot_states_its_error() -> None:

@@ -1,0 +1,107 @@
+"""Files of a scenario in its folder, written so that a person can read and change them."""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from voa_core.checks import Floats
+from voa_fleet.world.objects import Physics
+from voa_msgs.scenarios import Grasp, ScenarioRequest
+from voa_setup.errors import UnusableFolder
+
+SCENARIO, PHYSICS = "scenario.json", "physics.json"
+_MARGIN_M = 0.02
+_MARGIN_SIGMAS = 3.0
+_STEP_M = 0.01
+_SHORT = 3  # values of a list that is no row of a table, such as a direction
+
+
+def prepared_folder(folder: Path, mesh: Path, *, force: bool, resumable: str) -> None:
+    """Make a folder for the files of a scenario.
+
+    Args:
+        folder: to make; it may exist.
+        mesh: name of the mesh file to be written into it, and the file that was read.
+        force: True to write over a scenario that is there.
+        resumable: name of a file in the folder that marks scores under way, which may be written over.
+
+    Raises:
+        UnusableFolder: the folder has a scenario already, cannot be made, or the mesh itself would be written over.
+    """
+    if (folder / f"{mesh.stem}.obj").resolve() == mesh.resolve():
+        raise UnusableFolder(f"{mesh} would be written over: choose another folder by -o")
+    if (folder / SCENARIO).exists() and not force and not (folder / resumable).exists():
+        raise UnusableFolder(f"{folder} has a scenario: choose another folder by -o, or add --force to write over it")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UnusableFolder(f"{folder} cannot be made: {error.strerror}") from error
+
+
+def workspace_around(footprints: Iterable[Floats], xy_m: float) -> dict[str, list[float]]:
+    """Return the workspace: a rectangle around the object at every pose, 2 cm and three standard deviations wider.
+
+    Args:
+        footprints: points (v, 2) of the object at each pose, metres.
+        xy_m: standard deviation of the object's position.
+    """
+    margin = _MARGIN_M + _MARGIN_SIGMAS * xy_m
+    low, high = [float("inf")] * 2, [-float("inf")] * 2
+    for points in footprints:
+        low = [min(a, b) for a, b in zip(low, points.min(axis=0).tolist(), strict=True)]
+        high = [max(a, b) for a, b in zip(high, points.max(axis=0).tolist(), strict=True)]
+    return {
+        "min": [round((side - margin) // _STEP_M * _STEP_M, 3) for side in low],
+        "max": [round(-((-side - margin) // _STEP_M) * _STEP_M, 3) for side in high],
+    }
+
+
+def grasps_of(names_and_data: Iterable[tuple[str, BaseModel]]) -> list[Grasp]:
+    """Make the grasps of a scenario, each with its geometry as `data`."""
+    return [Grasp(name=name, data=data.model_dump(mode="json")) for name, data in names_and_data]
+
+
+def write_scenario(scenario: ScenarioRequest, folder: Path) -> Path:
+    """Write `scenario.json`: a line for each pose, grasp, place and row of scores."""
+    return _write(folder / SCENARIO, scenario.model_dump(mode="json", by_alias=True, exclude_unset=True))
+
+
+def write_physics(physics: Physics, folder: Path) -> Path:
+    """Write `physics.json`, a line for each solid and rest; grasps have their geometry in `scenario.json`."""
+    return _write(folder / PHYSICS, physics.model_dump(mode="json", exclude_unset=True, exclude={"grasps"}))
+
+
+def _write(file: Path, content: Mapping[str, Any]) -> Path:
+    lines = [f" {json.dumps(key)}: {_block(value)}" for key, value in content.items()]
+    file.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8", newline="\n")
+    return file
+
+
+def _block(value: Any) -> str:
+    """Write a value in one line; an object or list that holds objects or lists gets a line for each of them."""
+    if isinstance(value, Mapping) and any(_is_nested(item) for item in value.values()):
+        return _lines("{", [f"{json.dumps(key)}: {_block_of_rows(item)}" for key, item in value.items()], "}")
+    if isinstance(value, list) and _is_nested(value):
+        return _lines("[", [json.dumps(item, ensure_ascii=False) for item in value], "]")
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _block_of_rows(value: Any) -> str:
+    """Write a list of lists with a line for each, indented below its key; anything else in one line."""
+    if isinstance(value, list) and value and isinstance(value[0], list) and len(value[0]) > _SHORT:
+        return "[\n   " + ",\n   ".join(map(json.dumps, value)) + "\n  ]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _is_nested(value: Any) -> bool:
+    """True for an object, and for a list of objects or lists."""
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and isinstance(value[0], Mapping | list)
+    )
+
+
+def _lines(opening: str, items: list[str], closing: str) -> str:
+    return opening + "\n  " + ",\n  ".join(items) + "\n " + closing
