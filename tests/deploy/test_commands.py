@@ -28,12 +28,16 @@ def test_every_command_is_listed() -> None:
     assert {words_of(row)[0] for row in ROWS} == set(COMMANDS)
 
 
-def test_every_evaluation_and_every_command_about_sessions_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_part_of_a_command_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     listed = {tuple(words) for row in ROWS if len(words := words_of(row)) == 2}
     evaluations = re.findall(r"(?m)^  ([a-z-]+)  ", printed_help(["evaluate"], capsys))
     (sessions,) = set(re.findall(r"(?m)^  ([a-z]+(?: \| [a-z]+)+)$", printed_help(["sessions"], capsys)))
-    expected = {("evaluate", each) for each in evaluations} | {("sessions", each) for each in sessions.split(" | ")}
-    assert listed == expected
+    parts = re.findall(r"(?m)^    ([a-z-]+)(?:  |$)", printed_help(["experiment"], capsys).partition("PART\n")[2])
+    assert listed == {
+        *(("evaluate", each) for each in evaluations),
+        *(("sessions", each) for each in sessions.split(" | ")),
+        *(("experiment", each) for each in parts),
+    }
 
 
 @pytest.mark.parametrize("row", ROWS)
