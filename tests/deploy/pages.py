@@ -50,7 +50,7 @@ class Command:
         Commands that run until they are ended, or for minutes, and those about a file of the reader's own, are left
         out too.
         """
-        if self.words[:2] in (["voa", "serve"], ["voa", "evaluate"], ["voa", "record"]):
+        if self.words[1] in ("serve", "evaluate", "record", "new", "experiment", "calibrate"):
             return False
         files = [word for word in self.words if re.fullmatch(r"[\w./-]+\.(json|toml|mcap)", word)]
         if not all((REPOSITORY / file).is_file() for file in files):

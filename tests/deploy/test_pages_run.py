@@ -11,7 +11,7 @@ from tests.deploy.pages import PAGES, README, REPOSITORY, Block, Command, agrees
 from tests.support.scale import scaled
 from tests.support.serving import as_scan
 from voa_cli.main import main
-from voa_client import Client
+from voa_client import ArmClient, Client
 from voa_client.scenario_files import load_scenario
 from voa_msgs.scenarios import PredictionsRequest
 from voa_msgs.sessions import OutcomeRequest, Scan, SessionRequest
@@ -38,8 +38,8 @@ def run(program: Block, url: str) -> dict[str, Any]:
 def test_every_program_and_most_commands_are_run() -> None:
     programs = {each.path: len(each.blocks("python")) for each in PAGES if each.blocks("python")}
     others = {"deploy/docs/own-rule.md", "deploy/docs/own-policy.md"}  # tested with their example packages
-    docs = ("quick-start", "on-your-robots", "see-a-scenario")
-    expected = {"README.md": 1} | {f"deploy/docs/{name}.md": 1 for name in docs}
+    docs = {"quick-start": 1, "on-your-robots": 2, "see-a-scenario": 1}
+    expected = {"README.md": 1} | {f"deploy/docs/{name}.md": count for name, count in docs.items()}
     run_elsewhere = {"CONTRIBUTING.md"} | others
     assert {path: count for path, count in programs.items() if path not in run_elsewhere} == expected
     assert {command.words[1] for command in LOCAL} >= {"check", "rank", "fleet", "replay"}
@@ -91,6 +91,21 @@ def test_the_robots_program_looks_grasps_and_reports(process: str) -> None:
         outcome = OutcomeRequest.model_validate(list(client.history(session))[-1].request)
     assert kinds == ["prior", *["scan"] * len(stands), "outcome"]
     assert (len(stands) > 0, [outcome.grasp], outcome.success) == (True, tried, True)
+
+
+def test_the_arms_program_moves_to_the_geometry_of_a_grasp(process: str) -> None:
+    move_to: Callable[..., None] = run(page("on-your-robots").program("def move_to"), process)["move_to"]
+    moves: list[tuple[tuple[float, ...], ...]] = []
+    with Client(process) as client:
+        scenario = load_scenario(client, MUG)
+        session = client.create_session(SessionRequest(scenario=scenario.id)).id
+        move_to(ArmClient(client, session), "OI90", lambda *move: moves.append(tuple(map(tuple, move))))
+        geometry = ArmClient(client, session).geometry("OI90")
+    assert geometry is not None
+    before, there = moves
+    assert there == (geometry.tool_centre_point, geometry.approach, geometry.closing)
+    distance = [b - a for b, a in zip(there[0], before[0], strict=True)]
+    assert distance == pytest.approx([0.1 * part for part in geometry.approach])
 
 
 @pytest.mark.parametrize("command", LOCAL, ids=lambda command: command.line[:60])

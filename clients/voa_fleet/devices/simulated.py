@@ -196,6 +196,9 @@ class SimulatedArm:
     def attempt(self, grasp: str) -> GraspOutcome:
         """Move to the grasp, close, lift; where that failed, open the fingers and return home.
 
+        Between home and the grasp the hand comes and goes straight over the place where its approach begins, so that it
+        sweeps no object off its place.
+
         Raises:
             UnknownName: there is no such grasp.
             UnstableSimulation: the simulation became unstable.
@@ -207,11 +210,13 @@ class SimulatedArm:
         before = np.array(world.object_pose(data).position[:2])
         opened = world.object.physics.gripper.opening_m / 2.0
         data.ctrl[world.grip] = opened
-        self._go(plan.approach[0])
+        self._go(plan.descent[0])
+        self._follow(plan.descent)
         attempt = perform(world, data, plan, lambda _data: self.scene.moved(CONTROL_S))
         if not attempt.success:
             data.ctrl[world.grip] = opened
             self._go(plan.approach[0])
+            self._follow(plan.descent[::-1])
             self._go(np.array(HOME))
         after = np.array(world.object_pose(data).position[:2])
         return GraspOutcome(grasp, attempt.success, attempt.result, float(np.linalg.norm(after - before)))
@@ -224,7 +229,11 @@ class SimulatedArm:
 
     def _go(self, joints: Floats) -> None:
         world, data = self.scene.world, self.scene.data
-        for row in commands(joint_move(data.qpos[world.joints].copy(), joints, ARM_RAD_S)):
+        self._follow(joint_move(data.qpos[world.joints].copy(), joints, ARM_RAD_S))
+
+    def _follow(self, joints: Floats) -> None:
+        world, data = self.scene.world, self.scene.data
+        for row in commands(joints):
             data.ctrl[world.servos] = row
             world.step(data, CONTROL_STEPS)
             self.scene.moved(CONTROL_S)

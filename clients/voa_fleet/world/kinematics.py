@@ -17,6 +17,8 @@ CONTROL_STEPS = 5
 CONTROL_S = CONTROL_STEPS * STEP_S
 APPROACH_M, APPROACH_S = 0.10, 0.45
 LIFT_M, LIFT_S = 0.15, 0.70
+CLEAR_M, DESCENT_M_S = 0.40, 0.30
+"""Height of the tool over the table at which the arm moves from grasp to grasp, and its mean speed on the way down."""
 STOP_M = 0.004
 """Position error of the tool at which the controller stops, as a UR's does when the arm meets resistance.
 
@@ -29,6 +31,8 @@ _ITERATIONS = 60
 _ITERATIONS_NEARBY = 8
 _JUMP_RAD = 0.3
 """Largest change of a joint between two commands; a larger one would mean that the arm turns over on the way."""
+_RISE_M = 0.01
+"""Step in which the height over the approach is searched that the arm can reach."""
 _ELBOW = "arm3_link"
 _LAG_S = np.array([(link.kv + DAMPING) / link.kp for link in LINKS])
 
@@ -38,10 +42,12 @@ class GraspPlan:
     """Joint angles of a grasp, one row per command.
 
     Attributes:
+        descent: (j, 6), from high over the table straight down to 10 cm before the grasp, the hand turned as for it.
         approach: (k, 6), from 10 cm before the grasp to the grasp.
         lift: (l, 6), from the grasp to 15 cm above it.
     """
 
+    descent: Floats
     approach: Floats
     lift: Floats
 
@@ -56,7 +62,7 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
     tip, approach = np.array(grasp.tool_centre_point), np.array(grasp.approach)
     forward = approach / np.linalg.norm(approach)
     up = np.array([0.0, 0.0, 1.0])
-    best: tuple[float, GraspPlan] | None = None
+    best: tuple[float, Floats, Floats] | None = None
     for side in (1.0, -1.0):
         rotation = tool_rotation(approach, side * np.array(grasp.closing))
         for start in _starts(world, tip):
@@ -70,8 +76,28 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
             way_up = [tip + LIFT_M * share * up for share in _smooth(LIFT_S)]
             joints = _follow(world, data, [*way_in, *way_up], rotation, before)
             if joints is not None:
-                best = height, GraspPlan(joints[: len(way_in)], joints[len(way_in) :])
-    return None if best is None else best[1]
+                best = height, joints, rotation
+    if best is None:
+        return None
+    _, joints, rotation = best
+    count = len(_smooth(APPROACH_S))
+    descent = _descent(world, data, tip - APPROACH_M * forward, rotation, joints[0])
+    return GraspPlan(descent, joints[:count], joints[count:])
+
+
+def _descent(world: World, data: mujoco.MjData, place: Floats, rotation: Floats, below: Floats) -> Floats:
+    """Joint angles (j, 6) straight down to `below` (6,), at `place` (3,), from as high as the arm reaches there."""
+    up = np.array([0.0, 0.0, 1.0])
+    heights = np.arange(_RISE_M, CLEAR_M - float(place[2]), _RISE_M)
+    height, joints = 0.0, below
+    for candidate in heights:
+        solution = _solve(world, data, place + candidate * up, rotation, joints, _ITERATIONS_NEARBY)
+        if solution is None or np.abs(solution - joints).max() > _JUMP_RAD:
+            break
+        height, joints = float(candidate), solution
+    way = [place + height * share * up for share in _smooth(height / DESCENT_M_S)]
+    rows = _follow(world, data, way, rotation, below)
+    return below[None] if rows is None else np.concatenate([below[None], rows])[::-1]
 
 
 def commands(joints: Floats) -> Iterator[Floats]:

@@ -2,10 +2,12 @@
 
 import json
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from voa_fleet.devices.protocol import Arm, SensorRobot
 from voa_fleet.devices.simulated import DRIVE_M_S, Scene, SimulatedArm, SimulatedSensorRobot, make_scene
@@ -13,10 +15,14 @@ from voa_fleet.errors import UnknownName
 from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.imperfections import Imperfections, room
 from voa_fleet.world.lidar import lidar_geometry, true_ranges
-from voa_fleet.world.object_poses import scenario_pose
-from voa_fleet.world.objects import FleetObject
+from voa_fleet.world.meshes import Mesh
+from voa_fleet.world.object_poses import ObjectPose, scenario_pose
+from voa_fleet.world.objects import FleetObject, GripperSetting
+from voa_fleet.world.shapes import Box
 from voa_fleet.world.ur5e import HOME
 from voa_msgs.geometry import PoseUncertainty
+from voa_msgs.grasp_geometry import GraspGeometry
+from voa_msgs.scenarios import Grasp
 
 ROOM = Imperfections(clutter=room(2.0))
 
@@ -108,6 +114,33 @@ def test_the_arm_grasps_what_it_can_and_goes_home_if_it_fails(mug: FleetObject, 
     done = arm.attempt("OI90")
     assert (done.grasp, done.success, done.detail) == ("OI90", True, "lifted")
     assert scene.world.object_pose(scene.data).position[2] > 0.1
+
+
+def tall_box(like: FleetObject) -> FleetObject:
+    """A box of 5 by 5 by 20 cm upright at the origin, with grasps from the side, from all around."""
+    box = Box(kind="box", centre=(0.0, 0.0, 0.1), size=(0.05, 0.05, 0.2))
+    gripper = GripperSetting(opening_m=0.085, force_n=40.0)
+    physics = like.physics.model_copy(update={"solids": [box], "gripper": gripper})
+    shape = trimesh.creation.box(bounds=[[-0.025, -0.025, 0.0], [0.025, 0.025, 0.2]])
+    mesh = Mesh(np.array(shape.vertices), np.array(shape.faces, dtype=np.int32))
+    grasps = {
+        f"from {yaw}": GraspGeometry(
+            tool_centre_point=(0.0, 0.0, 0.08),
+            approach=(-math.cos(math.radians(yaw)), -math.sin(math.radians(yaw)), 0.0),
+            closing=(-math.sin(math.radians(yaw)), math.cos(math.radians(yaw)), 0.0),
+        )
+        for yaw in (90, 180, 270)
+    }
+    scenario = like.scenario.model_copy(update={"grasps": [Grasp(name=name) for name in grasps]})
+    return replace(like, physics=physics, mesh=mesh, scenario=scenario, geometries=grasps)
+
+
+@pytest.mark.parametrize("grasp", ["from 90", "from 180", "from 270"])
+def test_the_arm_sweeps_no_object_off_its_place(mug: FleetObject, clock: VirtualClock, grasp: str) -> None:
+    scene = make_scene(tall_box(mug), clock, 0, Imperfections())
+    scene.put(ObjectPose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
+    outcome = SimulatedArm(scene).attempt(grasp)
+    assert (outcome.success, outcome.detail) == (True, "lifted")
 
 
 def test_a_failed_attempt_says_how_far_the_object_moved(targets: dict[str, FleetObject], clock: VirtualClock) -> None:

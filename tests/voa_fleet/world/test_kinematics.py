@@ -44,6 +44,20 @@ def test_the_tool_comes_straight_and_goes_straight_up(
     np.testing.assert_allclose(lifted[-1], tip + np.array([0.0, 0.0, LIFT_M]), rtol=0.0, atol=2e-4)
 
 
+@pytest.mark.parametrize("grasp", ["TD0", "TD90", "OI90", "TDH0"])
+def test_the_tool_descends_straight_to_where_its_approach_begins(
+    mug_world: World, mug_plans: dict[str, GraspPlan], grasp: str
+) -> None:
+    plan = mug_plans[grasp]
+    places, rotations = tools(mug_world, plan.descent)
+    assert places[0, 2] > 0.35
+    assert (np.diff(places[:, 2]) < 2e-4).all()
+    assert np.abs(places[:, :2] - places[-1, :2]).max() < 2e-4
+    assert np.abs(rotations - rotations[-1]).max() < 3e-3
+    assert np.abs(np.diff(plan.descent, axis=0)).max() < 0.1
+    assert np.abs(plan.descent[-1] - plan.approach[0]).max() < 0.01
+
+
 @pytest.mark.parametrize("name", OBJECTS)
 def test_every_grasp_of_every_object_is_within_reach(targets: dict[str, FleetObject], name: str) -> None:
     world = build_world(targets[name])
