@@ -21,6 +21,7 @@ from voa_cli.evaluate.common import count, progress_bar
 from voa_cli.fleet_options import natural
 from voa_cli.paper import PICTURE, paper_picture
 from voa_client import Client, VoaClientError
+from voa_client.formatting import with_article
 from voa_client.local import local_service
 from voa_client.scenario_files import load_scenario
 from voa_fleet.episodes.bench import Bench, make_bench, spread_of
@@ -100,7 +101,7 @@ def show_episode(
 ) -> None:
     """Run the episode of the first drop, and report its events in the terminal."""
     name, poses, grasps = demo.target.name, len(scenario.poses), len(scenario.grasps)
-    console.rule(f"[bold]A {name} on the table, in one of {poses} poses[/bold]", align="left")
+    console.rule(f"[bold]{with_article(name)} on the table, in one of {poses} poses[/bold]", align="left")
     story = story_of(demo.target)
     if story:
         console.print(f"{story}\n", style="bold", highlight=False, markup=False)

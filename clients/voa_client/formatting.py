@@ -35,6 +35,11 @@ def signed_apart(value: float, limit: float) -> str:
     return signed(value)
 
 
+def with_article(noun: str) -> str:
+    """Write a noun behind its indefinite article, at the beginning of a sentence: "A mug", "An elbow"."""
+    return f"{'An' if noun[:1].lower() in tuple('aeiou') else 'A'} {noun}"
+
+
 def share(value: float, digits: int = 2) -> str:
     """Write a probability; "0" or "1" only if it is 0 or 1, else "< 0.01" or "> 0.99" if rounding would hide it."""
     if value < _NOTHING or value > 1.0 - _NOTHING:

@@ -139,7 +139,7 @@ def describe_height(chosen: HeightSight, best: HeightSight) -> str:
     if best.pairs > chosen.pairs + _MORE or len(best.unseen) < len(chosen.unseen):
         seen = f"all but {len(best.unseen)} poses" if best.unseen else "every pose"
         sentence += f"; with --height {best.height_m:g} it would distinguish {best.pairs:.0%}, and see {seen}"
-    return f"{sentence}."
+    return f"{sentence}. If your lidar is at another height over the object's table, state it with --height."
 
 
 def _candidates(mesh: SetupMesh, poses: Sequence[Pose]) -> list[float]:

@@ -19,6 +19,7 @@ from voa_client.formatting import (
     signed,
     signed_apart,
     unsigned,
+    with_article,
     with_error,
 )
 from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking
@@ -235,3 +236,7 @@ def test_absence_is_stated_where_it_is_considered() -> None:
     assert absence(None) is None
     assert absence(0.0) == "object at none of the poses: probability 0"
     assert absence(0.83) == "object at none of the poses: probability 0.830"
+
+
+def test_a_noun_gets_its_article() -> None:
+    assert [with_article(noun) for noun in ("mug", "elbow", "Iron", "")] == ["A mug", "An elbow", "An Iron", "A "]

@@ -105,4 +105,4 @@ def test_a_height_that_sees_nothing_is_refused_with_those_that_see(
     low = sights(mug_mesh, upright, prior, places, lidar, [0.095])[0]
     check_height(low, candidates)
     assert "; with --height 0.0" in describe_height(low, suggested(candidates))
-    assert "with --height" not in describe_height(suggested(candidates), suggested(candidates))
+    assert "; with --height" not in describe_height(suggested(candidates), suggested(candidates))

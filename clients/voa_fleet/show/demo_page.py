@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from voa_client.formatting import with_article
 from voa_fleet.episodes.comparison import Comparison, Tally
 from voa_fleet.episodes.episode import MOST_LOOKS, Episode
 from voa_fleet.episodes.events import Event, LookChosen
@@ -156,8 +157,8 @@ def _first_episode(demo: Demo, out: Path) -> Section:
         pictures.append(Picture(scene, caption))
     texts = [story_of(demo.target)] if story_of(demo.target) else []
     texts.append(
-        f"A {demo.target.name} lay in one of {len(demo.episode.before.poses)} poses, and the robots did not know in "
-        f"which. Drop 0 of seed {demo.seed}. {outcome_summary(demo, demo.episode)}"
+        f"{with_article(demo.target.name)} lay in one of {len(demo.episode.before.poses)} poses, and the robots did "
+        f"not know in which. Drop 0 of seed {demo.seed}. {outcome_summary(demo, demo.episode)}"
     )
     missing: list[Block] = []
     if demo.no_frames is not None:

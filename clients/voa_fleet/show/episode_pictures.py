@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -27,6 +28,7 @@ _GREY = "#8a8a8a"
 _LOOKS = ((_BLUE, "o"), (_GREEN, "s"), (_PINK, "^"), (_ORANGE, "D"))
 _DPI = 120
 _MOST_ROWS = 32
+_TITLE_CHARACTERS = 36  # in a line above a panel
 _ROW_IN, _PANEL_IN = 0.17, 1.1
 """Height of a row, so that its label has room, and of what a panel has beside its rows; inches."""
 
@@ -54,9 +56,8 @@ def belief_by_look(file: Path, episode: Episode, rankings: Sequence[Ranking], tr
     for column, session in enumerate(sessions):
         _belief(panels[0][column], session, shown, truth)
         after = "before any look" if column == 0 else f"after look {column}, from {episode.looks[column - 1].sensor}"
-        panels[0][column].set_title(
-            f"{after}\nbest: {session.best_grasp or 'none'}, {share(session.expected_score)}", fontsize=9
-        )
+        best = f"best: {session.best_grasp or 'none'}, {share(session.expected_score)}"
+        panels[0][column].set_title("\n".join([after, *wrap(best, _TITLE_CHARACTERS)]), fontsize=9)
         if column < len(rankings):
             taken = episode.looks[column].sensor if column < len(episode.looks) else None
             _worth(panels[1][column], rankings[column], ranked, taken, most)

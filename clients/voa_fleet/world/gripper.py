@@ -9,7 +9,6 @@ from voa_fleet.world.objects import GripperSetting
 
 PALM_M = 0.090
 """Distance from the flange to the fingers' roots."""
-PALM_WIDTH_M = 0.028
 TOOL = "tool"
 """The site in the middle between the fingertips; its z points out of the hand, its x along the closing direction."""
 FINGERS = ("finger_right", "finger_left")
@@ -22,7 +21,7 @@ _TOUCH = HAND_TABLE | HAND_OBJECT
 def add_gripper(spec: mujoco.MjSpec, flange: Any, setting: GripperSetting) -> None:
     """Mount a gripper, opened and limited in force as `setting` says, on the arm's flange."""
     reach = setting.opening_m / 2.0
-    palm = [reach + setting.finger_thickness_m + 0.004, PALM_WIDTH_M / 2.0, PALM_M / 2.0]
+    palm = [reach + setting.finger_thickness_m + 0.004, setting.palm_width_m / 2.0, PALM_M / 2.0]
     flange.add_geom(
         name="palm",
         type=mujoco.mjtGeom.mjGEOM_BOX,

@@ -46,6 +46,9 @@ class GripperSetting(Part):
     """Thickness of a finger along the direction in which it closes."""
     finger_width_m: Length = 0.020
     """Width of a finger across the directions in which it closes and in which it points."""
+    palm_width_m: Length = 0.028
+    """Width of the hand behind the fingers, in the direction of `finger_width_m`: what must fit between it and the
+    table where the hand comes from the side."""
 
 
 class TipGeometry(Part):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_fleet.world.frames import Floats
-from voa_fleet.world.gripper import PALM_M, PALM_WIDTH_M
+from voa_fleet.world.gripper import PALM_M
 from voa_fleet.world.kinematics import APPROACH_M
 from voa_fleet.world.objects import GripperSetting
 from voa_setup.grasps.hands import Hands, palm_half_m
@@ -96,7 +96,7 @@ def _close(surface: Surface, hands: Hands, gripper: GripperSetting, friction: fl
     aside, across = np.abs(near.x), np.abs(near.y)
     outer = reach + gripper.finger_thickness_m
     in_finger = (across <= width) & (aside >= reach - clearance_m) & (aside <= outer)
-    in_palm = (across <= PALM_WIDTH_M / 2.0) & (near.z <= -length)
+    in_palm = (across <= gripper.palm_width_m / 2.0) & (near.z <= -length)
     free = np.ones(count, dtype=bool)
     free[near.hand[in_finger | in_palm]] = False
     between = near.where((across <= width) & (aside < reach) & (near.z >= -length) & free[near.hand])
@@ -115,7 +115,7 @@ def _close(surface: Surface, hands: Hands, gripper: GripperSetting, friction: fl
 
 def _near(surface: Surface, hands: Hands, gripper: GripperSetting) -> _Entries:
     """Points in the room that hands pass through, from the tips back to where the approach starts."""
-    half = np.array([palm_half_m(gripper), max(gripper.finger_width_m, PALM_WIDTH_M) / 2.0], dtype=np.float32)
+    half = np.array([palm_half_m(gripper), max(gripper.finger_width_m, gripper.palm_width_m) / 2.0], dtype=np.float32)
     back = np.float32(gripper.finger_length_m + PALM_M + APPROACH_M)
     axes = hands.rotations.transpose(0, 2, 1).astype(np.float32)
     offsets = np.einsum("hij,hj->hi", hands.rotations.transpose(0, 2, 1), hands.tips).astype(np.float32)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_fleet.world.frames import Floats, matrix_of, tool_rotation
-from voa_fleet.world.gripper import PALM_M, PALM_WIDTH_M
+from voa_fleet.world.gripper import PALM_M
 from voa_fleet.world.objects import GripperSetting
 from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.scenarios import Pose
@@ -91,7 +91,7 @@ def heights(hands: Hands, gripper: GripperSetting) -> Floats:
     reach = gripper.opening_m / 2.0 + gripper.finger_thickness_m
     boxes = (
         (reach, gripper.finger_width_m / 2.0, -gripper.finger_length_m, 0.0),
-        (palm_half_m(gripper), PALM_WIDTH_M / 2.0, -gripper.finger_length_m - PALM_M, -gripper.finger_length_m),
+        (palm_half_m(gripper), gripper.palm_width_m / 2.0, -gripper.finger_length_m - PALM_M, -gripper.finger_length_m),
     )
     down = hands.rotations[:, 2, :]
     lows = [
