@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from voa_core.checks import Floats
@@ -76,10 +78,7 @@ def read_mesh(file: Path, *, scale: float | None = None, up: UpAxis | None = Non
         UnlikelySize: no scale is stated, and the largest extent in metres is not between 1 and 60 cm.
         UnusableMesh: the file cannot be read, has too many faces, or its mesh is flat.
     """
-    kind = file.suffix.lower().lstrip(".")
-    vertices, faces = _parsed(file, kind)
-    if up == "+Y" or (up is None and kind == "glb"):
-        vertices = vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+    vertices, faces = read_triangles(file, up)
     extent = float(np.ptp(vertices[np.unique(faces)], axis=0).max())
     if scale is None and not SMALLEST_M <= extent <= LARGEST_M:
         raise _unlikely_size(file, extent)
@@ -92,6 +91,12 @@ def read_mesh(file: Path, *, scale: float | None = None, up: UpAxis | None = Non
     object_ = Object.from_arrays(np.round(object_.vertices - centre, _DIGITS), object_.faces)
     outward = outward_faces(object_)
     mesh = Mesh(object_.vertices, object_.faces if outward is None else outward)
+    bodies = 1 if outward is None else _bodies(mesh)
+    if bodies > 1:
+        notes.append(
+            f"The mesh consists of {bodies} separate bodies, which are taken for one rigid object: leave out of the "
+            "file what is no part of the object, such as a base plate or a second copy."
+        )
     return SetupMesh(file.stem, mesh, metres, outward is not None, tuple(notes))
 
 
@@ -103,10 +108,22 @@ def write_mesh(mesh: Mesh, file: Path) -> None:
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _parsed(file: Path, kind: str) -> tuple[Floats, np.ndarray]:
-    """Vertices (v, 3) in the unit and axes of the file, and faces (f, 3); raises UnusableMesh."""
+def read_triangles(file: Path, up: UpAxis | None = None) -> tuple[Floats, np.ndarray]:
+    """Read the triangles of a mesh file.
+
+    Args:
+        file: STL, OBJ, PLY, GLB or OFF.
+        up: axis of the file that points up; None: +Y for GLB, as its standard says, else +Z.
+
+    Returns:
+        Vertices (v, 3) in the unit of the file, z up, and faces (f, 3).
+
+    Raises:
+        UnusableMesh: the file cannot be read, has no faces or too many, or a coordinate is not finite.
+    """
     import trimesh  # noqa: PLC0415 - slow to import
 
+    kind = file.suffix.lower().lstrip(".")
     if kind not in ENDINGS:
         raise UnusableMesh(f"{file}: expected a mesh file that ends with {', '.join(ENDINGS)}, got {file.suffix!r}")
     if not file.is_file():
@@ -126,6 +143,8 @@ def _parsed(file: Path, kind: str) -> tuple[Floats, np.ndarray]:
         )
     if not np.isfinite(vertices).all():
         raise UnusableMesh(f"{file} has coordinates that are not finite numbers: export it again")
+    if up == "+Y" or (up is None and kind == "glb"):
+        vertices = vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
     return vertices, faces
 
 
@@ -187,6 +206,19 @@ def _centroid(corners: Floats) -> Floats:
     volumes = np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     centroid: Floats = volumes @ corners.sum(axis=1) / (4.0 * volumes.sum())
     return centroid
+
+
+def _bodies(mesh: Mesh) -> int:
+    """Number of closed bodies of which no face shares an edge with another; cavities do not count."""
+    count = len(mesh.vertices)
+    sides = mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
+    _, body_of = connected_components(coo_array((np.ones(sides.shape[1]), tuple(sides)), shape=(count, count)), False)
+    corners = mesh.vertices[mesh.faces]
+    volumes = np.bincount(
+        body_of[mesh.faces[:, 0]],
+        weights=np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])),
+    )
+    return int((volumes > 0.0).sum())
 
 
 def _open_edges(object_: Object) -> int:

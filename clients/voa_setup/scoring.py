@@ -8,16 +8,14 @@ from typing import Protocol
 
 from voa_fleet.world.meshes import Mesh
 from voa_fleet.world.objects import read_object
-from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.scenarios import GivenScores, MeasuredScores, Pose, ScenarioRequest, Scores
 from voa_setup.choices import GEOMETRIC, SIMULATED, Choices
+from voa_setup.grasps.proposals import ProposedGrasp
 from voa_setup.grasps.scoring import geometric_scores
 from voa_setup.scores.simulation import simulated_scores
 from voa_setup.scores.table import read_scores, write_empty_scores, write_scores
-from voa_setup.writing import write_scenario
+from voa_setup.writing import PARTIAL, write_scenario
 
-PARTIAL = "scores.partial"
-"""File of the finished cells of a table of scores under way, from which a later run resumes."""
 TABLE = "scores.csv"
 """File with the successes and attempts of each grasp at each pose."""
 _DIGITS = 4
@@ -33,10 +31,17 @@ class Stages(Protocol):
         """Show how many parts of the current step are finished."""
 
 
-def first_scores(choices: Choices, mesh: Mesh, poses: Sequence[Pose], grasps: Sequence[GraspGeometry]) -> GivenScores:
-    """Guess the scores from the shapes alone, (grasps, poses)."""
+def first_scores(choices: Choices, mesh: Mesh, poses: Sequence[Pose], grasps: Sequence[ProposedGrasp]) -> Scores:
+    """Read the scores from the table of a lab, or guess them from the shapes alone, (grasps, poses).
+
+    Raises:
+        InvalidScores: the table cannot be read, or does not fit the grasps and poses.
+    """
+    if choices.scores not in (SIMULATED, GEOMETRIC):
+        return read_scores(Path(choices.scores), [grasp.name for grasp in grasps], [pose.name for pose in poses])
+    geometries = [grasp.geometry for grasp in grasps]
     scores = geometric_scores(
-        mesh, poses, grasps, choices.gripper, xy_m=choices.xy_m, yaw_rad=choices.yaw_rad, seed=choices.seed
+        mesh, poses, geometries, choices.gripper, xy_m=choices.xy_m, yaw_rad=choices.yaw_rad, seed=choices.seed
     )
     return GivenScores(probabilities=[[round(score, _DIGITS) for score in row] for row in scores])
 
@@ -71,7 +76,7 @@ def final_scores(choices: Choices, draft: ScenarioRequest, folder: Path, stages:
         stages: receives the progress of simulated attempts.
 
     Raises:
-        FleetError: the table of a lab does not fit the grasps and poses, or the simulation refuses the object.
+        FleetError: the simulation refuses the object.
     """
     poses, grasps = [pose.name for pose in draft.poses], [grasp.name for grasp in draft.grasps]
     table = folder / TABLE
@@ -84,11 +89,9 @@ def final_scores(choices: Choices, draft: ScenarioRequest, folder: Path, stages:
         )
     if choices.scores != SIMULATED:
         source = Path(choices.scores)
-        measured = read_scores(source, grasps, poses)
         if source.resolve() != table.resolve():
             shutil.copyfile(source, table)
-        return measured, f"The grasp scores are those of {choices.scores}."
-    (folder / PARTIAL).touch()  # marks the draft as one that the same command may write over
+        return draft.scores, f"The grasp scores are those of {choices.scores}."
     write_scenario(draft, folder)
     successes = simulated_scores(
         read_object(folder),

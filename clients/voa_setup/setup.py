@@ -7,12 +7,14 @@ scenario that the service, the fleet and the evaluations can use, and a page tha
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from voa_client import Client
 from voa_client.scenario_files import load_with_warnings
 from voa_fleet.world.objects import Physics
 from voa_msgs.geometry import SensorConfiguration, Spread
 from voa_msgs.lidars import Lidar, LidarPreset
+from voa_msgs.objects import StablePose
 from voa_msgs.rankings import Ranking, RankingRequest
 from voa_msgs.scenarios import ScenarioRequest, Workspace
 from voa_msgs.warnings import ProbableMistake
@@ -26,8 +28,16 @@ from voa_setup.look.page import write_look
 from voa_setup.mesh import SetupMesh, read_mesh, write_mesh
 from voa_setup.places import check_places, fitting_radius, footprints, ring
 from voa_setup.poses import PoseSet, make_poses
-from voa_setup.scoring import PARTIAL, Stages, final_scores, first_scores, without_failures
-from voa_setup.writing import grasps_of, prepared_folder, workspace_around, write_physics, write_scenario
+from voa_setup.scoring import Stages, final_scores, first_scores, without_failures
+from voa_setup.writing import (
+    begun_folder,
+    check_folder,
+    finish_folder,
+    grasps_of,
+    workspace_around,
+    write_physics,
+    write_scenario,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +64,12 @@ class NewScenario:
 def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages) -> NewScenario:
     """Make a scenario from a mesh, and write it into a folder with all that the fleet needs.
 
+    After an interruption the same choices may be used again: finished attempts are kept in the folder.
+
     Args:
         client: of a service, which proposes the rests, checks the scenario and ranks the places.
         choices: of the person.
-        folder: for the files; it is made if necessary.
+        folder: for the files; it is made if necessary, and nothing is written before every choice has proved usable.
         stages: receives the name of each step, and the progress of the simulated attempts.
 
     Raises:
@@ -68,12 +80,10 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
     """
     stages.begin("reading the mesh")
     mesh = read_mesh(choices.mesh, scale=choices.scale, up=choices.up)
-    prepared_folder(folder, choices.mesh, force=choices.force, resumable=PARTIAL)
-    mesh_file = folder / f"{mesh.name}.obj"
-    write_mesh(mesh.mesh, mesh_file)
+    check_folder(folder, choices.mesh, force=choices.force)
 
     stages.begin("finding its rests")
-    stable = client.stable_poses(client.create_object(mesh_file).id).items
+    stable = _stable_poses(client, mesh)
     poses = make_poses(
         mesh,
         stable,
@@ -101,6 +111,8 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
 
     stages.begin("dividing the mesh into convex pieces for the simulation")
     pieces = convex_pieces(mesh.mesh)
+    begun_folder(folder)  # from here on files are written: all choices have proved usable
+    write_mesh(mesh.mesh, folder / f"{mesh.name}.obj")
     write_hulls(folder / HULLS, pieces)
     write_physics(_physics(choices, poses), folder)
 
@@ -133,7 +145,16 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
         notes,
         gripper=choices.gripper,
     )
+    finish_folder(folder)
     return NewScenario(folder, scenario, ranking, warnings, notes, page)
+
+
+def _stable_poses(client: Client, mesh: SetupMesh) -> list[StablePose]:
+    """Stable poses of the mesh, as the service computes them."""
+    with TemporaryDirectory(prefix="voa-new-") as temporary:
+        file = Path(temporary) / f"{mesh.name}.obj"
+        write_mesh(mesh.mesh, file)
+        return list(client.stable_poses(client.create_object(file).id).items)
 
 
 def _preset(client: Client, name: str) -> LidarPreset:
@@ -181,14 +202,14 @@ def _draft(
     height_m: float,
     grasps: Sequence[ProposedGrasp],
 ) -> ScenarioRequest:
-    """The scenario with its first scores, by geometry."""
+    """The scenario with its first scores: a lab's, or those by geometry."""
     is_exact = choices.xy_m == 0.0 and choices.yaw_rad == 0.0
     return ScenarioRequest(
         name=mesh.name,
         object=f"{mesh.name}.obj",
         poses=poses.poses,
         grasps=grasps_of((grasp.name, grasp.geometry) for grasp in grasps),
-        scores=first_scores(choices, mesh.mesh, poses.poses, [grasp.geometry for grasp in grasps]),
+        scores=first_scores(choices, mesh.mesh, poses.poses, grasps),
         sensors=list(places),
         lidar=Lidar(preset=choices.lidar, height_m=height_m),
         workspace=Workspace.model_validate(workspace_around(footprints(mesh, poses.poses), choices.xy_m)),

@@ -1,6 +1,7 @@
 """Files of a scenario in its folder, written so that a person can read and change them."""
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -13,32 +14,54 @@ from voa_msgs.scenarios import Grasp, ScenarioRequest
 from voa_setup.errors import UnusableFolder
 
 SCENARIO, PHYSICS = "scenario.json", "physics.json"
+PARTIAL = "scores.partial"
+"""File that marks a scenario as unfinished; it has the finished cells of the table of scores, from which a later run
+resumes."""
 _MARGIN_M = 0.02
 _MARGIN_SIGMAS = 3.0
 _STEP_M = 0.01
 _SHORT = 3  # values of a list that is no row of a table, such as a direction
 
 
-def prepared_folder(folder: Path, mesh: Path, *, force: bool, resumable: str) -> None:
-    """Make a folder for the files of a scenario.
+def check_folder(folder: Path, mesh: Path, *, force: bool) -> None:
+    """Check that the files of a scenario can be written into a folder, and write nothing yet.
 
     Args:
-        folder: to make; it may exist.
-        mesh: name of the mesh file to be written into it, and the file that was read.
+        folder: for the files; it may exist.
+        mesh: the file that was read; a file of its name that ends with .obj is to be written.
         force: True to write over a scenario that is there.
-        resumable: name of a file in the folder that marks scores under way, which may be written over.
 
     Raises:
-        UnusableFolder: the folder has a scenario already, cannot be made, or the mesh itself would be written over.
+        UnusableFolder: the folder has a finished scenario, is no folder, cannot be written into, or the mesh itself
+            would be written over.
     """
     if (folder / f"{mesh.stem}.obj").resolve() == mesh.resolve():
         raise UnusableFolder(f"{mesh} would be written over: choose another folder by -o")
-    if (folder / SCENARIO).exists() and not force and not (folder / resumable).exists():
+    nearest = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(parent))
+    if not nearest.is_dir():
+        raise UnusableFolder(f"{nearest} is a file, where a folder is expected: choose another folder by -o")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise UnusableFolder(f"{nearest} cannot be written into: choose another folder by -o")
+    if (folder / SCENARIO).exists() and not force and not (folder / PARTIAL).exists():
         raise UnusableFolder(f"{folder} has a scenario: choose another folder by -o, or add --force to write over it")
+
+
+def begun_folder(folder: Path) -> None:
+    """Make a folder, and mark its files as unfinished until `finish_folder`, so that a later run may write over them.
+
+    Raises:
+        UnusableFolder: the folder or a file in it cannot be made.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        (folder / PARTIAL).touch()
     except OSError as error:
-        raise UnusableFolder(f"{folder} cannot be made: {error.strerror}") from error
+        raise UnusableFolder(f"{folder} cannot be written into: {error.strerror}; choose another by -o") from error
+
+
+def finish_folder(folder: Path) -> None:
+    """Mark the files of a folder as finished."""
+    (folder / PARTIAL).unlink(missing_ok=True)
 
 
 def workspace_around(footprints: Iterable[Floats], xy_m: float) -> dict[str, list[float]]:

@@ -14,6 +14,7 @@ from voa_cli.new.command import with_scale
 from voa_cli.new.options import choices_of, read_options
 from voa_setup.choices import Choices
 from voa_setup.setup import NewScenario, new_scenario
+from voa_setup.writing import begun_folder
 
 
 class Keyboard(io.StringIO):
@@ -64,8 +65,9 @@ def test_options_become_choices(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--gripper", "hand"], "expected one of 2fg7"),
+        (["--gripper", "hand"], "--gripper: expected one of 2fg7"),
         (["--places", "0"], "expected a number from 1 to 360, or a file"),
+        (["--places=-3"], "expected a number from 1 to 360, or a file"),
         (["--places", "none.csv"], "cannot be read as a list of places"),
         (["--places", "4", "--place", "E,0.5,0,180"], "not both"),
         (["--radius", "0.5", "--place", "E,0.5,0,180"], "leave it out where places are listed"),
@@ -92,6 +94,7 @@ def test_options_that_contradict_are_2(
         (["--scale", "0"], "above 0"),
         (["--least-probability", "2"], "from 0 to 1"),
         (["--grasps", "0"], "at least 1"),
+        (["--seed", "-1"], "whole number of at least 0"),
     ],
 )
 def test_values_that_cannot_be_read_are_refused(
@@ -113,6 +116,27 @@ def test_in_a_pipe_an_unlikely_size_is_refused_with_the_option(
     assert out == ""
     assert "state --scale 0.001 if it is in millimetres (10 cm)" in err
     assert not (tmp_path / "part").exists()
+
+
+def test_a_file_that_cannot_be_written_is_named(
+    mesh: Path, process: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "out" / "part.obj").mkdir(parents=True)
+    quick = ["--yaws", "1", "--grasps", "1", "--scores", "geometric", "--url", process]
+    assert main(["new", str(mesh), *quick, "-o", str(tmp_path / "out")]) == 1
+    assert f"voa new: {tmp_path}/out/part.obj cannot be written: Is a directory" in capsys.readouterr().err
+
+
+def test_an_interruption_says_that_the_command_resumes(
+    mesh: Path, process: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_client: object, _choices: Choices, folder: Path, _stages: object) -> NewScenario:
+        begun_folder(folder)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("voa_cli.new.command.new_scenario", interrupted)
+    assert main(["new", str(mesh), "--url", process, "-o", str(tmp_path / "out")]) == 130
+    assert "interrupted; the same command keeps the attempts that are finished" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("typed", "scale"), [("\n", 0.001), ("x\n-1\n0.002\n", 0.002)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.support.meshes import box, cylinder, moved, mug, written
+from tests.support.meshes import box, cylinder, joined, moved, mug, written
 from voa_fleet.world.meshes import read_obj
 from voa_setup.errors import UnlikelySize, UnusableMesh
 from voa_setup.mesh import MOST_FACES, read_mesh, write_mesh
@@ -51,6 +51,18 @@ def test_an_open_mesh_works_and_the_note_says_what_is_guessed(tmp_path: Path) ->
     assert not mesh.watertight
     assert "The mesh is not closed (32 of its edges" in mesh.notes[0]
     np.testing.assert_allclose(mesh.mesh.vertices[:, 2].min(), -0.05, atol=1e-6)  # of the hull, which has the lid
+
+
+def test_separate_bodies_are_noted_and_cavities_are_not(tmp_path: Path) -> None:
+    plate = box(0.3, 0.3, 0.01)
+    plate.apply_translation([0.0, 0.0, -0.1])
+    two = read_mesh(written(joined(box(0.1, 0.1, 0.1), plate), tmp_path / "two.stl"))
+    assert "consists of 2 separate bodies" in two.notes[0]
+    cavity = box(0.05, 0.05, 0.05)
+    cavity.invert()
+    hollow = joined(box(0.1, 0.1, 0.1), cavity)
+    assert read_mesh(written(hollow, tmp_path / "hollow.stl")).notes == ()
+    assert read_mesh(written(box(0.1, 0.1, 0.1), tmp_path / "one.stl")).notes == ()
 
 
 def test_a_mesh_of_faces_turned_inside_out_is_turned_right(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,10 @@ from voa_fleet.world.objects import read_object
 from voa_msgs.grasp_geometry import grasp_geometry
 from voa_msgs.scenarios import GivenScores, MeasuredScores
 from voa_setup.choices import GEOMETRIC, SIMULATED, Choices
-from voa_setup.errors import InvalidOption, UnusableFolder
+from voa_setup.errors import InvalidOption, SetupError, UnusableFolder
+from voa_setup.grasps.proposals import NoGrasp
+from voa_setup.grippers import gripper_named
+from voa_setup.scores.table import InvalidScores
 from voa_setup.scoring import without_failures
 from voa_setup.setup import NewScenario, new_scenario
 
@@ -112,6 +116,56 @@ def test_what_is_there_is_not_written_over(made: NewScenario, process: str, choi
         with pytest.raises(InvalidOption, match=r"no such lidar; there are: .*lds-02"):
             new_scenario(client, replace(choices, lidar="sonar", force=True), made.folder, Quiet())
     assert (made.folder / "scenario.json").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "unusable",
+    [
+        {"height_m": 5.0},
+        {"radius_m": 0.01},
+        {"lidar": "sonar"},
+        {"gripper": gripper_named("0.02")},
+        {"positions": ((5.0, 0.0),), "places": 1},
+        {"scores": Path("none.csv")},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_a_refusal_leaves_no_files(process: str, choices: Choices, tmp_path: Path, unusable: dict[str, Any]) -> None:
+    folder = tmp_path / "new"
+    with Client(process) as client, pytest.raises((SetupError, NoGrasp, InvalidScores)):
+        new_scenario(client, replace(choices, **unusable), folder, Quiet())
+    assert not folder.exists()
+
+
+def test_a_folder_that_cannot_be_used_is_refused_before_the_work(
+    process: str, choices: Choices, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("")
+    stages = Quiet()
+    with Client(process) as client:
+        for folder in (tmp_path / "file", tmp_path / "file" / "below"):
+            with pytest.raises(UnusableFolder, match="file is a file, where a folder is expected"):
+                new_scenario(client, choices, folder, stages)
+    assert set(stages.steps) == {"reading the mesh"}
+
+
+def test_an_interrupted_folder_is_written_over_without_force(
+    made: NewScenario, process: str, choices: Choices, tmp_path: Path
+) -> None:
+    class Interrupted(Quiet):
+        def begin(self, text: str) -> None:
+            if text == "checking the scenario and ranking its places":
+                raise KeyboardInterrupt
+
+    folder = tmp_path / "part"
+    with Client(process) as client:
+        with pytest.raises(KeyboardInterrupt):
+            new_scenario(client, choices, folder, Interrupted())
+        assert (folder / "scenario.json").exists()
+        new_scenario(client, choices, folder, Quiet())
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == {
+        file.name: file.read_bytes() for file in made.folder.iterdir()
+    }
 
 
 def test_grasps_that_succeed_at_no_pose_are_left_out_unless_all_fail(made: NewScenario) -> None:

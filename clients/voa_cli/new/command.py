@@ -26,6 +26,7 @@ from voa_setup.grasps.proposals import NoGrasp
 from voa_setup.grippers import UnknownGripper
 from voa_setup.mesh import read_mesh
 from voa_setup.setup import new_scenario
+from voa_setup.writing import PARTIAL
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -35,12 +36,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         choices = with_scale(choices_of(options))
         with service_at(options.url) as client, terminal() as stages:
             result = new_scenario(client, choices, options.out, stages)
-    except (InvalidOption, UnknownGripper) as error:
+    except InvalidOption as error:
         print(f"voa new: {error}", file=sys.stderr)
+        return 2
+    except UnknownGripper as error:
+        print(f"voa new: --gripper: {error}", file=sys.stderr)
         return 2
     except (SetupError, NoGrasp, FleetError, VoaClientError) as error:
         print(f"voa new: {error}", file=sys.stderr)
         return 1
+    except OSError as error:
+        print(f"voa new: {error.filename or options.out} cannot be written: {error.strerror or error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        if (options.out / PARTIAL).exists():
+            print(
+                "voa new: interrupted; the same command keeps the attempts that are finished, and resumes",
+                file=sys.stderr,
+            )
+        raise
     if options.json:
         print(report_of(result).model_dump_json(indent=1, exclude_none=True))
     else:

@@ -85,7 +85,8 @@ def print_result(result: NewScenario, scores: str) -> None:
     for note in result.notes:
         console.print(fill(f"- {note}", console.width, subsequent_indent="  "), soft_wrap=True)
     print_warnings(console, result.warnings)
-    counts = f"{len(scenario.poses)} poses, {len(scenario.grasps)} grasps, {len(scenario.sensors)} places"
+    numbers = {"pose": len(scenario.poses), "grasp": len(scenario.grasps), "place": len(scenario.sensors)}
+    counts = ", ".join(f"{number} {noun}{'' if number == 1 else 's'}" for noun, number in numbers.items())
     console.print(f"\n{result.folder}: {counts}", style="bold", soft_wrap=True)
     ranking = result.ranking
     best = ranking.best_grasp_before or "none"

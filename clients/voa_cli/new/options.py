@@ -14,6 +14,7 @@ from voa_setup.grippers import GRIPPERS, gripper_named
 from voa_setup.places import listed_places, read_places
 from voa_setup.poses import LEAST_PROBABILITY, even_yaws
 
+_COUNT = re.compile(r"[+-]?\d+")
 _NEGATIVE = re.compile(r"-[\d.]+,")
 
 
@@ -60,7 +61,7 @@ def choices_of(options: argparse.Namespace) -> Choices:
 
 def _places(options: argparse.Namespace) -> int | list[SensorConfiguration]:
     """Number of places on the ring, or the listed ones; raises InvalidOption."""
-    listed = options.place or (options.places is not None and not options.places.isdecimal())
+    listed = options.place or (options.places is not None and not _COUNT.fullmatch(options.places))
     if listed and options.radius is not None:
         raise InvalidOption("--radius is of the ring of places: leave it out where places are listed")
     if options.place:
@@ -107,6 +108,12 @@ def _share(text: str) -> float:
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a whole number of at least 1, got {text!r}")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected a whole number of at least 0, got {text!r}")
     return int(text)
 
 
@@ -219,7 +226,7 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
         "--place", action="append", metavar="NAME,X,Y,YAW_DEG", help="a place of the lidar itself; repeat for more"
     )
 
-    parser.add_argument("--seed", type=int, default=0, help="equal seeds give equal files (default 0)")
+    parser.add_argument("--seed", type=_seed, default=0, help="equal seeds give equal files (default 0)")
     parser.add_argument("--url", help="address of a running service (default: start one for the length of the command)")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     return parser

@@ -3,6 +3,7 @@
 A cell depends on object, pose, grasp, noise and seed alone: neither on the other cells nor on the number of processes.
 """
 
+import signal
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -101,7 +102,9 @@ def make_cells(
         for start in range(0, len(cells), size)
     ]
     # Spawned, because a fork of a process with threads may hang, and MuJoCo may have threads.
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+    # Ctrl-C reaches every process; the others end at once, without a traceback each.
+    ending = (signal.SIGINT, signal.SIG_DFL)
+    with ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, ending) as pool:
         waiting = [pool.submit(_made_elsewhere, batch) for batch in batches]
         try:
             for done in as_completed(waiting):

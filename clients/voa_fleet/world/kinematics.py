@@ -59,10 +59,36 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
     the highest elbow is returned. Equal worlds and grasps give equal plans.
     """
     data = mujoco.MjData(world.model)
+    best = None
+    for way in _ways(world, data, grasp):
+        best = way
+    if best is None:
+        return None
+    count = len(_smooth(APPROACH_S))
+    descent = _descent(world, data, best.begin, best.rotation, best.joints[0])
+    return GraspPlan(descent, best.joints[:count], best.joints[count:])
+
+
+def is_reachable(world: World, grasp: GraspGeometry) -> bool:
+    """True if the arm can move to a grasp and up from it; sooner known than its best plan."""
+    return next(_ways(world, mujoco.MjData(world.model), grasp), None) is not None
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """Way to a grasp and up from it: joint angles (k, 6), the tool's first place (3,), and its rotation (3, 3)."""
+
+    joints: Floats
+    begin: Floats
+    rotation: Floats
+
+
+def _ways(world: World, data: mujoco.MjData, grasp: GraspGeometry) -> Iterator[_Way]:
+    """Yield ways to a grasp and up from it, each with a higher elbow than the one before."""
     tip, approach = np.array(grasp.tool_centre_point), np.array(grasp.approach)
     forward = approach / np.linalg.norm(approach)
     up = np.array([0.0, 0.0, 1.0])
-    best: tuple[float, Floats, Floats] | None = None
+    highest = -math.inf
     for side in (1.0, -1.0):
         rotation = tool_rotation(approach, side * np.array(grasp.closing))
         for start in _starts(world, tip):
@@ -70,19 +96,14 @@ def plan_grasp(world: World, grasp: GraspGeometry) -> GraspPlan | None:
             if before is None:
                 continue
             height = float(data.body(_ELBOW).xpos[2])
-            if best is not None and height <= best[0] + 1e-3:
+            if height <= highest + 1e-3:
                 continue
             way_in = [tip - APPROACH_M * (1.0 - share) * forward for share in _smooth(APPROACH_S)]
             way_up = [tip + LIFT_M * share * up for share in _smooth(LIFT_S)]
             joints = _follow(world, data, [*way_in, *way_up], rotation, before)
             if joints is not None:
-                best = height, joints, rotation
-    if best is None:
-        return None
-    _, joints, rotation = best
-    count = len(_smooth(APPROACH_S))
-    descent = _descent(world, data, tip - APPROACH_M * forward, rotation, joints[0])
-    return GraspPlan(descent, joints[:count], joints[count:])
+                highest = height
+                yield _Way(joints, tip - APPROACH_M * forward, rotation)
 
 
 def _descent(world: World, data: mujoco.MjData, place: Floats, rotation: Floats, below: Floats) -> Floats:
@@ -150,16 +171,17 @@ def _solve(
     model = world.model
     joints = start.copy()
     jacobian = np.zeros((6, model.nv))
+    damping = _DAMPING**2 * np.eye(6)
     for _ in range(iterations + 1):
         data.qpos[world.joints] = joints
         mujoco.mj_kinematics(model, data)
         error = _error(world, data, place, rotation)
-        if np.linalg.norm(error[:3]) < _EXACT_M and np.linalg.norm(error[3:]) < _EXACT_RAD:
+        if _length(error[:3]) < _EXACT_M and _length(error[3:]) < _EXACT_RAD:
             return joints if np.abs(joints).max() < 2.0 * math.pi else None
         mujoco.mj_comPos(model, data)
         mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], world.tool)
         j = jacobian[:, world.speeds]
-        step = j.T @ np.linalg.solve(j @ j.T + _DAMPING**2 * np.eye(6), error)
+        step = j.T @ np.linalg.solve(j @ j.T + damping, error)
         joints = joints + np.clip(step, -_LONGEST_STEP_RAD, _LONGEST_STEP_RAD)
     return None
 
@@ -168,8 +190,13 @@ def _error(world: World, data: mujoco.MjData, place: Floats, rotation: Floats) -
     """Remaining error of the tool's pose, (6,): metres, then a rotation vector in radians."""
     apart = rotation @ data.site_xmat[world.tool].reshape(3, 3).T
     axis = np.array([apart[2, 1] - apart[1, 2], apart[0, 2] - apart[2, 0], apart[1, 0] - apart[0, 1]])
-    sine = float(np.linalg.norm(axis)) / 2.0
-    angle = math.atan2(sine, (float(np.trace(apart)) - 1.0) / 2.0)
+    sine = _length(axis) / 2.0
+    angle = math.atan2(sine, (float(apart[0, 0] + apart[1, 1] + apart[2, 2]) - 1.0) / 2.0)
     # At half a turn the axis is undefined; any axis leads away from there.
     turn = axis * (angle / (2.0 * sine)) if sine > 1e-9 else np.array([angle, 0.0, 0.0])
     return np.concatenate([place - data.site_xpos[world.tool], turn])
+
+
+def _length(vector: Floats) -> float:
+    """Length of a short vector; numpy's norm takes several times as long."""
+    return math.sqrt(float(vector @ vector))

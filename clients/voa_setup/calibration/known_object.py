@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from voa_assets import lidar_presets
 from voa_client import VoaClientError
@@ -17,8 +16,8 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.rasterising import rasterise
 from voa_setup.calibration.planar import Floats, inverse
-
-_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+from voa_setup.errors import UnusableMesh
+from voa_setup.mesh import read_triangles
 
 
 class InvalidCalibration(VoaClientError):
@@ -131,16 +130,9 @@ def read_scene(path: Path) -> Scene:
         grid = BeamGrid(lidar["beams"], lidar["angle_min"], lidar["angle_increment"])
         range_max, noise_m = float(lidar["range_max"]), float(lidar["noise_m"])
         poses = PoseSet.from_arrays([pose.name for pose in file.poses], places, turns)
-        object_ = _object(mesh, 1.0 if file.scale is None else file.scale, file.up)
+        object_ = Object.from_arrays(*read_triangles(mesh, file.up), 1.0 if file.scale is None else file.scale)
     except KeyError as error:
         raise InvalidCalibration(f"{path}: lidar: expected a preset that exists, or {error}") from error
-    except (VoaError, ValueError, OSError) as error:
+    except (VoaError, UnusableMesh, ValueError, OSError) as error:
         raise InvalidCalibration(f"{path}: {error}") from error
     return Scene(object_, poses, grid, range_max, file.lidar.height_m, noise_m)
-
-
-def _object(mesh: Path, scale: float, up: str | None) -> Object:
-    read = trimesh.load_mesh(mesh, process=False)
-    vertices = np.asarray(read.vertices, dtype=np.float64)
-    y_up = up == "+Y" or (up is None and mesh.suffix.lower() in (".glb", ".gltf"))
-    return Object.from_arrays(vertices @ _Y_UP.T if y_up else vertices, np.asarray(read.faces), scale)

@@ -60,19 +60,24 @@ def close_hands(
         friction: coefficient mu; the friction cones have a half angle of atan(mu).
         clearance_m: by how much the open fingers are taken to be closer to each other than they are.
     """
-    rows = max(1, _ENTRIES // len(surface.centres))
-    parts = [
-        _close(surface, hands[np.arange(start, min(start + rows, len(hands)))], gripper, friction, clearance_m)
-        for start in range(0, len(hands), rows)
+    closed = Closed(*(np.zeros(len(hands), kind) for kind in (bool, bool, float, float)))
+    # Most hands that meet the object meet a few of its points already, which takes far less time to find.
+    coarse = surface.coarse
+    passing = [
+        rows[_free(_near(coarse, hands[rows], gripper), gripper, clearance_m, len(rows))]
+        for rows in _batches(np.arange(len(hands)), coarse)
     ]
-    if not parts:
-        return Closed(np.zeros(0, bool), np.zeros(0, bool), np.zeros(0), np.zeros(0))
-    return Closed(
-        np.concatenate([part.free for part in parts]),
-        np.concatenate([part.holds for part in parts]),
-        np.concatenate([part.widths_m for part in parts]),
-        np.concatenate([part.middles_m for part in parts]),
-    )
+    for rows in _batches(np.concatenate(passing), surface) if passing else ():
+        part = _close(surface, hands[rows], gripper, friction, clearance_m)
+        closed.free[rows], closed.holds[rows] = part.free, part.holds
+        closed.widths_m[rows], closed.middles_m[rows] = part.widths_m, part.middles_m
+    return closed
+
+
+def _batches(hands: Indices, surface: Surface) -> list[Indices]:
+    """Divide hands so that a batch and the groups of a surface have at most `_ENTRIES` pairs."""
+    size = max(1, _ENTRIES // len(surface.centres))
+    return [hands[start : start + size] for start in range(0, len(hands), size)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +97,9 @@ class _Entries:
 def _close(surface: Surface, hands: Hands, gripper: GripperSetting, friction: float, clearance_m: float) -> Closed:
     count, reach = len(hands), gripper.opening_m / 2.0
     near = _near(surface, hands, gripper)
-    width, length = gripper.finger_width_m / 2.0, gripper.finger_length_m
-    aside, across = np.abs(near.x), np.abs(near.y)
-    outer = reach + gripper.finger_thickness_m
-    in_finger = (across <= width) & (aside >= reach - clearance_m) & (aside <= outer)
-    in_palm = (across <= gripper.palm_width_m / 2.0) & (near.z <= -length)
-    free = np.ones(count, dtype=bool)
-    free[near.hand[in_finger | in_palm]] = False
-    between = near.where((across <= width) & (aside < reach) & (near.z >= -length) & free[near.hand])
+    free = _free(near, gripper, clearance_m, count)
+    in_width, above_palm = np.abs(near.y) <= gripper.finger_width_m / 2.0, near.z >= -gripper.finger_length_m
+    between = near.where(in_width & (np.abs(near.x) < reach) & above_palm & free[near.hand])
     low, high = np.zeros(count), np.zeros(count)
     hand, starts = _runs(between.hand)
     if len(hand):
@@ -113,6 +113,17 @@ def _close(surface: Surface, hands: Hands, gripper: GripperSetting, friction: fl
     return Closed(free, holds, widths, (high + low) / 2.0)
 
 
+def _free(near: _Entries, gripper: GripperSetting, clearance_m: float, count: int) -> Bools:
+    """True for hands of which neither fingers nor palm meet a point, (count,)."""
+    reach, aside, across = gripper.opening_m / 2.0, np.abs(near.x), np.abs(near.y)
+    outer = reach + gripper.finger_thickness_m
+    in_finger = (across <= gripper.finger_width_m / 2.0) & (aside >= reach - clearance_m) & (aside <= outer)
+    in_palm = (across <= gripper.palm_width_m / 2.0) & (near.z <= -gripper.finger_length_m)
+    free = np.ones(count, dtype=bool)
+    free[near.hand[in_finger | in_palm]] = False
+    return free
+
+
 def _near(surface: Surface, hands: Hands, gripper: GripperSetting) -> _Entries:
     """Points in the room that hands pass through, from the tips back to where the approach starts."""
     half = np.array([palm_half_m(gripper), max(gripper.finger_width_m, gripper.palm_width_m) / 2.0], dtype=np.float32)
@@ -124,7 +135,8 @@ def _near(surface: Surface, hands: Hands, gripper: GripperSetting) -> _Entries:
     mask = (np.abs(centres[:, :2]) <= half[:, None] + radii).all(axis=1)
     mask &= (centres[:, 2] <= radii) & (centres[:, 2] >= -back - radii)
     hand, group = np.nonzero(mask)
-    x, y, z = (_along(surface.members[:, group], axes[hand, axis]) - offsets[hand, axis, None] for axis in range(3))
+    members = surface.members[:, group]
+    x, y, z = (_along(members, axes[hand, axis]) - offsets[hand, axis, None] for axis in range(3))
     inside = (np.abs(x) <= half[0]) & (np.abs(y) <= half[1]) & (z <= 0.0) & (z >= -back)
     pair, _ = np.nonzero(inside)
     return _Entries(hand[pair], surface.groups[group][inside], x[inside], y[inside], z[inside])

@@ -8,6 +8,7 @@ import numpy as np
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.meshes import Mesh
 from voa_fleet.world.objects import GripperSetting
+from voa_fleet.world.ur5e import BASE
 from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.scenarios import Pose
 from voa_setup.grasps.candidates import CLEARANCE_M, antipodal_pairs
@@ -25,6 +26,12 @@ _SPREAD = (0.005, 0.052)
 _POINTS, _MOVES = 3000, 16
 _CANDIDATES, _FEWEST_PER_POSE, _MOST_PER_POSE = 800, 4, 32
 """Candidates that are compared at all poses: the work grows with their number times that of the poses."""
+
+
+_OUT_OF_REACH = (
+    "the gripper could hold the object, but the simulated arm, whose base stands at x = {:g}, y = {:g} m, does not "
+    "reach it at any pose: choose --positions near 0,0"
+).format(*BASE)
 
 
 class NoGrasp(ValueError):
@@ -82,20 +89,23 @@ def propose_grasps(
     candidates = _candidates(trials, matrices, seed)
     if candidates is None:
         raise NoGrasp(_nothing_to_hold(gripper))
+    if not len(candidates.hands):
+        raise NoGrasp(_OUT_OF_REACH)
     preferences = merits(candidates.hands, matrices[:, :2, 3].mean(axis=0))
     ranked = Ranked(trials.shares(matrices, candidates.hands), preferences, candidates.features)
     centre = float(np.mean(matrices[:, 0, 3])), float(np.mean(matrices[:, 1, 3]))
     chosen = _reachable(ranked, candidates, np.asarray(prior, dtype=np.float64), count, Reach.of(gripper))
     if not chosen:
-        raise NoGrasp(_nothing_to_hold(gripper))
+        raise NoGrasp(_OUT_OF_REACH if ranked.scores.any() else _nothing_to_hold(gripper))
     return [ProposedGrasp(name, grasp) for name, grasp in zip(grasp_names(chosen, centre), chosen, strict=True)]
 
 
 def _nothing_to_hold(gripper: GripperSetting) -> str:
     widest = 1e3 * (gripper.opening_m - 2.0 * CLEARANCE_M)
     return (
-        f"the gripper holds the object at no pose: no part of it is at most {widest:.0f} mm wide, at least 1.5 mm "
-        "thick and within reach of the hand; try a wider gripper, or list grasps by hand"
+        f"the gripper can hold the object at no pose: it needs a part between two nearly parallel faces that is 1.5 to "
+        f"{widest:.0f} mm wide and that the fingers reach without meeting the table or the object; try a wider "
+        "gripper (--gripper) or longer fingers, or other rests (--least-probability 0)"
     )
 
 
@@ -122,17 +132,19 @@ class _Candidates:
 
 
 def _candidates(trials: Trials, poses: Floats, seed: int) -> _Candidates | None:
-    """Good hands of each way to rest, at every pose that rests so; None where there are none."""
+    """Good hands of each way to rest, at every pose that rests so and is within reach; None if no rest has any."""
     rng = np.random.default_rng(seed)
     widest = trials.gripper.opening_m - 2.0 * CLEARANCE_M
     pairs = antipodal_pairs(trials.surface, widest, trials.friction, rng)
     most = max(_FEWEST_PER_POSE, min(_MOST_PER_POSE, _CANDIDATES // len(poses)))
+    any_hand = False
     hands: list[Hands] = []
     widths: list[Floats] = []
     features: list[Floats] = []
     for members in _rests(poses):
         first = poses[members[0]]
         good = resting_hands(trials, first, pairs, rng, most)
+        any_hand |= len(good) > 0
         width, feature = trials.widths(first, good), trials.features(first, good)
         for pose in poses[members]:
             moved = good.moved(pose @ inverse(first))
@@ -140,8 +152,7 @@ def _candidates(trials: Trials, poses: Floats, seed: int) -> _Candidates | None:
             hands.append(moved[near])
             widths.append(width[near])
             features.append(feature[near])
-    everything = joined(hands)
-    return _Candidates(everything, np.concatenate(widths), np.concatenate(features)) if len(everything) else None
+    return _Candidates(joined(hands), np.concatenate(widths), np.concatenate(features)) if any_hand else None
 
 
 def _rests(poses: Floats) -> list[list[int]]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_fleet.world.gripper import PALM_M
-from voa_fleet.world.kinematics import APPROACH_M, plan_grasp
+from voa_fleet.world.kinematics import APPROACH_M, is_reachable
 from voa_fleet.world.objects import GripperSetting, named_object
 from voa_fleet.world.scene import World, build_world
 from voa_fleet.world.ur5e import BASE, LINKS
@@ -47,4 +47,4 @@ class Reach:
 
     def includes(self, grasp: GraspGeometry) -> bool:
         """True if the arm has joint angles for the whole approach and the lift."""
-        return plan_grasp(self.world, grasp) is not None
+        return is_reachable(self.world, grasp)

@@ -8,7 +8,7 @@ from scipy.special import ndtri
 from voa_fleet.world.frames import Floats
 from voa_fleet.world.objects import GripperSetting
 from voa_setup.grasps.closing import close_hands
-from voa_setup.grasps.hands import Hands, inverse
+from voa_setup.grasps.hands import Hands, inverse, joined
 from voa_setup.grasps.surface import Surface
 
 _R3 = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
@@ -62,15 +62,27 @@ def gripped_shares(
     margin = np.linalg.norm(moves[:, :2], axis=1).max() + np.abs(moves[:, 2]).max() * farthest
     shares = np.zeros((len(hands), len(poses)))
     for column, pose in enumerate(poses):
+        backs = [inverse(displaced(pose, move)) for move in moves]
         tried = np.flatnonzero(_within(tree, hands.moved(inverse(pose)), gripper, margin))
-        for number, move in enumerate(moves):
-            if number == scouts:
-                tried = tried[shares[tried, column] > 0.0]
-            if not len(tried):
-                break
-            seen = hands[tried].moved(inverse(displaced(pose, move)))
-            shares[tried, column] += close_hands(surface, seen, gripper, friction).holds / len(moves)
+        gripped = _gripped(surface, hands[tried], backs[:scouts], gripper, friction)
+        if scouts is not None:
+            tried, gripped = tried[gripped > 0], gripped[gripped > 0]
+            gripped = gripped + _gripped(surface, hands[tried], backs[scouts:], gripper, friction)
+        shares[tried, column] = gripped / len(moves)
     return shares
+
+
+def _gripped(
+    surface: Surface, hands: Hands, backs: list[Floats], gripper: GripperSetting, friction: float
+) -> NDArray[np.int64]:
+    """Number of copies that each hand grips, (h,); `backs` are the motions (4, 4) from the world to each copy."""
+    if not backs or not len(hands):
+        return np.zeros(len(hands), dtype=np.int64)
+    # All copies at once: few hands alone would leave most of the time to the calls.
+    seen = joined([hands.moved(back) for back in backs])
+    holds = close_hands(surface, seen, gripper, friction).holds.reshape(len(backs), len(hands))
+    gripped: NDArray[np.int64] = holds.sum(axis=0, dtype=np.int64)
+    return gripped
 
 
 def _within(tree: KDTree, hands: Hands, gripper: GripperSetting, margin_m: float) -> NDArray[np.bool_]:

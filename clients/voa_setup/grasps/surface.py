@@ -1,6 +1,7 @@
 """Points on a mesh's surface, with their normals: what a gripper can touch."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ SPACING_M = 0.003
 FEWEST, MOST = 1500, 4500
 GROUP = 12
 """Most points of a group, which are tested together."""
+_COARSE = 8
 _R2 = (0.7548776662466927, 0.5698402909980532)
 """Steps of the additive sequence in the plane whose points stay far from each other."""
 
@@ -45,6 +47,11 @@ class Surface:
         centres = np.nanmean(members, axis=1)
         radii = np.nanmax(np.linalg.norm(members - centres[:, None], axis=2), axis=1)
         return cls(points, normals, groups, members.transpose(2, 0, 1).astype(np.float32), centres, radii)
+
+    @cached_property
+    def coarse(self) -> "Surface":
+        """Every eighth point, as a surface of its own: where a hand meets it, it meets the whole surface."""
+        return Surface.of(self.points[::_COARSE], self.normals[::_COARSE])
 
     @property
     def centre(self) -> Floats:

@@ -46,7 +46,7 @@ class PartialTable:
     """File of finished cells.
 
     Attributes:
-        file: to read, extend and delete.
+        file: to read and extend.
         depends_on: digest of what the cells depend on; cells of a file with another digest are not used.
     """
 
@@ -68,10 +68,6 @@ class PartialTable:
         """Append a finished cell."""
         with self.file.open("a", encoding="utf-8") as lines:
             lines.write(f"{cell.model_dump_json()}\n")
-
-    def delete(self) -> None:
-        """Delete the file, if it exists."""
-        self.file.unlink(missing_ok=True)
 
     def _finished(self) -> list[FinishedCell]:
         if not self.file.exists():

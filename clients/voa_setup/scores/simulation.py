@@ -40,7 +40,7 @@ def simulated_scores(
         seed: of the noise.
         processes: number of processes; 1: this one alone.
         progress: called at the start and after each finished cell.
-        resume: file of finished cells, from which the simulation resumes and which it deletes at the end; None: none.
+        resume: file of finished cells, which grows with them, and from which the simulation resumes; None: none.
 
     Raises:
         UnstableSimulation: the simulation became unstable.
@@ -63,6 +63,4 @@ def simulated_scores(
         if partial is not None:
             partial.add(FinishedCell(pose=cell.pose, grasp=cell.grasp, successes=cell.successes))
         report()
-    if partial is not None:
-        partial.delete()
     return [[counts[pose, grasp] for pose in target.poses] for grasp in target.grasps]

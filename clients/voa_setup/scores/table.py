@@ -63,7 +63,7 @@ def read_scores(file: Path, grasps: Sequence[str], poses: Sequence[str]) -> Meas
             if name not in known:
                 raise InvalidScores(
                     f"{file}: row {number}, column {kind}: the scenario has no {kind} {name!r}; expected one of "
-                    f"{', '.join(known)}"
+                    f"{', '.join(map(repr, known))}"
                 )
         if (grasp, pose) in counts:
             raise InvalidScores(f"{file}: row {number}: expected one row for grasp {grasp!r} at pose {pose!r}, got two")

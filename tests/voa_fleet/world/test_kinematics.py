@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from voa_fleet.world.frames import Floats, tool_rotation
-from voa_fleet.world.kinematics import APPROACH_M, LIFT_M, GraspPlan, commands, joint_move, plan_grasp
+from voa_fleet.world.kinematics import APPROACH_M, LIFT_M, GraspPlan, commands, is_reachable, joint_move, plan_grasp
 from voa_fleet.world.object_poses import ObjectPose
 from voa_fleet.world.objects import OBJECTS, FleetObject
 from voa_fleet.world.scene import World, build_world
@@ -63,6 +63,7 @@ def test_every_grasp_of_every_object_is_within_reach(targets: dict[str, FleetObj
     world = build_world(targets[name])
     for grasp in targets[name].grasps:
         assert plan_grasp(world, targets[name].grasp(grasp)) is not None
+        assert is_reachable(world, targets[name].grasp(grasp))
 
 
 def test_joints_never_jump(mug_plans: dict[str, GraspPlan]) -> None:
@@ -84,6 +85,7 @@ def test_the_same_grasp_gives_the_same_plan(
 def test_a_grasp_out_of_reach_has_no_plan(mug_world: World, tip: tuple[float, float, float]) -> None:
     geometry = GraspGeometry(tool_centre_point=tip, approach=(0.0, 0.0, -1.0), closing=(1.0, 0.0, 0.0))
     assert plan_grasp(mug_world, geometry) is None
+    assert not is_reachable(mug_world, geometry)
 
 
 def test_the_servos_follow_within_two_millimetres(mug_world: World, mug_plans: dict[str, GraspPlan]) -> None:

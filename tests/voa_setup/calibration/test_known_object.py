@@ -43,3 +43,11 @@ def test_a_scenario_without_its_mesh_is_refused(tmp_path: Path) -> None:
     file.write_text(json.dumps(json.loads(asset("mug/scenario.json").read_text()) | {"object": "other.obj"}))
     with pytest.raises(InvalidCalibration, match="expected the name of a mesh file"):
         read_scene(file)
+
+
+def test_a_mesh_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.json"
+    file.write_text(asset("mug/scenario.json").read_text())
+    (tmp_path / "mug.obj").write_text("no mesh")
+    with pytest.raises(InvalidCalibration, match=r"mug\.obj holds no triangles"):
+        read_scene(file)

@@ -5,11 +5,13 @@ import pytest
 import trimesh
 
 from tests.support.shapes import box, mug
+from voa_fleet.world.gripper import PALM_M
+from voa_fleet.world.kinematics import APPROACH_M
 from voa_fleet.world.meshes import Mesh
 from voa_fleet.world.objects import GripperSetting
 from voa_msgs.grasp_geometry import GraspGeometry
 from voa_setup.grasps.closing import Closed, close_hands
-from voa_setup.grasps.hands import Hands, hands_of, heights
+from voa_setup.grasps.hands import Hands, hands_of, heights, palm_half_m
 from voa_setup.grasps.surface import sample_surface
 
 GRIPPER = GripperSetting(opening_m=0.085, force_n=40.0)
@@ -118,3 +120,29 @@ def test_the_lowest_corner_is_that_of_the_fingers_or_the_palm(
 ) -> None:
     hands = hands_of([GraspGeometry(tool_centre_point=(0.0, 0.0, 0.1), approach=approach, closing=closing)])
     assert heights(hands, GRIPPER)[0] == pytest.approx(expected)
+
+
+def test_hands_are_free_where_no_point_lies_in_fingers_or_palm_on_the_way() -> None:
+    surface = sample_surface(mug(), 0)
+    rng = np.random.default_rng(1)
+    tips = rng.uniform([-0.06, -0.06, 0.0], [0.08, 0.06, 0.12], (200, 3))
+    hands = hands_of(
+        [
+            GraspGeometry(
+                tool_centre_point=tuple(tip), approach=(0.0, 0.0, -1.0), closing=(math.cos(turn), math.sin(turn), 0.0)
+            )
+            for tip, turn in zip(tips.tolist(), rng.uniform(0.0, np.pi, 200).tolist(), strict=True)
+        ]
+    )
+    result = close_hands(surface, hands, NARROW, 0.5)
+    reach, length = NARROW.opening_m / 2.0, NARROW.finger_length_m
+    free = []
+    for rotation, tip in zip(hands.rotations, hands.tips, strict=True):
+        x, y, depth = ((surface.points - tip) @ rotation).T
+        x, y = np.abs(x), np.abs(y)
+        finger = (y <= NARROW.finger_width_m / 2.0) & (x >= reach) & (x <= reach + NARROW.finger_thickness_m)
+        palm = (y <= NARROW.palm_width_m / 2.0) & (x <= palm_half_m(NARROW)) & (depth <= -length)
+        on_the_way = (depth <= 0.0) & (depth >= -length - PALM_M - APPROACH_M)
+        free.append(not (on_the_way & (finger | palm)).any())
+    assert result.free.tolist() == free
+    assert 20 < sum(free) < 180

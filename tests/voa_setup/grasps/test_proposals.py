@@ -68,10 +68,16 @@ def test_equal_seeds_give_equal_proposals() -> None:
 
 def test_an_object_that_is_too_wide_is_refused_in_words() -> None:
     gripper = GripperSetting(opening_m=0.03, force_n=40.0)
-    with pytest.raises(NoGrasp, match="holds the object at no pose: no part of it is at most 27 mm wide"):
+    with pytest.raises(NoGrasp, match=r"can hold the object at no pose: it needs .* 1\.5 to 27 mm wide"):
         propose_grasps(box(), UPRIGHT, [0.5, 0.5], gripper)
 
 
 def test_poses_and_prior_must_match() -> None:
     with pytest.raises(ValueError, match="expected one share of the prior per pose, got 2 poses and 1 shares"):
         propose_grasps(box(), UPRIGHT, [1.0], GRIPPERS["2f-85"])
+
+
+def test_an_object_beyond_the_arm_has_a_message_of_its_own() -> None:
+    far = [Pose(name="far", position=[5.0, 0.0, 0.0], quaternion_wxyz=[1.0, 0.0, 0.0, 0.0])]
+    with pytest.raises(NoGrasp, match=r"could hold the object, but the simulated arm, .* does not reach it"):
+        propose_grasps(box(), far, [1.0], GRIPPERS["2f-85"])

@@ -58,7 +58,9 @@ def test_an_interrupted_simulation_resumes(block: FleetObject, counts: list[list
     )
     assert seen == [2, 3, 4]
     assert again == counts
-    assert not file.exists()
+    seen.clear()
+    simulated_scores(block, attempts=3, xy_m=0.004, seed=2, resume=file, progress=lambda *done: seen.append(done[0]))
+    assert seen == [4]
 
 
 def test_cells_of_other_settings_are_not_used(block: FleetObject, counts: list[list[int]], tmp_path: Path) -> None:

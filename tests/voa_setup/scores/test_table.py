@@ -52,9 +52,9 @@ def test_an_empty_table_says_which_cell_to_fill(tmp_path: Path) -> None:
         ("grasp,pose,successes,attempts\nrim,a,1\n", "row 2: expected 4 columns, got 3"),
         (
             "grasp,pose,successes,attempts\nbase,a,1,15\n",
-            "row 2, column grasp: .* no grasp 'base'; expected one of rim",
+            "row 2, column grasp: .* no grasp 'base'; expected one of 'rim'",
         ),
-        ("grasp,pose,successes,attempts\nrim,c,1,15\n", "row 2, column pose: .* no pose 'c'; expected one of a, b"),
+        ("grasp,pose,successes,attempts\nrim,c,1,15\n", "row 2, column pose: .* no pose 'c'; expected one of 'a', 'b'"),
         ("grasp,pose,successes,attempts\nrim,a,1,15\nrim,a,1,15\n", "row 3: expected one row for grasp 'rim' at pose"),
         ("grasp,pose,successes,attempts\nrim,a,1,15\n", "missing: grasp 'rim' at pose 'b'"),
     ],
