@@ -32,6 +32,7 @@ from voa_setup.scoring import Stages, final_scores, first_scores, without_failur
 from voa_setup.writing import (
     begun_folder,
     check_folder,
+    earlier_scenario,
     finish_folder,
     grasps_of,
     workspace_around,
@@ -133,6 +134,7 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
         _sentence(describe_pieces(mesh.mesh, pieces)),
         score_note,
         *failures,
+        *earlier_scenario(folder),
     ]
 
     stages.begin("drawing the page")

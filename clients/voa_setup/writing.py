@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ SCENARIO, PHYSICS = "scenario.json", "physics.json"
 PARTIAL = "scores.partial"
 """File that marks a scenario as unfinished; it has the finished cells of the table of scores, from which a later run
 resumes."""
+EARLIER = "scenario.before.json"
+"""Copy of a finished scenario that a new one replaced, where the two differ: a person may have changed it by hand."""
 _MARGIN_M = 0.02
 _MARGIN_SIGMAS = 3.0
 _STEP_M = 0.01
@@ -49,14 +52,29 @@ def check_folder(folder: Path, mesh: Path, *, force: bool) -> None:
 def begun_folder(folder: Path) -> None:
     """Make a folder, and mark its files as unfinished until `finish_folder`, so that a later run may write over them.
 
+    A finished scenario that is there is copied first; `earlier_scenario` says what became of the copy.
+
     Raises:
         UnusableFolder: the folder or a file in it cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if (folder / SCENARIO).exists() and not (folder / PARTIAL).exists():
+            shutil.copyfile(folder / SCENARIO, folder / EARLIER)
         (folder / PARTIAL).touch()
     except OSError as error:
         raise UnusableFolder(f"{folder} cannot be written into: {error.strerror}; choose another by -o") from error
+
+
+def earlier_scenario(folder: Path) -> list[str]:
+    """Keep the copy of an earlier scenario if it differs from the new one, and say so; else remove it."""
+    earlier = folder / EARLIER
+    if not earlier.exists():
+        return []
+    if earlier.read_bytes() == (folder / SCENARIO).read_bytes():
+        earlier.unlink()
+        return []
+    return [f"The scenario that was in the folder differs from the new one: it is kept as {EARLIER}."]
 
 
 def finish_folder(folder: Path) -> None:
