@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -206,7 +207,7 @@ class Search:
         for part in range(_PARTS):
             measured = self._measured(slice(part, None, _PARTS))
             own = sampled(
-                lambda polar, sigma, measured=measured: self._density(measured, polar, sigma),  # type: ignore[misc]
+                partial(self._density, measured),
                 cloud.mean,
                 4.0 * cloud.covariance,
                 (1.5 * sigma_m, 1.5 * sigma_m),
