@@ -6,6 +6,7 @@
 | read a mesh in any unit, about its centre of mass            | `mesh`             |
 | name the rests, and merge those that look the same           | `rests`            |
 | make poses and their prior                                   | `poses`            |
+| turn poses into rigid motions                                | `motions`          |
 | compare a mesh with itself at another pose                   | `symmetry`         |
 | make or read the places of the lidar                         | `places`           |
 | choose the height of the scan plane                          | `heights`          |

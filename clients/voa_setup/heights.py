@@ -18,7 +18,7 @@ from voa_msgs.lidars import LidarPreset
 from voa_msgs.scenarios import Pose
 from voa_setup.errors import InvalidOption
 from voa_setup.mesh import SetupMesh
-from voa_setup.poses import transforms_of
+from voa_setup.motions import matrices_of_poses
 
 _LOWEST_M, _STEP_M = 0.01, 0.005  # lidars of small robots scan from a centimetre up
 _MOST_HEIGHTS = 60
@@ -144,7 +144,7 @@ def describe_height(chosen: HeightSight, best: HeightSight) -> str:
 
 def _candidates(mesh: SetupMesh, poses: Sequence[Pose]) -> list[float]:
     """Heights to compare: from 1 cm, or half of the lowest pose's height, to the top of the highest pose, metres."""
-    tops = [float((mesh.mesh.vertices @ row[2, :3] + row[2, 3]).max()) for row in transforms_of(poses)]
+    tops = [float((mesh.mesh.vertices @ row[2, :3] + row[2, 3]).max()) for row in matrices_of_poses(poses)]
     lowest = min(_LOWEST_M, round(min(tops) / 2.0, 3))
     step = max(_STEP_M, round((max(tops) - lowest) / _MOST_HEIGHTS, 3))
     return [round(float(height), 4) for height in np.arange(max(lowest, 0.001), max(tops), step)]

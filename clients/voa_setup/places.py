@@ -13,7 +13,7 @@ from voa_msgs.lidars import LidarPreset
 from voa_msgs.scenarios import Pose
 from voa_setup.errors import InvalidOption
 from voa_setup.mesh import SetupMesh
-from voa_setup.poses import transforms_of
+from voa_setup.motions import matrices_of_poses
 
 RADIUS_M = 0.45
 """Radius of the ring of places where none is stated and the object is not too large for it, metres."""
@@ -96,7 +96,7 @@ def read_places(file: Path) -> list[SensorConfiguration]:
 
 def footprints(mesh: SetupMesh, poses: Sequence[Pose]) -> list[Floats]:
     """Vertices of the mesh at each pose seen from above, (v, 2) metres."""
-    return [mesh.mesh.vertices @ transform[:2, :3].T + transform[:2, 3] for transform in transforms_of(poses)]
+    return [mesh.mesh.vertices @ transform[:2, :3].T + transform[:2, 3] for transform in matrices_of_poses(poses)]
 
 
 def fitting_radius(

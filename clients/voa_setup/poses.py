@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from voa_core.checks import Floats
-from voa_core.geometry import matrices_of_quaternions, quaternion_of_matrix
+from voa_core.geometry import quaternion_of_matrix
 from voa_fleet.world.objects import Rest
 from voa_msgs.objects import StablePose
 from voa_msgs.scenarios import Pose
@@ -97,14 +97,6 @@ def make_poses(
     left_out = [rest for rest in named if rest.probability < least_probability]
     rests |= {rest.name: Rest(poses=[], ups=list(rest.ups)) for rest in left_out}
     return PoseSet(poses, [round(share, _DIGITS) for share in prior], rests, merged, _reasons(left_out))
-
-
-def transforms_of(poses: Sequence[Pose]) -> Floats:
-    """Poses as matrices (n, 4, 4) from the object's frame to the world."""
-    matrices = np.tile(np.eye(4), (len(poses), 1, 1))
-    matrices[:, :3, :3] = matrices_of_quaternions(np.array([pose.quaternion_wxyz for pose in poses]))
-    matrices[:, :3, 3] = [pose.position for pose in poses]
-    return matrices
 
 
 def _alike_yaws(rest: NamedRest, yaws_deg: list[float], symmetry: Symmetry) -> list[list[float]]:

@@ -8,7 +8,8 @@ import trimesh
 
 from tests.support.meshes import box, cylinder, joined, mug, setup_mesh, stable_poses
 from voa_setup.errors import InvalidOption
-from voa_setup.poses import PoseSet, even_yaws, make_poses, transforms_of
+from voa_setup.motions import matrices_of_poses
+from voa_setup.poses import PoseSet, even_yaws, make_poses
 
 
 def poses_of(part: trimesh.Trimesh, folder: Path, **options: object) -> PoseSet:
@@ -60,7 +61,7 @@ def test_the_centre_of_mass_lies_over_the_position_at_every_yaw_and_the_object_o
     positions = [(0.05, 0.0), (-0.05, 0.02)]
     result = make_poses(mesh, stable_poses(mesh), yaws_deg=[0.0, 30.0], positions=positions)
     assert "upright 30 at -0.05,0.02" in names(result)
-    transforms = transforms_of(result.poses)
+    transforms = matrices_of_poses(result.poses)
     np.testing.assert_allclose(
         transforms[:, :2, 3], [where for _ in result.rests for where in positions for _ in (0, 30)], atol=2e-6
     )
@@ -71,7 +72,7 @@ def test_the_centre_of_mass_lies_over_the_position_at_every_yaw_and_the_object_o
 
 def test_yaw_0_points_the_mesh_where_its_name_says(tmp_path: Path) -> None:
     result = poses_of(mug(), tmp_path)
-    for pose, transform in zip(result.poses, transforms_of(result.poses), strict=True):
+    for pose, transform in zip(result.poses, matrices_of_poses(result.poses), strict=True):
         yaw = np.radians(float(pose.name.split()[-1]))
         axis = 0 if pose.name.startswith("up") else 2  # the mesh's x axis, or its z axis where it lies
         along = transform[:2, axis] / np.linalg.norm(transform[:2, axis])

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from voa_fleet.world.frames import Floats, matrix_of, tool_rotation
+from voa_fleet.world.frames import Floats, tool_rotation
 from voa_fleet.world.gripper import PALM_M
 from voa_fleet.world.objects import GripperSetting
 from voa_msgs.grasp_geometry import GraspGeometry
-from voa_msgs.scenarios import Pose
 
 PALM_BEYOND_FINGERS_M = 0.004
 """Distance by which the palm is wider than the open fingers, on each side."""
@@ -54,20 +53,6 @@ def hands_of(grasps: list[GraspGeometry]) -> Hands:
     rotations = [tool_rotation(grasp.approach, grasp.closing) for grasp in grasps]
     tips = [grasp.tool_centre_point for grasp in grasps]
     return Hands(np.array(rotations).reshape(-1, 3, 3), np.array(tips).reshape(-1, 3))
-
-
-def matrix_of_pose(pose: Pose) -> Floats:
-    """Return a pose as a rigid motion from the object's frame to the world's, (4, 4).
-
-    Raises:
-        ValueError: the pose has no position or no orientation.
-    """
-    if pose.position is None or pose.quaternion_wxyz is None:
-        raise ValueError(f"expected position and quaternion_wxyz of pose {pose.name!r}")
-    motion = np.eye(4)
-    motion[:3, :3] = matrix_of(pose.quaternion_wxyz)
-    motion[:3, 3] = pose.position
-    return motion
 
 
 def inverse(motion: Floats) -> Floats:

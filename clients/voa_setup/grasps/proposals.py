@@ -13,13 +13,14 @@ from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.scenarios import Pose
 from voa_setup.grasps.candidates import CLEARANCE_M, antipodal_pairs
 from voa_setup.grasps.cover import Ranked, choose
-from voa_setup.grasps.hands import Hands, inverse, joined, matrix_of_pose
+from voa_setup.grasps.hands import Hands, inverse, joined
 from voa_setup.grasps.names import grasp_names
 from voa_setup.grasps.reach import Reach, within_bounds
 from voa_setup.grasps.resting_hands import Trials, merits, resting_hands
 from voa_setup.grasps.scoring import FRICTION
 from voa_setup.grasps.shares import displacements
 from voa_setup.grasps.surface import sample_surface
+from voa_setup.motions import matrices_of_poses
 
 _SPREAD = (0.005, 0.052)
 """Displacements with which candidates are compared: standard deviations in metres and radians."""
@@ -83,7 +84,7 @@ def propose_grasps(
     """
     if not poses or len(poses) != len(prior):
         raise ValueError(f"expected one share of the prior per pose, got {len(poses)} poses and {len(prior)} shares")
-    matrices = np.array([matrix_of_pose(pose) for pose in poses])
+    matrices = matrices_of_poses(poses)
     moves = displacements(_MOVES, *_SPREAD, seed)
     trials = Trials(sample_surface(mesh, seed, _POINTS), gripper, friction, moves)
     candidates = _candidates(trials, matrices, seed)

@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from voa_fleet.world.meshes import Mesh
 from voa_fleet.world.objects import GripperSetting
 from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.scenarios import Pose
-from voa_setup.grasps.hands import hands_of, heights, matrix_of_pose
+from voa_setup.grasps.hands import hands_of, heights
 from voa_setup.grasps.shares import displacements, gripped_shares
 from voa_setup.grasps.surface import sample_surface
+from voa_setup.motions import matrices_of_poses
 
 SAMPLES = 64
 """Displaced copies of the object per pose."""
@@ -51,7 +50,7 @@ def geometric_scores(
         ValueError: a pose has no position or no orientation.
     """
     hands = hands_of(list(grasps))
-    matrices = np.array([matrix_of_pose(pose) for pose in poses]).reshape(-1, 4, 4)
+    matrices = matrices_of_poses(poses)
     moves = displacements(samples, xy_m, yaw_rad, seed)
     shares = gripped_shares(sample_surface(mesh, seed), matrices, hands, gripper, moves, friction)
     shares[heights(hands, gripper) < 0.0] = 0.0
