@@ -1,0 +1,1 @@
+"""Examination of the way between this machine, the service and the robots."""
