@@ -1,65 +1,33 @@
-"""Make the scene of a session at one version from what its viewer knows about it."""
+"""Make the scene of a session at one version from the facts that its viewer has."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
-from voa_msgs.geometry import SensorPose, UncertainSensorPose
-from voa_msgs.rankings import Ranking
-from voa_msgs.scenarios import Scenario
-from voa_msgs.sessions import Scan
-from voa_scene.shapes import Scene
-
-
-@dataclass(frozen=True)
-class TakenScan:
-    """Scan with the pose of the lidar, and what the likeliest pose predicts there.
-
-    Attributes:
-        scan: as the driver reported it.
-        place: pose of the lidar in the world.
-        predicted: ranges that the likeliest pose predicts on the beams of `scan`, metres, None for a no-return; empty:
-            not known.
-    """
-
-    scan: Scan
-    place: SensorPose
-    predicted: Sequence[float | None] = ()
-
-
-@dataclass(frozen=True)
-class RobotPlace:
-    """Robot that carries a lidar, and where its lidar is.
-
-    Attributes:
-        name: of the robot.
-        place: pose of the lidar, with its uncertainty where that is known.
-    """
-
-    name: str
-    place: UncertainSensorPose
-
-
-@dataclass(frozen=True)
-class SessionView:
-    """What a viewer knows about a session at one version.
-
-    Attributes:
-        scenario: of the session.
-        belief: probability of each pose, in the order of the scenario.
-        best_grasp: name of the grasp with the largest expected score; None: every grasp scores 0.
-        ranking: of places at this version; None: not known.
-        scan: newest scan; None: there is none.
-        robots: whose scans are applied to the session.
-    """
-
-    scenario: Scenario
-    belief: Sequence[float]
-    best_grasp: str | None = None
-    ranking: Ranking | None = None
-    scan: TakenScan | None = None
-    robots: Sequence[RobotPlace] = ()
+from voa_scene.ghosts import ghosts_of
+from voa_scene.grasps import grasp_shapes
+from voa_scene.measures import measures_of
+from voa_scene.places import places_of
+from voa_scene.robots import robot_shapes
+from voa_scene.scans import scan_shapes
+from voa_scene.shapes import AnyShape, Scene
+from voa_scene.table import table_of
+from voa_scene.views import SessionView
 
 
 def scene_of(view: SessionView) -> Scene:
-    """Make the scene of a session: table and workspace, ghosts of the object, towers of places, scan, robots, grasp."""
-    raise NotImplementedError(view)
+    """Make the scene of a session: table and workspace, ghosts of the object, towers of places, scan, robots, grasp.
+
+    Equal views give equal scenes, and a shape keeps its group and name from version to version.
+    """
+    scenario = view.scenario
+    measures = measures_of(scenario)
+    shapes: list[AnyShape] = [
+        *table_of(scenario, measures),
+        *ghosts_of(scenario, view.belief),
+        *places_of(scenario, view.ranking, measures),
+    ]
+    if view.scan is not None:
+        shapes += scan_shapes(scenario, view.scan)
+    for robot in view.robots:
+        shapes += robot_shapes(robot, scenario.lidar.height_m or 0.0, measures)
+    for grasp in scenario.grasps:
+        if grasp.name == view.best_grasp:
+            shapes += grasp_shapes(grasp)
+    return Scene(tuple(shapes))

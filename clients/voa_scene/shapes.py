@@ -4,7 +4,6 @@ A viewer draws each shape by its class, and none needs to know what the shape st
 people and let a viewer replace a shape when it changes.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -159,8 +158,3 @@ class Scene:
     def of(self, group: Group) -> tuple[AnyShape, ...]:
         """Return the shapes of a group."""
         return tuple(shape for shape in self.shapes if shape.group == group)
-
-
-def about_z(angle: float) -> Quaternion:
-    """Rotation about the vertical axis by an angle, radians, counter-clockwise."""
-    return (math.cos(angle / 2.0), 0.0, 0.0, math.sin(angle / 2.0))
