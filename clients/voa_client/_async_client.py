@@ -129,6 +129,10 @@ class AsyncClient:
         """Yield every object, oldest first; they are fetched a page at a time."""
         return self._items(calls.list_objects)
 
+    async def object_mesh(self, object_id: str, most_faces: int | None = None) -> bytes:
+        """Return an object's mesh as binary STL, metres, z up; `most_faces` (100 or more) thins it for a picture."""
+        return (await self._do(calls.object_mesh(object_id, most_faces))).file
+
     async def stable_poses(self, object_id: str) -> StablePoses:
         """Return the poses in which an object can rest on the table, with their probabilities."""
         return await self._do(calls.stable_poses(object_id))
@@ -178,9 +182,9 @@ class AsyncClient:
         """Delete a session with its history; with `if_match` only if it has that version (over HTTP only)."""
         await self._do(calls.delete_session(session_id, if_match), key)
 
-    def history(self, session_id: str) -> AsyncIterator[HistoryEntry]:
-        """Yield the history of a session: for each version the request that made it, beginning with the prior."""
-        return self._items(lambda after: calls.history(session_id, after))
+    def history(self, session_id: str, *, beliefs: bool = False) -> AsyncIterator[HistoryEntry]:
+        """Yield each version of a session with the request that made it, and with its belief if `beliefs` is true."""
+        return self._items(lambda after: calls.history(session_id, after, beliefs=beliefs))
 
     async def put_belief(
         self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None

@@ -19,7 +19,7 @@ from voa_client._errors import UsageError
 from voa_msgs.base import Message
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
-from voa_msgs.objects import Object, ObjectPage, StablePoses, UpAxis
+from voa_msgs.objects import MeshFile, Object, ObjectPage, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
 from voa_msgs.robots import ClaimRequest, RobotReport, Robots
@@ -178,6 +178,12 @@ def matching_object(call: Call[ObjectPage], response: ObjectPage) -> Object | No
     return next((item for item in response.items if item.sha256 == call.query["sha256"]), None)
 
 
+def object_mesh(object_id: str, most_faces: int | None) -> Call[MeshFile]:
+    """Read the mesh of an object as an STL file."""
+    query = {} if most_faces is None else {"most_faces": most_faces}
+    return Call("object.mesh", "GET", "/v1/objects/{id}/mesh", MeshFile, {"id": object_id}, query, heavy=True)
+
+
 def stable_poses(object_id: str) -> Call[StablePoses]:
     """Compute the poses in which an object can rest on the table."""
     path = "/v1/objects/{id}/stable-poses"
@@ -236,10 +242,11 @@ def delete_session(session_id: str, if_match: int | None) -> Call[Nothing]:
     return Call("session.delete", "DELETE", path, Nothing, ids, writes=True, if_match=if_match)
 
 
-def history(session_id: str, after: str | None) -> Call[HistoryPage]:
-    """Read a session's history, a page at a time."""
+def history(session_id: str, after: str | None, *, beliefs: bool = False) -> Call[HistoryPage]:
+    """Read a session's history, a page at a time; with the belief of each version if `beliefs` is true."""
+    query: dict[str, Any] = {"after": after} | ({"beliefs": True} if beliefs else {})
     path = "/v1/sessions/{session}/history"
-    return Call("history.get", "GET", path, HistoryPage, {"session": session_id}, {"after": after})
+    return Call("history.get", "GET", path, HistoryPage, {"session": session_id}, query)
 
 
 def put_belief(session_id: str, request: BeliefRequest, if_match: int | None) -> Call[Session]:

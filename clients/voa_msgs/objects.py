@@ -42,6 +42,10 @@ Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 """SHA-256 digest in 64 lower-case hexadecimal digits."""
 
 
+LEAST_FACES = 100
+"""Smallest bound on the triangles of a mesh that is read; with fewer, no object could be recognised."""
+
+
 class ObjectUpload(Message):
     """Upload of a mesh file in JSON, for Zenoh, which has no multipart forms."""
 
@@ -85,6 +89,19 @@ class ObjectPage(Page):
 
     items: list[Object]
     """Meshes, oldest first."""
+
+
+class MeshFile(Message):
+    """Stored mesh as a file of triangles."""
+
+    id: str
+    """Identifier of the object."""
+    type: Literal["stl"]
+    """Type of the file: binary STL, in metres, with z up."""
+    faces: int
+    """Number of triangles of the file; below the object's own where the request bounds it."""
+    file: Annotated[bytes, EncodedBytes(encoder=_Base64), Field(strict=False)]
+    """Content of the file, in base64."""
 
 
 class StablePose(Message):

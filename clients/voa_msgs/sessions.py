@@ -14,6 +14,12 @@ from voa_msgs.looks import AnnouncedLook, AtPlace, Place
 from voa_msgs.priors import Prior
 from voa_msgs.warnings import ProbableMistake
 
+
+def _is_none(value: object) -> bool:
+    """True for a field that a response leaves out."""
+    return value is None
+
+
 MOST_ROBOTS = 1_000
 """Most robots that one session can claim when it is opened."""
 
@@ -216,6 +222,14 @@ class HistoryEntry(Message):
     absent: float | None = None
     """Probability, at this version, that the object lies at none of the poses; null: that it lies at one is taken for
     certain."""
+    belief: list[float] | None = Field(default=None, exclude_if=_is_none)
+    """Belief: one probability per pose, in the order of the session's `poses`; only with `beliefs=true`."""
+    best_grasp: str | None = Field(default=None, exclude_if=_is_none)
+    """Grasp with the largest expected score, where there is a `belief`; absent: every grasp scores 0."""
+    expected_score: float | None = Field(default=None, exclude_if=_is_none)
+    """Expected score of that grasp, 0 to 1; only where there is a `belief`."""
+    entropy_nats: float | None = Field(default=None, exclude_if=_is_none)
+    """Entropy of the belief, nats; only where there is a `belief`."""
 
 
 class HistoryPage(Page):

@@ -1,4 +1,4 @@
-"""Colours that people with any common form of colour blindness can tell apart: the set of Okabe and Ito (2008).
+"""Colours that people with any common form of colour blindness can distinguish: the set of Okabe and Ito (2008).
 
 No meaning rests on a colour alone: shapes with a meaning also have a label.
 """

@@ -69,12 +69,15 @@ def classified(
     empty = frozenset(scan.no_return)
     for index, (value, bearing) in enumerate(zip(scan.ranges, bearings(taken, lidar), strict=True)):
         enters, leaves = (0.0, math.inf) if workspace is None else crossing(workspace, place, bearing)
-        distance = math.inf if index in empty or (value == 0.0 and lidar.zero == "no_return") else value
-        if distance is None or distance < near:
+        if index in empty or (value == 0.0 and lidar.zero == "no_return") or (value is not None and value > far):
+            distance = math.inf
+        elif value is None or value == 0.0 or value < near:
             continue
+        else:
+            distance = value
         if distance < enters < leaves:
             yield "missing", _at(place, bearing, distance)
-        elif distance <= min(far, leaves) and enters < leaves:
+        elif distance <= leaves and enters < leaves and distance < math.inf:
             yield "return", _at(place, bearing, distance)
         elif enters < leaves < math.inf:
             yield "no-return", _at(place, bearing, leaves)

@@ -7,8 +7,8 @@ import numpy as np
 from voa_meshes.text import is_number, narrow, numbers, shown, with_newlines
 from voa_meshes.triangles import Floats, Triangles, UnreadableMesh
 
-_HEADER = 84
-_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = 84
+RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _ANY = b"*"
 """Place of a normal's number, which is ignored: programs differ where a normal has no direction."""
 _PATTERN: list[bytes | None] = [b"facet", b"normal", _ANY, _ANY, _ANY, b"outer", b"loop"]
@@ -23,23 +23,23 @@ def read_stl(content: bytes) -> Triangles:
     Raises:
         UnreadableMesh: the file has fewer or more facets than its header says, or text that is not STL.
     """
-    if len(content) >= _HEADER and len(content) == _HEADER + _RECORD.itemsize * _claimed(content):
+    if len(content) >= HEADER and len(content) == HEADER + RECORD.itemsize * _claimed(content):
         return _of_bytes(content)
     text = with_newlines(narrow(content)).strip()
     return _of_text(text) if text[:5].lower() == b"solid" and b"\0" not in text else _of_bytes(content)
 
 
 def _claimed(content: bytes) -> int:
-    return int.from_bytes(content[80:_HEADER], "little")
+    return int.from_bytes(content[80:HEADER], "little")
 
 
 def _of_bytes(content: bytes) -> Triangles:
-    if len(content) < _HEADER:
-        raise UnreadableMesh(f"expected a header of {_HEADER} bytes, or text that begins with 'solid'")
-    claimed, held = _claimed(content), (len(content) - _HEADER) // _RECORD.itemsize
+    if len(content) < HEADER:
+        raise UnreadableMesh(f"expected a header of {HEADER} bytes, or text that begins with 'solid'")
+    claimed, held = _claimed(content), (len(content) - HEADER) // RECORD.itemsize
     if held < claimed:
         raise UnreadableMesh(f"the header says {claimed} facets, the file has {held}: is it cut off?")
-    records = np.frombuffer(content, _RECORD, count=held, offset=_HEADER)
+    records = np.frombuffer(content, RECORD, count=held, offset=HEADER)
     corners = records["corners"].astype(np.float64)
     if held > claimed and (claimed == 0 or _is_like(corners[claimed], corners[:claimed])):
         raise UnreadableMesh(f"the header says {claimed} facets, the file has more")

@@ -87,6 +87,8 @@ METHODS = {
     "/v1/objects": {"GET", "POST"},
     "/v1/objects/{object}": {"GET"},
     "/v1/objects/{object}/stable-poses": {"GET"},
+    "/v1/objects/{object}/mesh": {"GET"},
+    "/v1/objects/{object}/mesh.stl": {"GET"},
     "/v1/lidars": {"GET"},
     "/v1/scenarios": {"GET", "POST"},
     "/v1/scenarios/{data}": {"GET"},

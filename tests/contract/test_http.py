@@ -6,7 +6,7 @@ from pydantic import BaseModel
 from tests.contract.values import GOOD, UNIFORM, scans
 from tests.support.serving import POSES, PREDICTIONS, Json, Service, data_scenario, scan_of
 from voa_msgs.lidars import LidarPresets
-from voa_msgs.objects import Object, ObjectPage, StablePoses
+from voa_msgs.objects import MeshFile, Object, ObjectPage, StablePoses
 from voa_msgs.rankings import RankedGrasps, Ranking
 from voa_msgs.scenarios import Predictions, Scenario, ScenarioPage
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, UpdatedEstimate
@@ -36,12 +36,15 @@ def test_creating_is_201_the_same_content_again_200_deleting_204_and_then_404(se
         ("/v1/scenarios/{scenario}", Scenario),
         ("/v1/objects/{object}", Object),
         ("/v1/objects/{object}/stable-poses", StablePoses),
+        ("/v1/objects/{object}/mesh", MeshFile),
+        ("/v1/objects/{object}/mesh?most_faces=100", MeshFile),
         ("/v1/sessions", SessionPage),
         ("/v1/sessions/{session}", Session),
         ("/v1/sessions/{session}/voa", Ranking),
         ("/v1/sessions/{session}/voa?definition=executed&outcomes=true", Ranking),
         ("/v1/sessions/{session}/grasps", RankedGrasps),
         ("/v1/sessions/{session}/history", HistoryPage),
+        ("/v1/sessions/{session}/history?beliefs=true", HistoryPage),
     ],
 )
 def test_an_answer_is_its_message(service: Service, mesh_id: str, path: str, message: type[BaseModel]) -> None:

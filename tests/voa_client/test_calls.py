@@ -23,6 +23,7 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
     (calls.health(), "service.health", "GET /readyz", {}),
     (calls.get_object("o"), "object.get", "GET /v1/objects/o", {"id": "o"}),
     (calls.stable_poses("o"), "object.stable_poses", "GET /v1/objects/o/stable-poses", {"id": "o"}),
+    (calls.object_mesh("o", 500), "object.mesh", "GET /v1/objects/o/mesh", {"id": "o", "most_faces": 500}),
     (calls.list_objects("c"), "object.list", "GET /v1/objects", {"after": "c"}),
     (calls.list_scenarios(None), "scenario.list", "GET /v1/scenarios", {}),
     (calls.get_scenario("c"), "scenario.get", "GET /v1/scenarios/c", {"id": "c"}),
@@ -37,6 +38,12 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
     (calls.get_session("s"), "session.get", "GET /v1/sessions/s", NAMED),
     (calls.delete_session("s", None), "session.delete", "DELETE /v1/sessions/s", NAMED),
     (calls.history("s", "7"), "history.get", "GET /v1/sessions/s/history", NAMED | {"after": "7"}),
+    (
+        calls.history("s", None, beliefs=True),
+        "history.get",
+        "GET /v1/sessions/s/history",
+        NAMED | {"beliefs": True},
+    ),
     (
         calls.put_belief("s", BeliefRequest(belief=None), None),
         "belief.put",
@@ -141,11 +148,12 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 29
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 30
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply", "look.announce"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}
-    assert heavy == {"object.stable_poses", "scenario.predict", "scenario.warnings", "voa.rank", "ranking.compute"}
+    meshes = {"object.stable_poses", "object.mesh"}
+    assert heavy == meshes | {"scenario.predict", "scenario.warnings", "voa.rank", "ranking.compute"}
 
 
 def test_what_goes_over_http_only_says_so() -> None:

@@ -4,6 +4,7 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.support.serving import data_scenario, mesh_scenario
@@ -20,6 +21,7 @@ from voa_client import (
     VoaClientError,
     poses_of,
 )
+from voa_meshes import read_mesh
 from voa_msgs import WIRE_VERSION
 from voa_msgs.geometry import Candidate, CandidateSensor
 from voa_msgs.looks import LookAnnouncement
@@ -83,6 +85,9 @@ def test_objects_and_scenarios(client: Client, box: Path) -> None:
     assert client.find_object(box, 3.0) is None
     assert stored in list(client.list_objects())
     assert client.stable_poses(stored.id).items
+    mesh = read_mesh(client.object_mesh(stored.id), "stl")
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([0.08, 0.12, 0.10])
+    assert client.object_mesh(stored.id, most_faces=100) == client.object_mesh(stored.id)
     made = client.create_scenario(ScenarioRequest.model_validate(mesh_scenario(stored.id)))
     assert client.get_scenario(made.id) == made
     assert made.id in [each.id for each in client.list_scenarios()]
@@ -96,6 +101,9 @@ def test_lists_longer_than_a_page_come_whole(client: Client, session: str) -> No
     for _ in range(105):
         client.put_belief(session, BeliefRequest(belief=[0.2, 0.3, 0.5]))
     assert [entry.version for entry in client.history(session)] == list(range(106))
+    beliefs = [entry.belief for entry in client.history(session, beliefs=True)]
+    assert beliefs[1:] == [[0.2, 0.3, 0.5]] * 105
+    assert {entry.belief for entry in client.history(session)} == {None}
 
 
 def test_robots(client: Client) -> None:

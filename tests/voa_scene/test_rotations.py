@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from voa_scene.rotations import about_z, along, cross, of_axes, unit
-from voa_scene.shapes import Quaternion
+from voa_scene.shapes import Quaternion, Vector
 
 
 def matrix(q: Quaternion) -> np.ndarray:
@@ -34,7 +34,7 @@ def test_axes_and_quaternions_agree(q: Quaternion) -> None:
 
 
 @pytest.mark.parametrize("axes", [((1, 0, 0), (0, -1, 0), (0, 0, -1)), ((-1, 0, 0), (0, 1, 0), (0, 0, -1))])
-def test_half_turns_have_no_division_by_zero(axes: tuple) -> None:
+def test_half_turns_have_no_division_by_zero(axes: tuple[Vector, Vector, Vector]) -> None:
     assert np.allclose(matrix(of_axes(*axes)), np.array(axes, dtype=float).T)
 
 

@@ -1,8 +1,11 @@
 """Objects: from meshes to messages."""
 
+import numpy as np
+
 from voa_core.errors import VoaError
 from voa_core.objects import Object
 from voa_core.stable_poses import propose_stable_poses
+from voa_meshes import thinned, write_stl
 from voa_msgs import objects
 from voa_service.failures import InvalidMesh
 from voa_service.meshes.mistakes import extent_mistakes
@@ -32,6 +35,20 @@ def listed_object_message(stored: ListedObject) -> objects.Object:
         warnings=extent_mistakes(stored.extents),
         created_at=stored.created_at,
     )
+
+
+def mesh_file(mesh: Object, most_faces: int | None) -> objects.MeshFile:
+    """Write a mesh as an STL file in a message.
+
+    Args:
+        mesh: the object.
+        most_faces: bound on the triangles, to which the mesh is thinned; None: every triangle.
+    """
+    vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
+    if most_faces is not None:
+        vertices, faces = thinned(vertices, faces, most_faces)
+    content = write_stl(vertices, faces)  # validation would take it for base64
+    return objects.MeshFile.model_construct(id=mesh.digest, type="stl", faces=len(faces), file=content)
 
 
 def stable_poses_message(mesh: Object) -> objects.StablePoses:

@@ -21,7 +21,7 @@ from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Sessio
 from voa_service.requests.attachments import add_place
 from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
 from voa_service.rpc.calls import Call
-from voa_service.rpc.parameters import Announced, NoParameters, ObjectPage, Page, Reachable
+from voa_service.rpc.parameters import Announced, HistoryPage, NoParameters, ObjectPage, Page, Reachable, Thinning
 from voa_service.runtime.queues import WorkQueue
 from voa_service.services import Services
 from voa_service.usecases.rankings import Question
@@ -48,6 +48,7 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "object.create": Method(_create_object, services.meshes),
         "object.get": Method(_one(objects.get), reads),
         "object.list": Method(_list_objects, reads),
+        "object.mesh": Method(_object_mesh, services.rests),
         "object.stable_poses": Method(_one(objects.stable_poses), services.rests),
         "lidar.list": Method(_given(NoParameters, lambda _: scenarios.lidars()), reads),
         "scenario.create": Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
@@ -147,6 +148,12 @@ def _list_objects(call: Call) -> BaseModel:
     return call.services.objects.list(page.limit, page.after, page.sha256, page.type, page.scale, page.up)
 
 
+def _object_mesh(call: Call) -> BaseModel:
+    id_ = call.id()
+    thinning: Thinning = call.body(Thinning)
+    return call.services.objects.mesh(id_, thinning.most_faces)
+
+
 def _create_session(call: Call) -> StoredResponse:
     received = call.received()
     request = call.body(SessionRequest)
@@ -169,8 +176,8 @@ def _delete_session(call: Call) -> BaseModel:
 
 def _history(call: Call) -> BaseModel:
     id_ = call.session()
-    page: Page = call.body(Page)
-    return call.services.sessions.history(id_, page.limit, page.after)
+    page: HistoryPage = call.body(HistoryPage)
+    return call.services.sessions.history(id_, page.limit, page.after, beliefs=page.beliefs)
 
 
 def _rank_grasps(call: Call) -> BaseModel:

@@ -6,7 +6,7 @@ from annotated_types import Ge, Gt, Le
 
 from voa_msgs.base import Id, Message, Name
 from voa_msgs.bounds import LimitedBy
-from voa_msgs.objects import MeshType, Sha256, UpAxis
+from voa_msgs.objects import LEAST_FACES, MeshType, Sha256, UpAxis
 
 _PAGE = 100
 
@@ -25,6 +25,18 @@ class ObjectPage(Page):
     type: MeshType | None = None
     scale: Annotated[float, Gt(0.0)] | None = None
     up: UpAxis | None = None
+
+
+class HistoryPage(Page):
+    """Parameters of a history; with `beliefs`, each version has its belief and best grasp, too."""
+
+    beliefs: bool = False
+
+
+class Thinning(Message):
+    """Parameters of the mesh of an object; with `most_faces`, it has about so many triangles at most."""
+
+    most_faces: Annotated[int, Ge(LEAST_FACES)] | None = None
 
 
 class Identified(Message):

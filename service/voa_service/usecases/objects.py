@@ -1,13 +1,13 @@
-"""Objects: upload, read and list meshes, and propose the poses in which they can rest."""
+"""Objects: upload, read and list meshes, write them as files, and propose the poses in which they can rest."""
 
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from voa_meshes import default_up
-from voa_msgs.objects import MeshType, Object, ObjectPage, StablePoses, UpAxis
+from voa_msgs.objects import MeshFile, MeshType, Object, ObjectPage, StablePoses, UpAxis
 from voa_service.failures import InvalidRequest, TooLarge, not_found
-from voa_service.mapping.objects import listed_object_message, object_message, stable_poses_message
+from voa_service.mapping.objects import listed_object_message, mesh_file, object_message, stable_poses_message
 from voa_service.meshes.mistakes import extent_mistakes, up_mistakes
 from voa_service.ports import Clock, MeshReader, Store
 from voa_service.runtime.cache import Cache
@@ -29,6 +29,18 @@ class _Proposal:
     def nbytes(self) -> int:
         """Approximate size in bytes."""
         return _BYTES_PER_POSE * (1 + len(self.poses.items))
+
+
+@dataclass(frozen=True)
+class _Thinned:
+    """Thinned mesh as an entry of the cache."""
+
+    mesh: MeshFile
+
+    @property
+    def nbytes(self) -> int:
+        """Size in bytes."""
+        return len(self.mesh.file)
 
 
 @dataclass(frozen=True)
@@ -123,6 +135,21 @@ class Objects:
         if mesh_type is None or after is not None:
             raise InvalidRequest("sha256 selects the mesh of one file: expected its type beside it, and no `after`")
         return self.find(sha256, mesh_type, 1.0 if scale is None else scale, up)
+
+    def mesh(self, id_: str, most_faces: int | None = None) -> MeshFile:
+        """Read the mesh of an object as an STL file; thinned meshes are computed once and kept.
+
+        Args:
+            id_: of the object.
+            most_faces: bound on the triangles, to which the mesh is thinned; None: every triangle.
+
+        Raises:
+            NotFound: there is no such object.
+        """
+        mesh = self._stored(id_).object
+        if most_faces is None or len(mesh.faces) <= most_faces:
+            return mesh_file(mesh, None)
+        return self.cache.get(("mesh", id_, most_faces), lambda: _Thinned(mesh_file(mesh, most_faces))).mesh
 
     def stable_poses(self, id_: str) -> StablePoses:
         """List the poses in which an object can rest on the table; they are computed once and kept.

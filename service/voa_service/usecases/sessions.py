@@ -4,12 +4,12 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from voa_msgs.sessions import HistoryEntry as HistoryEntryMessage
-from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary, UpdateReport
+from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary
 from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import UnknownReference, not_found
 from voa_service.mapping.beliefs import prior_of
 from voa_service.mapping.estimates import absent_of, belief_summary, session_message, summary_of
+from voa_service.mapping.histories import history_message
 from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.models import Model, Models
 from voa_service.mapping.under_way import announced_looks
@@ -117,20 +117,26 @@ class Sessions:
             raise not_found("session", id_)
         self.committed(id_, None)
 
-    def history(self, id_: str, limit: int, after: str | None) -> HistoryPage:
+    def history(self, id_: str, limit: int, after: str | None, *, beliefs: bool = False) -> HistoryPage:
         """List the versions of a session with the requests that made them, the prior first, in pages.
+
+        Args:
+            id_: of the session.
+            limit: most versions of the page.
+            after: `next` of the page before; None: from the start.
+            beliefs: True: each version has its belief and best grasp, too.
 
         Raises:
             NotFound: there is no such session.
             InvalidRequest: `after` is not a cursor.
         """
-        self.state(id_)
+        scenario = self.model_of(self.state(id_)).scenario if beliefs else None
         seen = -1 if after is None else position(after)
         entries = self.store.history(id_, seen, limit, self.history_bytes)
         newest = self.state(id_).version
         last = entries[-1].state.version if entries else newest
         return HistoryPage(
-            items=[_history_message(entry) for entry in entries], next=str(last) if last < newest else None
+            items=[history_message(entry, scenario) for entry in entries], next=str(last) if last < newest else None
         )
 
     def robot_looks(self, id_: str, robot: str, limit: int) -> Sequence[RobotLook]:
@@ -215,14 +221,3 @@ def model_in_body(models: Models, id_: str) -> Model:
     if model is None:
         raise UnknownReference(f"there is no scenario {id_!r}: create it with POST /v1/scenarios")
     return model
-
-
-def _history_message(entry: HistoryEntry) -> HistoryEntryMessage:
-    return HistoryEntryMessage(
-        version=entry.state.version,
-        kind=entry.kind,
-        at=entry.state.updated_at,
-        request=json.loads(entry.request),
-        update=None if entry.report is None else UpdateReport.model_validate_json(entry.report),
-        absent=absent_of(record_of(entry.state.looks)),
-    )

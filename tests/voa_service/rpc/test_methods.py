@@ -16,6 +16,7 @@ WRITES = {
     "session.delete",
 }
 HEAVY = {"ranking.compute", "scenario.create", "scenario.predict", "scenario.warnings", "voa.rank"}
+RESTS = {"object.stable_poses", "object.mesh"}
 CONTRACT = Path(__file__).resolve().parents[3] / "deploy" / "docs" / "contract.md"
 
 
@@ -25,10 +26,10 @@ def test_calls_wait_where_they_hold_up_nothing_that_is_quicker(service: Service)
     assert {name for name, queue in queues.items() if queue is own.writes} == WRITES
     assert {name for name, queue in queues.items() if queue is own.heavy} == HEAVY
     assert {name for name, queue in queues.items() if queue is own.meshes} == {"object.create"}
-    assert {name for name, queue in queues.items() if queue is own.rests} == {"object.stable_poses"}
+    assert {name for name, queue in queues.items() if queue is own.rests} == RESTS
     assert {name for name, queue in queues.items() if queue is own.probes} == {"service.health"}
     others = {name for name, queue in queues.items() if queue is own.reads}
-    assert others == set(queues) - WRITES - HEAVY - {"object.create", "object.stable_poses", "service.health"}
+    assert others == set(queues) - WRITES - HEAVY - RESTS - {"object.create", "service.health"}
 
 
 def test_every_method_is_documented(service: Service) -> None:

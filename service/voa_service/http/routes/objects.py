@@ -7,13 +7,18 @@ from annotated_types import Gt
 from fastapi import APIRouter, File, Form, Query, Request, Response, UploadFile
 
 from voa_msgs.base import Name
-from voa_msgs.objects import MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
+from voa_msgs.objects import LEAST_FACES, MeshFile, MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
 from voa_service.failures import InvalidMesh, InvalidRequest, NotFound, UnsupportedMeshType
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, ObjectId, PageLimit, answer, created
 from voa_service.services import Services
 
+STL = "model/stl"
+"""Media type of STL files."""
+MostFaces = Annotated[
+    int | None, Query(ge=LEAST_FACES, description="Bound on the triangles, to which the mesh is thinned.")
+]
 _FIELDS = ("file", "name", "scale", "up")
 
 
@@ -82,6 +87,30 @@ def routes(services: Services) -> APIRouter:
     async def get_object(id: ObjectId) -> Response:
         """Read the description of a stored mesh."""
         return await answer(services.reads, lambda: objects.get(id))
+
+    @router.get(
+        "/{id}/mesh",
+        response_model=MeshFile,
+        responses=problems(NotFound),
+        response_description="The mesh, as a file in base64.",
+    )
+    async def get_mesh(id: ObjectId, most_faces: MostFaces = None) -> Response:
+        """Read the mesh of an object as a binary STL file, in metres and with z up.
+
+        `most_faces` thins the mesh for a picture: the result may have gaps.
+        """
+        return await answer(services.rests, lambda: objects.mesh(id, most_faces))
+
+    @router.get(
+        "/{id}/mesh.stl",
+        response_class=Response,
+        responses={200: {"content": {STL: {}}}, **problems(NotFound)},
+        response_description="The mesh, as a binary STL file.",
+    )
+    async def get_mesh_file(id: ObjectId, most_faces: MostFaces = None) -> Response:
+        """Read the file of `/v1/objects/{id}/mesh` itself, for programs that load a mesh by its address."""
+        mesh = await services.rests.run(lambda: objects.mesh(id, most_faces))
+        return Response(mesh.file, media_type=STL)
 
     @router.get(
         "/{id}/stable-poses",

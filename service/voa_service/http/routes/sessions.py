@@ -1,6 +1,8 @@
 """Routes /v1/sessions: open, list, read and delete sessions, and read their histories."""
 
-from fastapi import APIRouter, Request, Response
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
 
 from voa_msgs.sessions import (
     HistoryPage,
@@ -92,11 +94,12 @@ def routes(services: Services) -> APIRouter:
         id: SessionId,
         limit: PageLimit = DEFAULT_PAGE,
         after: After = None,
+        beliefs: Annotated[bool, Query(description="True: each version has its belief and best grasp, too.")] = False,
     ) -> Response:
         """List the versions of a session with the requests that caused them.
 
         The history is complete: applying its requests again gives the same beliefs.
         """
-        return await answer(services.reads, lambda: sessions.history(id, limit, after))
+        return await answer(services.reads, lambda: sessions.history(id, limit, after, beliefs=beliefs))
 
     return router
