@@ -7,8 +7,9 @@ voa record -o look.mcap --topic '/tb3_1/**'                    all topics of a r
 
 The file gets raw scans, beliefs and refused scans, the scenario and history of each session that appears, and the ROS 2
 topics that are named (from zenoh-bridge-ros2dds and from rmw_zenoh); of latched topics, such as amcl_pose, also the
-newest message from before the start. Foxglove opens the file, and `voa replay` rebuilds the sessions from it. Ctrl-C
-ends the recording; after a power cut, everything up to a second before it is in the file.
+newest message from before the start. For each version of a session it gets a scene (object at its poses, places, scan,
+best grasp), frames and numbers over time, which Foxglove shows. `voa replay` rebuilds the sessions from the file, and
+rosbags reads it. Ctrl-C ends the recording; after a power cut, everything up to a second before it is in the file.
 """
 
 import argparse
@@ -20,7 +21,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, get_args
 
 import zenoh
 from rich.console import Console
@@ -35,6 +36,7 @@ from voa_recordings.files.ros_types import RosTypes
 from voa_recordings.files.writer import RecordingWriter
 from voa_recordings.limits import most_beams
 from voa_recordings.recorder.bridges import announced
+from voa_recordings.recorder.drawings import Drawings, Ranked
 from voa_recordings.recorder.filing import Filing
 from voa_recordings.recorder.histories import Histories
 from voa_recordings.recorder.inbox import Inbox
@@ -44,6 +46,7 @@ DEFAULT_URL = "zenoh://127.0.0.1:7447"
 _FLUSH_S = 0.5
 _OPEN_MS = 3_000
 _CALL_S = 10.0
+_RANKING_S = 60.0  # the first ranking of a scenario computes what later ones reuse
 
 
 class CannotRecord(VoaClientError):
@@ -61,10 +64,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with (
             joined(address, _OPEN_MS) as session,
             Client(options.url, timeout_s=_CALL_S) as client,
+            Client(options.url, timeout_s=_RANKING_S) as patient,
             _opened(options.out, force=options.force) as file,
             _stopping() as stop,
         ):
-            recorder = Recorder(session, client, file, Keys(address.root))
+            recorder = Recorder(session, (client, patient), file, Keys(address.root), options.rank)
             recorder.record(wanted, options.session, stop, options.seconds, console)
     except VoaClientError as error:
         print(f"voa record: {error}", file=sys.stderr)
@@ -81,19 +85,30 @@ class Recorder:
 
     Args:
         session: with the router.
-        client: of the service, for scenarios and histories.
+        clients: of the service, for scenarios and histories, and for rankings, which may take longer.
         file: to write; the caller closes it.
         keys: of the service.
+        ranked: versions whose places are ranked.
     """
 
-    def __init__(self, session: zenoh.Session, client: Client, file: IO[bytes], keys: Keys) -> None:
+    def __init__(
+        self,
+        session: zenoh.Session,
+        clients: tuple[Client, Client],
+        file: IO[bytes],
+        keys: Keys,
+        ranked: Ranked = "sparingly",
+    ) -> None:
         self._session = session
         self._file = file
         self._inbox = Inbox()
-        self._writer = RecordingWriter(file, RosTypes())
+        client, patient = clients
+        types = RosTypes()
+        self._writer = RecordingWriter(file, types)
         self._keys = keys
         self._filing = Filing(self._writer, keys)
-        self._histories = Histories(client, self._inbox, time.time_ns)
+        self._drawings = Drawings(patient, self._inbox, types.store, time.time_ns, ranked)
+        self._histories = Histories(client, self._inbox, time.time_ns, self._drawings.want)
         self._last: float | None = None
 
     def record(
@@ -115,6 +130,7 @@ class Recorder:
         """
         until = None if seconds is None else time.monotonic() + seconds
         self._histories.start()
+        self._drawings.start()
         for session in sessions:
             self._histories.want(session)
         with (
@@ -133,6 +149,7 @@ class Recorder:
                     flushed = time.monotonic()
                     self._show(live)
         self._histories.end()
+        self._drawings.end()
         while self._take(0.0):
             pass
         self._writer.finish()
@@ -153,6 +170,8 @@ class Recorder:
                 f"! session {session} cannot be rebuilt from the file, because its history is missing: {why}",
                 markup=False,
             )
+        for sentence in status.not_shown(self._drawings.failed, self._drawings.unranked):
+            console.print(f"! {sentence}", markup=False, highlight=False, soft_wrap=True)
 
     def _take(self, seconds: float) -> bool:
         item = self._inbox.get(seconds)
@@ -242,6 +261,13 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="KEYEXPR",
         help="ROS 2 topic to record; may be given several times",
+    )
+    parser.add_argument(
+        "--rank",
+        choices=get_args(Ranked),
+        default="sparingly",
+        help="rank the places of each version, for towers by Value of Assistance in its scene: as far as that keeps "
+        "the service busy for at most a tenth of the time (sparingly, the default), always, or never",
     )
     parser.add_argument("--seconds", type=float, help="end after this number of seconds (default: with Ctrl-C)")
     return parser

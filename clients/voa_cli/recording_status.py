@@ -58,3 +58,19 @@ def shortcomings(unknown: Counter[str], beams: Mapping[str, int], most_beams: in
                 f"{BEAMS}={most} is set for them"
             )
     return sentences
+
+
+def not_shown(failed: Mapping[str, str], unranked: Counter[str]) -> list[str]:
+    """Write a sentence for each session whose scenes in the recording are not complete.
+
+    Args:
+        failed: why, per session.
+        unranked: number of versions whose places were not ranked, per session.
+    """
+    sentences = [f"session {session} is not shown completely: {why}" for session, why in sorted(failed.items())]
+    sentences += [
+        f"session {session} has {count} versions without towers: their places were not ranked, to spare the service "
+        "(`--rank always` does not) or because the recording ended"
+        for session, count in sorted(unranked.items())
+    ]
+    return sentences

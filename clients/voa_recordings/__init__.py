@@ -13,6 +13,7 @@
 | `session_file` | session files: a session's scenario and history, to rebuild it on another service |
 | `files` | recordings: MCAP files, rosbag2 folders and ROS 1 bags, read; MCAP files, written |
 | `recorder` | messages on Zenoh, written to a recording (`voa record`) |
+| `scenes` | messages that show the versions of a session in viewers of recordings |
 | `replay` | experiments, sessions and looks sent through a service again (`voa replay`), with typed reports |
 | `limits` | the limits that commands share with `voa serve` |
 """

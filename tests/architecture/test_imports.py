@@ -61,7 +61,7 @@ PACKAGES = {
         "mcap",
         "rosbags",
         "zenoh",
-        only_in={"ruamel": "folder.py", "zstandard": "packed.py"},
+        only_in={"numpy": "scene_message.py series.py", "ruamel": "folder.py", "zstandard": "packed.py"},
     ),
     "voa_doctor": _package(
         "clients/voa_doctor",

@@ -8,15 +8,19 @@ from typing import Any
 
 import pytest
 from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
 
 from tests.support.routers import router
 from tests.support.serving import data_scenario
 from tests.support.waiting import wait_for
 from tests.voa_cli.labs import Lab, service_on
 from tests.voa_recordings.files.bags import START_NS, laser_scan
-from tests.voa_recordings.recorders import messages, recording
+from tests.voa_recordings.recorders import json_bodies, messages, recording
+from voa_assets import path as asset_path
 from voa_cli.main import main
 from voa_client import Client, ZenohAddress
+from voa_client.scenario_files import load_scenario
 from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys
 from voa_msgs.scenarios import ScenarioRequest
@@ -77,6 +81,54 @@ def test_a_session_is_recorded_and_rebuilt_elsewhere(
     assert "its belief is exactly the recorded one" in " ".join(capsys.readouterr().out.split())
 
 
+def test_a_recording_shows_each_version_and_stock_readers_read_all_of_it(
+    lab: Lab, process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "shown.mcap"
+    mug = asset_path("mug")
+    topics = ["--topic", "/tb3_1/scan"]
+    with (
+        Client(lab.url, timeout_s=30.0) as client,
+        recording(path, "--url", lab.zenoh, "--rank", "always", *topics) as own,
+        joined(ZenohAddress.parse(lab.zenoh)) as robot,
+    ):
+        scenario = load_scenario(client, mug / "scenario.json")
+        session = client.create_session(SessionRequest(scenario=scenario.id)).id
+        robot.put("tb3_1/scan", encode_laser_scan(laser_scan([0.5] * 360)))
+        client.report_outcome(session, OutcomeRequest(grasp=scenario.grasps[0].name, success=False))
+        wait_for(lambda: topics_of(path).count(f"/voa/{session}/scene") == 2, "both versions are drawn")
+        printed = own.stop(signal.SIGINT)
+        history = list(client.history(session, beliefs=True))
+    assert "not shown completely" not in printed
+    with AnyReader([path]) as theirs:
+        decoded = [(of.topic, theirs.deserialize(data, of.msgtype)) for of, _, data in theirs.messages()]
+    by_topic: dict[str, list[Any]] = {}
+    for topic, message in decoded:
+        by_topic.setdefault(topic, []).append(message)
+    assert len(by_topic["/tb3_1/scan"][0].ranges) == 360
+    scenes = [{entity.id: entity for entity in scene.entities} for scene in by_topic[f"/voa/{session}/scene"]]
+    models = [bytes(scene["belief"].models[0].data) for scene in scenes]
+    beliefs = [entry.belief or [] for entry in history]
+    likely = [sum(part > 1e-3 * max(belief) for part in belief) for belief in beliefs]
+    assert [model.count(b'"mesh":') for model in models] == likely, "a ghost for each pose that is not unlikely"
+    assert [len(scene["looks"].cylinders) for scene in scenes] == [len(scenario.sensors)] * 2
+    assert [list(each.data) for each in by_topic[f"/voa/{session}/probabilities"]] == beliefs
+    scores = [each.data for each in by_topic[f"/voa/{session}/expected_score"]]
+    assert scores == [entry.expected_score for entry in history]
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
+        assert sum(1 for _ in reader.iter_decoded_messages()) == len(decoded)
+    assert main(["replay", str(path), "--url", process, "--mesh", str(mug / "mug.obj"), "--json"]) == 0
+    (again,) = json.loads(capsys.readouterr().out)["sessions"]
+    assert (again["same"], again["session"]["belief"]) == (True, beliefs[-1])
+    assert all("belief" not in entry for entry in json_bodies(path, f"/voa/{session}/history")), "it has its own topic"
+
+
+def topics_of(path: Path) -> list[str]:
+    """The topic of each message that is on the disk now."""
+    return [message.topic for message in Recording(path, TYPES).messages()]
+
+
 def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> None:
     path = tmp_path / "look.mcap"
     topics = ["--topic", "/tb3_1/scan", "--topic", "*/scan", "--topic", "tb3_1/other"]
@@ -95,18 +147,15 @@ def test_what_robots_put_is_recorded_as_it_came(lab: Lab, tmp_path: Path) -> Non
         wait_for(lambda: refusals(lab) > 0, "the second scan is refused")
         printed = own.stop(signal.SIGINT)
     result = messages(path)
-    scans = [message for topic, encoding, message in result if (topic, encoding) == ("/tb3_1/scan", "cdr")]
+    scans = [message for topic, _, message in result if topic == "/tb3_1/scan"]
     assert [message.data for message in scans] == [payload] * 2
     assert 7 in [message.sequence for message in scans]
     assert all(0 <= message.log_time - message.publish_time < 60_000_000_000 for message in scans)
     assert [message.data for topic, _, message in result if topic == "/tb3_2/scan"] == [payload]
-    by_topic: dict[str, list[bytes]] = {}
-    for topic, _, message in result:
-        by_topic.setdefault(topic, []).append(message.data)
-    assert SCAN.model_dump_json().encode() in by_topic[f"/voa/{session}/scan"]
-    assert json.loads(by_topic[f"/voa/{session}/scan_attachment"][0]) == {"id": "look-1"}
+    assert SCAN.model_dump(mode="json") in json_bodies(path, f"/voa/{session}/scan")
+    assert json_bodies(path, f"/voa/{session}/scan_attachment") == [{"id": "look-1"}]
     assert b"secret" not in path.read_bytes()
-    assert json.loads(by_topic[f"/voa/{session}/refused"][0])["status"] == 422
+    assert json_bodies(path, f"/voa/{session}/refused")[0]["status"] == 422
     assert "1 messages have no type" in printed
     with path.open("rb") as file:
         summary = make_reader(file).get_summary()

@@ -23,3 +23,11 @@ def test_the_line_says_how_it_stands() -> None:
     assert "no router  4 dropped" in status.line(counts, 0, None, 4, linked=False)
     assert "nothing received yet" in status.line(Counter(), 0, None, 0, linked=True)
     assert [status.size(count) for count in (999, 1000, 2_500_000_000_000)] == ["999 B", "1.0 kB", "2500.0 GB"]
+
+
+def test_sessions_that_are_not_shown_completely_are_said() -> None:
+    said = status.not_shown({"s1": "the mesh is gone"}, Counter({"s2": 3}))
+    assert said[0] == "session s1 is not shown completely: the mesh is gone"
+    assert said[1].startswith("session s2 has 3 versions without towers")
+    assert "--rank always" in said[1]
+    assert status.not_shown({}, Counter()) == []

@@ -1,5 +1,6 @@
 """`voa record` in a process of its own, and what it wrote."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -11,6 +12,9 @@ from typing import Any
 from mcap.reader import make_reader
 
 from tests.support.waiting import wait_for
+from voa_recordings.files.json_text import json_of
+from voa_recordings.files.reading import Recording
+from voa_recordings.files.ros_types import RosTypes
 
 
 class Recorder:
@@ -54,6 +58,12 @@ def recording(path: Path, *options: str) -> Iterator[Recorder]:
 
 
 def messages(path: Path) -> list[tuple[str, str, Any]]:
-    """Topic, encoding and data."""
+    """Topic, name of the type ("" without one), and the message."""
     with path.open("rb") as file:
-        return [(c.topic, c.message_encoding, m) for _, c, m in make_reader(file).iter_messages()]
+        return [(c.topic, "" if s is None else s.name, m) for s, c, m in make_reader(file).iter_messages()]
+
+
+def json_bodies(path: Path, topic: str) -> list[Any]:
+    """The JSON on a topic, in order."""
+    bodies = [json_of(message) for message in Recording(path, RosTypes()).messages() if message.topic == topic]
+    return [json.loads(body) for body in bodies if body is not None]

@@ -8,6 +8,8 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from voa_recordings.files.foxglove_types import foxglove_types
+
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 POSE_WITH_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -21,7 +23,7 @@ Decoded = Callable[[bytes], bytes]
 
 
 class RosTypes:
-    """Message types of ROS 2, as its release Jazzy defines them.
+    """Message types of ROS 2, as its release Jazzy defines them, and of Foxglove's scenes.
 
     Attributes:
         store: definitions of all types, by rosbags.
@@ -29,6 +31,7 @@ class RosTypes:
 
     def __init__(self) -> None:
         self.store = get_typestore(Stores.ROS2_JAZZY)
+        self.store.register(foxglove_types())
 
     def definition(self, type_name: str, type_hash: str | None = None) -> str | None:
         """Return the definition of a type and of the types that it contains, in the format "ros2msg".

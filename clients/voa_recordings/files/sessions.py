@@ -1,14 +1,17 @@
 """The sessions in a recording: each with its scenario, its history, and its beliefs.
 
-| topic                           | message                              | how often                                |
-|---------------------------------|--------------------------------------|------------------------------------------|
-| `/voa/<session>/scenario`       | `scenarios.Scenario`                 | once                                     |
-| `/voa/<session>/history`        | `sessions.HistoryEntry`              | each version, in order                   |
-| `/voa/<session>/belief`         | `sessions.Session`                   | each version that was received           |
-| `/voa/<session>/scan`           | `sessions.ScanRequest`, or LaserScan | each raw scan                            |
-| `/voa/<session>/scan_attachment`| `keys.Attachment`                    | beside a raw scan that had one           |
-| `/voa/<session>/refused`        | `problems.Problem`                   | each scan that could not be used         |
-| `/voa/<session>/deleted`        | `{}`                                 | when the session ended                   |
+| topic                           | message                       | how often                                       |
+|---------------------------------|-------------------------------|-------------------------------------------------|
+| `/voa/<session>/scenario`       | `scenarios.Scenario`          | once                                            |
+| `/voa/<session>/history`        | `sessions.HistoryEntry`       | each version, in order                          |
+| `/voa/<session>/belief`         | `sessions.Session`            | each version that was received                  |
+| `/voa/<session>/scan`           | `sessions.ScanRequest`        | each raw scan in JSON                           |
+| `/voa/<session>/laser_scan`     | `sensor_msgs/msg/LaserScan`   | each raw scan in CDR; on `scan` in older files  |
+| `/voa/<session>/scan_attachment`| `keys.Attachment`             | beside a raw scan that had one                  |
+| `/voa/<session>/refused`        | `problems.Problem`            | each scan that could not be used                |
+| `/voa/<session>/deleted`        | `{}`                          | when the session ended                          |
+
+All but LaserScan are JSON (`json_text`). Beside them stand the messages that show a version (`voa_recordings.scenes`).
 """
 
 import re
@@ -22,6 +25,7 @@ from pydantic import BaseModel, ValidationError
 from voa_msgs.reading import in_one_line
 from voa_msgs.scenarios import Scenario
 from voa_msgs.sessions import HistoryEntry, Session
+from voa_recordings.files.json_text import json_of
 from voa_recordings.files.message import RecordedMessage, UnreadableRecording
 from voa_recordings.session_file import SessionFile
 
@@ -58,24 +62,25 @@ def recorded_sessions(messages: Iterable[RecordedMessage]) -> list[RecordedSessi
     sessions: defaultdict[str, _Messages] = defaultdict(_Messages)
     for message in messages:
         named = _TOPIC.fullmatch(message.topic)
-        if named is not None and message.encoding == "json":
-            _note(sessions[named[1]], named[2], message)
+        body = None if named is None else json_of(message)
+        if named is not None and body is not None:
+            _note(sessions[named[1]], named[2], message.topic, body)
     return [_session(session, sessions[session]) for session in sorted(sessions)]
 
 
-def _note(known: _Messages, what: str, message: RecordedMessage) -> None:
+def _note(known: _Messages, what: str, topic: str, body: bytes) -> None:
     try:
         if what == "scenario":
-            known.scenario = Scenario.model_validate_json(message.data, extra="ignore")
+            known.scenario = Scenario.model_validate_json(body, extra="ignore")
         elif what == "history":
-            entry = HistoryEntry.model_validate_json(message.data, extra="ignore")
+            entry = HistoryEntry.model_validate_json(body, extra="ignore")
             known.history[entry.version] = entry
         elif what == "belief":
-            session = Session.model_validate_json(message.data, extra="ignore")
+            session = Session.model_validate_json(body, extra="ignore")
             if session.version is not None:
                 known.beliefs[session.version] = session.belief
     except ValidationError as error:
-        raise UnreadableRecording(f"{message.topic}: {in_one_line(_KINDS[what], error)}") from error
+        raise UnreadableRecording(f"{topic}: {in_one_line(_KINDS[what], error)}") from error
 
 
 def _session(session: str, known: _Messages) -> RecordedSession:

@@ -1,16 +1,16 @@
 """Writer of recordings: MCAP files with ROS 2 messages as received (CDR) and the service's messages as JSON.
 
-The profile is "ros2", and each ROS topic is a channel of the same name, so that Foxglove and ROS 2's tools read it.
+The profile is "ros2", each ROS topic is a channel of the same name, and every channel has ROS 2's encoding, JSON
+included (`json_text`), so that Foxglove, rosbags and ROS 2's tools read the whole file.
 """
 
-import json
 from collections import Counter
 from importlib.metadata import version
 from typing import IO, NamedTuple
 
 from mcap.writer import CompressionType, Writer
-from pydantic import BaseModel
 
+from voa_recordings.files.json_text import STRING, as_string
 from voa_recordings.files.ros_types import RosTypes
 
 LIBRARY = "voa"
@@ -30,7 +30,7 @@ class RecordingWriter:
         self.counts: Counter[str] = Counter()
         self._file = file
         self._types = types
-        self._channels: dict[tuple[str, str, str, _Schema], int] = {}
+        self._channels: dict[tuple[str, str, _RosType | None], int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._mcap = Writer(file, chunk_size=_CHUNK, compression=CompressionType.ZSTD)
         self._mcap.start(profile="ros2", library=f"{LIBRARY} {version('voa')}")
@@ -62,20 +62,17 @@ class RecordingWriter:
             data: CDR with its four bytes of header.
             log_ns: time of receipt, nanoseconds since 1970.
             publish_ns: time of sending, nanoseconds since 1970.
-            key: the Zenoh key on which it was received.
+            key: the Zenoh key on which it was received; "": none.
             sequence: the sender's sequence number, if it has one.
             type_hash: of the sender's definition ("RIHS01_..."), if known.
         """
         named = None if type_name is None else _RosType(type_name, type_hash)
-        channel = self._channel(topic, "cdr", key, named)
+        channel = self._channel(topic, key, named)
         self._add(topic, channel, data, log_ns, publish_ns, sequence)
 
-    def add_json(
-        self, topic: str, model: type[BaseModel] | None, data: bytes, *, log_ns: int, publish_ns: int, key: str
-    ) -> None:
-        """Append a message of the service, unchanged; `model` gives its schema, None: it has none."""
-        channel = self._channel(topic, "json", key, model)
-        self._add(topic, channel, data, log_ns, publish_ns, 0)
+    def add_json(self, topic: str, data: bytes, *, log_ns: int, publish_ns: int, key: str) -> None:
+        """Append a message of the service, as the text of a `std_msgs/msg/String`."""
+        self.add_ros(topic, STRING, as_string(data), log_ns=log_ns, publish_ns=publish_ns, key=key)
 
     def flush(self) -> None:
         """End the chunk and hand it to the operating system."""
@@ -90,30 +87,24 @@ class RecordingWriter:
         self.counts[topic] += 1
         self._mcap.add_message(channel, log_time=log_ns, publish_time=publish_ns, data=data, sequence=sequence)
 
-    def _channel(self, topic: str, encoding: str, key: str, schema: "_Schema") -> int:
-        known = (topic, encoding, key, schema)
+    def _channel(self, topic: str, key: str, named: "_RosType | None") -> int:
+        known = (topic, key, named)
         if known not in self._channels:
-            named = self._schema(schema)
-            self._channels[known] = self._mcap.register_channel(topic, encoding, named, {"key": key})
+            metadata = {"key": key} if key else {}
+            self._channels[known] = self._mcap.register_channel(topic, "cdr", self._schema(named), metadata)
         return self._channels[known]
 
-    def _schema(self, schema: "_Schema") -> int:
+    def _schema(self, named: "_RosType | None") -> int:
         """Return the number of a schema in the file; 0: no schema."""
-        if schema is None:
+        if named is None:
             return 0
-        if isinstance(schema, _RosType):
-            text = self._types.definition(schema.name, schema.type_hash)
-            name, encoding, data = (schema.name, "ros2msg", text) if text is not None else (schema.name, "", "")
-        else:
-            name, encoding, data = schema.__name__, "jsonschema", json.dumps(schema.model_json_schema())
-        if (name, encoding) not in self._schemas:
-            self._schemas[name, encoding] = self._mcap.register_schema(name, encoding, data.encode())
-        return self._schemas[name, encoding]
+        text = self._types.definition(named.name, named.type_hash)
+        encoding, data = ("ros2msg", text) if text is not None else ("", "")
+        if (named.name, encoding) not in self._schemas:
+            self._schemas[named.name, encoding] = self._mcap.register_schema(named.name, encoding, data.encode())
+        return self._schemas[named.name, encoding]
 
 
 class _RosType(NamedTuple):
     name: str
     type_hash: str | None
-
-
-_Schema = _RosType | type[BaseModel] | None

@@ -4,28 +4,15 @@ import json
 from collections import Counter
 from collections.abc import Callable
 
-from pydantic import BaseModel
-
-from voa_msgs.keys import Attachment, Keys
-from voa_msgs.problems import Problem
-from voa_msgs.scenarios import Scenario
-from voa_msgs.sessions import HistoryEntry, ScanRequest, Session
+from voa_msgs.keys import Keys
 from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE
 from voa_recordings.files.sessions import topic_of
 from voa_recordings.files.writer import RecordingWriter
-from voa_recordings.recorder.inbox import FetchedDocument, ReceivedSample
+from voa_recordings.recorder.inbox import FetchedDocument, Item, ReceivedSample, VersionOfSession
 from voa_ros.cdr import InvalidCdr, decode_laser_scan, decode_odometry, decode_pose
 from voa_ros.messages import NANOSECONDS, LaserScan, Odometry, PoseWithCovariance
 from voa_ros.topics import InvalidRmwAttachment, InvalidTopic, RmwAttachment, parse_key
 
-_MODELS: dict[str, type[BaseModel]] = {
-    "belief": Session,
-    "history": HistoryEntry,
-    "refused": Problem,
-    "scan": ScanRequest,
-    "scan_attachment": Attachment,
-    "scenario": Scenario,
-}
 _CDR_HEADER = b"\0"
 _SEQUENCES = 2**32
 
@@ -59,10 +46,16 @@ class Filing:
         self._announced_type = announced_type
         self._recognised: dict[str, str] = {}  # by key, for later payloads of the key that cannot be decoded
 
-    def file(self, item: ReceivedSample | FetchedDocument) -> str | None:
+    def file(self, item: Item) -> str | None:
         """Write an item of the inbox; return the id of the session that a sample brings a new version of, or None."""
         if isinstance(item, FetchedDocument):
             self._json(item.session, item.what, item.body, (item.log_ns, item.sent_ns), self._keys.rpc("*"))
+            return None
+        if isinstance(item, VersionOfSession):
+            topic = topic_of(item.session, item.what)
+            self._writer.add_ros(
+                topic, item.type_name, item.data, log_ns=item.at_ns, publish_ns=item.at_ns, key=self._keys.rpc("*")
+            )
             return None
         below = item.key.removeprefix(f"{self._keys.root}/").split("/")
         if not item.key.startswith(f"{self._keys.root}/"):
@@ -82,7 +75,7 @@ class Filing:
     def _scan(self, session: str, item: ReceivedSample) -> None:
         times = _times(item)
         if item.payload.startswith(_CDR_HEADER):
-            topic = topic_of(session, "scan")
+            topic = topic_of(session, "laser_scan")
             self._writer.add_ros(topic, LASER_SCAN, item.payload, log_ns=times[0], publish_ns=times[1], key=item.key)
         else:
             self._json(session, "scan", item.payload, times, item.key)
@@ -91,8 +84,7 @@ class Filing:
             self._json(session, "scan_attachment", beside, times, item.key)
 
     def _json(self, session: str, what: str, body: bytes, times: tuple[int, int], key: str) -> None:
-        model = _MODELS.get(what)
-        self._writer.add_json(topic_of(session, what), model, body, log_ns=times[0], publish_ns=times[1], key=key)
+        self._writer.add_json(topic_of(session, what), body, log_ns=times[0], publish_ns=times[1], key=key)
 
     def _ros(self, item: ReceivedSample) -> None:
         topic, named = _of_key(item.key)

@@ -2,14 +2,26 @@
 
 import threading
 from collections.abc import Callable
+from typing import Protocol
 
 from pydantic import BaseModel
 
 from voa_client import Client, NotFoundError, VoaClientError
+from voa_msgs.scenarios import Scenario
+from voa_msgs.sessions import HistoryEntry
 from voa_recordings.recorder.inbox import FetchedDocument, Inbox
 
 _AT_MOST_EVERY_S = 0.5  # a history is fetched whole, so not at each version of a session that changes quickly
 _END_S = 10.0
+_WITHOUT_BELIEF = dict.fromkeys(("belief", "best_grasp", "expected_score", "entropy_nats"))
+"""Fields of a history's entry that are recorded on topics of their own."""
+
+
+class OnVersion(Protocol):
+    """Function that receives each new version of a session, in order."""
+
+    def __call__(self, session: str, scenario: Scenario, entry: HistoryEntry, *, newest: bool) -> None:
+        """Receive a version with its belief; `newest` is True for the last one that the service has so far."""
 
 
 class Histories:
@@ -19,11 +31,14 @@ class Histories:
         failed: per session, why the newest attempt failed; sessions that were fetched are not in it.
     """
 
-    def __init__(self, client: Client, inbox: Inbox, now_ns: Callable[[], int]) -> None:
+    def __init__(self, client: Client, inbox: Inbox, now_ns: Callable[[], int], on_version: OnVersion) -> None:
+        """Fetch from `client`; `on_version` receives each version that was put into the inbox."""
         self.failed: dict[str, str] = {}
         self._client = client
         self._inbox = inbox
         self._now_ns = now_ns
+        self._on_version = on_version
+        self._scenarios: dict[str, Scenario] = {}
         self._fetched: dict[str, int] = {}  # session -> newest version whose entry was fetched; -1: only its scenario
         self._wanted: set[str] = set()
         self._changed = threading.Condition()
@@ -62,13 +77,16 @@ class Histories:
         try:
             if session not in self._fetched:
                 state = self._client.get_session(session)
-                self._put(session, "scenario", self._client.get_scenario(state.scenario))
+                self._scenarios[session] = self._client.get_scenario(state.scenario)
+                self._put(session, "scenario", self._scenarios[session])
                 self._put(session, "belief", state)
                 self._fetched[session] = -1
-            for entry in self._client.history(session):
-                if entry.version > self._fetched[session]:
-                    self._put(session, "history", entry)
-                    self._fetched[session] = entry.version
+            history = self._client.history(session, beliefs=True)
+            new = [entry for entry in history if entry.version > self._fetched[session]]
+            for entry in new:
+                self._put(session, "history", entry.model_copy(update=_WITHOUT_BELIEF))
+                self._fetched[session] = entry.version
+                self._on_version(session, self._scenarios[session], entry, newest=entry is new[-1])
         except VoaClientError as error:
             self.failed[session] = str(error)
             if not isinstance(error, NotFoundError) and not self._ending.is_set():

@@ -40,6 +40,21 @@ class FetchedDocument:
     sent_ns: int
 
 
+@dataclass(frozen=True)
+class VersionOfSession:
+    """A message that shows a version of a session: CDR for one of the session's topics in the recording."""
+
+    session: str
+    what: str
+    type_name: str
+    data: bytes
+    at_ns: int
+
+
+Item = ReceivedSample | FetchedDocument | VersionOfSession
+"""Item of an inbox."""
+
+
 class Inbox:
     """A bounded queue that never blocks its producers, since a callback that waits stalls the whole Zenoh session.
 
@@ -48,17 +63,17 @@ class Inbox:
     """
 
     def __init__(self, most: int = MOST_WAITING) -> None:
-        self._held: queue.Queue[ReceivedSample | FetchedDocument] = queue.Queue(most)
+        self._held: queue.Queue[Item] = queue.Queue(most)
         self.dropped = 0
 
-    def put(self, item: ReceivedSample | FetchedDocument) -> None:
+    def put(self, item: Item) -> None:
         """Append an item, or count it as dropped if the queue is full."""
         try:
             self._held.put_nowait(item)
         except queue.Full:
             self.dropped += 1
 
-    def get(self, seconds: float) -> ReceivedSample | FetchedDocument | None:
+    def get(self, seconds: float) -> Item | None:
         """Remove and return the oldest item; None: none arrived within `seconds`."""
         try:
             return self._held.get(timeout=seconds) if seconds > 0.0 else self._held.get_nowait()

@@ -1,17 +1,19 @@
 """Recordings as files: what is written is read, by us and by others; what is damaged is read as far as it goes."""
 
-import json
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
+from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin
 
 from tests.voa_recordings.files.bags import START_NS, STEP_NS, Written, bag, read, scans
 from voa_msgs.problems import Problem
+from voa_recordings.files.json_text import STRING
 from voa_recordings.files.message import UnreadableRecording
 from voa_recordings.files.reading import is_recording
 from voa_recordings.files.ros_types import LASER_SCAN, RosTypes
@@ -49,25 +51,40 @@ def test_a_recording_is_what_was_given_and_others_read_it(tmp_path: Path) -> Non
     assert [channel.metadata for channel in summary.channels.values()] == [{"key": "scan"}]
 
 
-def test_json_has_the_schema_of_its_message_and_the_profile_is_ros2() -> None:
+def test_json_is_text_of_ros_and_the_profile_is_ros2() -> None:
     file = BytesIO()
     writer = RecordingWriter(file, TYPES)
-    body = Problem(type="urn:voa:problem:x", title="x", status=422, detail="x").model_dump_json().encode()
+    body = Problem(type="urn:voa:problem:x", title="x", status=422, detail="ä").model_dump_json().encode()
     for topic in ("/voa/s1/refused", "/voa/s2/refused"):
-        writer.add_json(topic, Problem, body, log_ns=START_NS, publish_ns=START_NS, key="k")
+        writer.add_json(topic, body, log_ns=START_NS, publish_ns=START_NS, key="k")
     writer.add_ros("/unknown", "lab_msgs/msg/Own", b"\0\1\0\0", log_ns=START_NS, publish_ns=START_NS, key="unknown")
     writer.finish()
     file.seek(0)
     reader = make_reader(file)
     assert reader.get_header().profile == "ros2"
     result = [(schema, channel, message.data) for schema, channel, message in reader.iter_messages()]
-    assert [schema and (schema.name, schema.encoding) for schema, _, _ in result] == [("Problem", "jsonschema")] * 2 + [
+    assert [schema and (schema.name, schema.encoding) for schema, _, _ in result] == [(STRING, "ros2msg")] * 2 + [
         ("lab_msgs/msg/Own", "")
     ]
-    assert [data for *_, data in result[:2]] == [body, body]
-    assert result[0][0] is not None
-    assert json.loads(result[0][0].data)["properties"]["type"]
+    assert {channel.message_encoding for _, channel, _ in result} == {"cdr"}
+    texts: list[Any] = [TYPES.store.deserialize_cdr(data, STRING) for *_, data in result[:2]]
+    assert [text.data.encode() for text in texts] == [body, body]
     assert dict(writer.counts) == {"/voa/s1/refused": 1, "/voa/s2/refused": 1, "/unknown": 1}
+
+
+def test_stock_readers_read_a_recording_with_json_and_ros(tmp_path: Path) -> None:
+    path, (scan,) = tmp_path / "own.mcap", scans(1)
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, TYPES)
+        writer.add_ros("/scan", LASER_SCAN, scan[-1], log_ns=START_NS, publish_ns=START_NS, key="scan")
+        writer.add_json("/voa/s1/deleted", b"{}", log_ns=START_NS + 1, publish_ns=START_NS, key="k")
+        writer.finish()
+    with AnyReader([path]) as theirs:
+        read_by_them: list[Any] = [theirs.deserialize(data, of.msgtype) for of, _, data in theirs.messages()]
+    assert [len(read_by_them[0].ranges), read_by_them[1].data] == [360, "{}"]
+    with path.open("rb") as file:
+        by_mcap = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
+    assert [len(by_mcap[0].decoded_message.ranges), by_mcap[1].decoded_message.data] == [360, "{}"]
 
 
 @pytest.mark.parametrize("storage", STORAGES)

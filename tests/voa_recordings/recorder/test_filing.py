@@ -11,6 +11,7 @@ from mcap.reader import make_reader
 from tests.voa_recordings.files.bags import START_NS, laser_scan
 from tests.voa_recordings.recorder.samples import NEXT, RMW, received
 from voa_msgs.keys import Keys
+from voa_recordings.files.json_text import STRING
 from voa_recordings.files.ros_types import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE, RosTypes
 from voa_recordings.files.writer import RecordingWriter
 from voa_recordings.recorder.filing import Filing
@@ -127,16 +128,18 @@ def test_what_is_below_the_root_gets_the_session_s_topics() -> None:
         FetchedDocument("s1", "history", b"{}", NEXT, NEXT),
     )
     assert Counter((topic, kind) for topic, kind, _ in result) == {
-        ("/voa/s1/belief", "Session"): 1,
-        ("/voa/s1/deleted", None): 1,
-        ("/voa/s1/scan", "ScanRequest"): 2,
-        ("/voa/s1/scan", LASER_SCAN): 1,
-        ("/voa/s1/scan_attachment", "Attachment"): 1,
-        ("/voa/s1/refused", "Problem"): 1,
-        ("/voa/s1/history", "HistoryEntry"): 1,
+        ("/voa/s1/belief", STRING): 1,
+        ("/voa/s1/deleted", STRING): 1,
+        ("/voa/s1/scan", STRING): 2,
+        ("/voa/s1/laser_scan", LASER_SCAN): 1,
+        ("/voa/s1/scan_attachment", STRING): 1,
+        ("/voa/s1/refused", STRING): 1,
+        ("/voa/s1/history", STRING): 1,
     }
-    beside = [message.data for topic, _, message in result if topic.endswith("attachment")]
-    assert [json.loads(data) for data in beside] == [{"sensor": "Q1"}]
+    assert len({topic for topic, _, _ in result}) == 7, "ROS 2's tools expect one type on a topic"
+    (beside,) = [message.data for topic, _, message in result if topic.endswith("attachment")]
+    text: Any = TYPES.store.deserialize_cdr(beside, STRING)
+    assert json.loads(text.data) == {"sensor": "Q1"}
     assert moved == ["s1"] + [None] * 7
 
 

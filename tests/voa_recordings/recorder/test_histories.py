@@ -10,7 +10,7 @@ from voa_recordings.recorder.inbox import Inbox
 def test_a_history_that_cannot_be_fetched_is_reported() -> None:
     inbox = Inbox()
     with Client("http://127.0.0.1:1", timeout_s=0.1) as client:
-        histories = Histories(client, inbox, lambda: NEXT)
+        histories = Histories(client, inbox, lambda: NEXT, lambda *_, newest: None)
         histories.start()
         histories.want("s1")
         wait_for(lambda: histories.failed, "the attempt fails")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.writer import Writer
 from pydantic import BaseModel
 
 from tests.support.serving import data_scenario
@@ -52,7 +53,7 @@ def written(path: Path, messages: Iterable[SessionMessage]) -> Path:
         for session, what, message in messages:
             body = message if isinstance(message, bytes) else message.model_dump_json().encode()
             topic = topic_of(session, what)
-            writer.add_json(topic, None, body, log_ns=START_NS, publish_ns=START_NS, key=topic)
+            writer.add_json(topic, body, log_ns=START_NS, publish_ns=START_NS, key=topic)
         writer.finish()
     return path
 
@@ -70,6 +71,26 @@ def test_all_of_it(
 ) -> None:
     code, [again] = replayed(capsys, process, written(tmp_path / "x.mcap", content))
     assert (code, again["same"], again["session"]["version"], again["lacks"]) == (0, True, 2, None)
+
+
+def test_an_older_recording_with_json_channels_gives_the_same(
+    capsys: pytest.CaptureFixture[str], process: str, tmp_path: Path, content: list[SessionMessage]
+) -> None:
+    path = tmp_path / "old.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2")
+        for session, what, message in content:
+            assert isinstance(message, BaseModel)
+            schema = writer.register_schema(type(message).__name__, "jsonschema", b"{}")
+            channel = writer.register_channel(topic_of(session, what), "json", schema)
+            writer.add_message(channel, START_NS, message.model_dump_json().encode(), START_NS)
+        writer.finish()
+    old = replayed(capsys, process, path)
+    new = replayed(capsys, process, written(tmp_path / "new.mcap", content))
+    assert [(code, item["same"], item["session"]["belief"]) for code, (item,) in (old, new)] == [
+        (0, True, old[1][0]["session"]["belief"])
+    ] * 2
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""Messages that show the versions of a session."""
