@@ -1,7 +1,7 @@
 """ROS 2 without ROS: LaserScans and poses as a bridge puts them on Zenoh, the pose of the lidar, and looks of a robot.
 
 Pure functions and state machines: bytes and messages in, messages out; no clock, and no I/O but in
-`latched`, which alone imports Zenoh. Depends on pydantic and `voa_msgs`.
+`latched`, which alone imports Zenoh. Depends on pydantic, `voa_msgs` and, for markers, `voa_scene`.
 
 | module         | content                                                                            |
 |----------------|------------------------------------------------------------------------------------|
@@ -12,6 +12,9 @@ Pure functions and state machines: bytes and messages in, messages out; no clock
 | `scans`        | convert a LaserScan to the service's scan; median of several scans                 |
 | `robots`       | mapping of robots to sessions, which an operator writes                            |
 | `robot_places` | mount of the lidar and source of its poses, in that mapping                        |
+| `robot_outputs` | topics for ROS tools, in that mapping                                             |
+| `outputs`      | make the messages of these topics: belief, poses, markers, grasps, places          |
+| `priors`       | a belief from the pose of the object that a person marks                           |
 | `frames`       | select the scans of one frame, where echoes or lidars share a topic                |
 | `repeats`      | recognise scans that arrive twice                                                  |
 | `grids`        | grids of beams; bring scans of any layout onto one grid; lidars that hang          |

@@ -166,6 +166,15 @@ def decode_pose(data: bytes) -> PoseWithCovariance:
     return _decode(POSE_WITH_COVARIANCE_STAMPED.name, data, 0, _read_pose)
 
 
+def decode_bool(data: bytes) -> bool:
+    """Decode a `std_msgs/msg/Bool`; raises InvalidCdr for other bytes."""
+    if bytes(data[:2]) not in _ORDERS or not _HEADER < len(data) <= _HEADER + 1 + _MOST_TRAILING:
+        raise InvalidCdr(f"expected a std_msgs/msg/Bool of {_HEADER + 1} bytes, got {len(data)} bytes")
+    if data[_HEADER] not in (0, 1):
+        raise InvalidCdr(f"expected a std_msgs/msg/Bool, 0 or 1, got {data[_HEADER]}")
+    return data[_HEADER] == 1
+
+
 class _Writer:
     def __init__(self, *, little_endian: bool) -> None:
         self._order = "<" if little_endian else ">"

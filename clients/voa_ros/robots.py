@@ -26,6 +26,7 @@ origin = { x = 0.4, y = 0.0, yaw_rad = 3.14 }  # the odometry frame in the world
 | `"amcl"`       | the pose of AMCL, carried forward by odometry: AMCL is silent while the robot stands still  |
 
 The first two state the pose of the lidar itself, so that `lidar.x`, `lidar.y` and `lidar.yaw_rad` are not used.
+`[robot.outputs]` and `[robot.inputs]` switch on topics for ROS tools: see `robot_outputs`.
 """
 
 import math
@@ -40,6 +41,7 @@ from pydantic_core import ErrorDetails
 
 from voa_msgs.base import Id, Message
 from voa_msgs.reading import by_weight, problem
+from voa_ros.robot_outputs import Inputs, Outputs
 from voa_ros.robot_places import AmclPlace, Mount, OdometryPlace, Place, Tolerance, Topic
 from voa_ros.topics import LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED, MessageType, resolve
 
@@ -131,6 +133,10 @@ class RobotMapping(Message):
     """Rule by which scans become looks."""
     place: Place
     """Source of the poses at which scans are taken."""
+    outputs: Outputs = Outputs()
+    """Topics that the service publishes for ROS tools."""
+    inputs: Inputs = Inputs()
+    """Topics by which ROS tools change the session."""
 
     @model_validator(mode="after")
     def _one_session(self) -> Self:
@@ -147,6 +153,13 @@ class RobotMapping(Message):
                 raise ValueError(
                     "namespace: expected one, because the name of the robot cannot be a ROS namespace"
                 ) from error
+        return self
+
+    @model_validator(mode="after")
+    def _topics_differ(self) -> Self:
+        for topic, count in Counter([*self.inputs.topics, *self.outputs.topics]).items():
+            if count > 1:
+                raise ValueError(f"outputs and inputs: expected topics that differ, {topic!r} is used {count} times")
         return self
 
     def topic(self, topic: str) -> str:
@@ -191,6 +204,26 @@ class _File(Message):
         twice = [name for name, count in Counter(robot.name for robot in self.robot).items() if count > 1]
         if twice:
             raise ValueError(f"robot: the name {twice[0]!r} is given twice: expected a different name for each robot")
+        return self
+
+    @model_validator(mode="after")
+    def _outputs_differ(self) -> Self:
+        used: dict[str, str] = {}
+        for robot in self.robot:
+            for topic in map(robot.topic, robot.outputs.topics):
+                if topic in used:
+                    raise ValueError(
+                        f"robot: the output {topic!r} of {robot.name!r} is one of {used[topic]!r} too: expected "
+                        "another topic for each robot"
+                    )
+                used[topic] = robot.name
+        for robot in self.robot:
+            received = [*(each.topic for each in robot.subscriptions), *map(robot.topic, robot.inputs.topics)]
+            for topic in received:
+                if topic in used:
+                    raise ValueError(
+                        f"robot: {topic!r} is an output of {used[topic]!r}: expected another topic for {robot.name!r}"
+                    )
         return self
 
 

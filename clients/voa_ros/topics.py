@@ -60,6 +60,7 @@ POSE_WITH_COVARIANCE_STAMPED = MessageType(
     "geometry_msgs/msg/PoseWithCovarianceStamped",
     "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e",
 )
+BOOL = MessageType("std_msgs/msg/Bool", "RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9")
 
 
 def type_name(text: str) -> str | None:

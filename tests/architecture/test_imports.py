@@ -47,7 +47,7 @@ PACKAGES = {
         only_in={"filterpy": "filtering.py", "numba": "jit.py"},
     ),
     "voa_msgs": _package("clients/voa_msgs", STDLIB, *PYDANTIC),
-    "voa_ros": _package("clients/voa_ros", STDLIB, *PYDANTIC, "voa_msgs", only_in={"zenoh": "latched.py"}),
+    "voa_ros": _package("clients/voa_ros", STDLIB, *PYDANTIC, "voa_msgs", "voa_scene", only_in={"zenoh": "latched.py"}),
     "voa_scene": _package("clients/voa_scene", STDLIB, "voa_msgs"),
     "voa_client": _package("clients/voa_client", STDLIB, *PYDANTIC, "voa_msgs", "httpx2", "zenoh"),
     "voa_recordings": _package(

@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 from tests.voa_ros.ros_messages import ODOMETRY, POSES_WITH_COVARIANCE, odometry, scan, scans
 from voa_ros.cdr import (
     InvalidCdr,
+    decode_bool,
     decode_laser_scan,
     decode_odometry,
     decode_pose,
@@ -276,3 +277,20 @@ def test_a_stamp_in_seconds_is_good_to_a_microsecond(sec: int, microsec: int) ->
     assert Stamp.of(Stamp(sec, microsec * 1_000).seconds).seconds == pytest.approx(sec + microsec / 1e6, abs=1e-6)
     with pytest.raises(ValueError, match="nanosec: expected"):
         Stamp(sec, 1_000_000_000)
+
+
+@pytest.mark.parametrize("value", [True, False])
+@pytest.mark.parametrize("little_endian", [True, False])
+def test_a_bool_of_rosbags_is_read(value: bool, little_endian: bool) -> None:
+    message = TYPES["std_msgs/msg/Bool"](data=value)
+    data = bytes(STORE.serialize_cdr(message, "std_msgs/msg/Bool", little_endian=little_endian))
+    assert decode_bool(data) is value
+    assert decode_bool(data + b"\0\0\0") is value, "padding"
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"\0\1\0\0", b"\0\1\0\0\2", b"\0\2\0\0\1", BYTES[POSE], b"\0\1\0\0\1" + bytes(8)]
+)
+def test_other_bytes_are_no_bool(data: bytes) -> None:
+    with pytest.raises(InvalidCdr, match="expected a std_msgs/msg/Bool"):
+        decode_bool(data)

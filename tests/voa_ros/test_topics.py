@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from voa_ros.topics import (
+    BOOL,
     LASER_SCAN,
     ODOMETRY,
     POSE_WITH_COVARIANCE_STAMPED,
@@ -22,7 +23,7 @@ from voa_ros.topics import (
     type_name,
 )
 
-TYPES = [LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED]
+TYPES = [BOOL, LASER_SCAN, ODOMETRY, POSE_WITH_COVARIANCE_STAMPED]
 DDS_SCAN = "sensor_msgs::msg::dds_::LaserScan_"
 CHUNKS = st.from_regex(r"[A-Za-z0-9_]{1,8}", fullmatch=True)
 TOPICS = st.lists(CHUNKS, min_size=1, max_size=4).map("/".join)

@@ -5,6 +5,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from voa_msgs.keys import Keys
+from voa_service.ros_tools.entry import RosTools
 from voa_service.rpc.entry import Rpc
 from voa_service.services import Services
 from voa_service.settings import ZenohSettings
@@ -39,7 +40,8 @@ def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = 
         stack.enter_context(services.changes.listening(outbox.committed))
         parts: list[Part] = [outbox.on, replicas.on, scans.on, queries.on]
         if robots is not None:
-            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds)
+            tools = RosTools(services, keys, replicas, outbox, settings.grace_seconds)
+            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds, tools.on)
             stack.callback(ros2.close)
             parts.append(ros2.on)
         own = ZenohLink(settings, link, services.metrics, parts)

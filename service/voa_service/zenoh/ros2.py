@@ -8,8 +8,8 @@ refused, like a scan that cannot be used, and the robot's next revolutions make 
 import secrets
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -36,6 +36,9 @@ from voa_service.zenoh.samples import Sample
 _WORKERS = 2
 _END_SECONDS = 0.4
 
+Beside = Callable[[zenoh.Session, RobotMapping], AbstractContextManager[object]]
+"""Context manager that is entered while a robot is mapped."""
+
 
 @dataclass(frozen=True)
 class _Look:
@@ -55,12 +58,20 @@ class Ros2:
         replicas: decides which replica applies a look at once.
         outbox: publishes refusals.
         grace_seconds: delay after which a replica that is not responsible applies a look.
+        beside: context manager that serves ROS tools while a robot is mapped.
     """
 
     def __init__(
-        self, services: Services, mapping: Path, replicas: Replicas, outbox: Outbox, grace_seconds: float
+        self,
+        services: Services,
+        mapping: Path,
+        replicas: Replicas,
+        outbox: Outbox,
+        grace_seconds: float,
+        beside: Beside,
     ) -> None:
         self._services = services
+        self._beside = beside
         self._file = mapping
         self._replicas = replicas
         self._outbox = outbox
@@ -91,6 +102,7 @@ class Ros2:
             thread.join()
             for name in list(self._robots):
                 self._drop(name)
+            self._read = None  # another session with a router must subscribe again
             for _ in range(self._boxes.drain(_END_SECONDS)):
                 self._services.metrics.zenoh("ROS message dropped at the end")
 
@@ -136,6 +148,7 @@ class Ros2:
         self._services.robots.mapped(
             mapping.name, mapping.scan_topic, robot, scenario=mapping.scenario, session=mapping.session
         )
+        stack.enter_context(self._beside(session, mapping))
 
     def _drop(self, name: str) -> None:
         _, stack = self._robots.pop(name)
