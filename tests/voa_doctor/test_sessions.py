@@ -5,9 +5,9 @@ import pytest
 
 from tests.support.serving import data_scenario
 from tests.voa_client.roles import session as stored
-from voa_cli.doctor.findings import Budget
-from voa_cli.doctor.sessions import check_sessions, sessions_of
 from voa_client import Client, ScenarioRequest, SessionRequest
+from voa_doctor.findings import Budget
+from voa_doctor.sessions import check_sessions, sessions_of
 from voa_msgs.robots import RobotReport, Robots
 from voa_msgs.sessions import Session
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from voa_cli.doctor.memory import check_memory
+from voa_doctor.memory import check_memory
 from voa_msgs.problems import Memory
 
 FITS: dict[str, Any] = {

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.voa_cli.doctor.examinations import examined
+from tests.voa_doctor.examinations import examined
 from voa_msgs import WIRE_VERSION
 
 

@@ -14,11 +14,11 @@ import zenoh.ext
 
 from tests.support.lidar_drivers import DRIVERS, Scene
 from tests.support.routers import Router
-from tests.voa_cli.doctor.publishing import Messages, publishing, scan, sent
-from voa_cli.doctor.findings import Budget, Finding
-from voa_cli.doctor.topics import Listening, check_topics
+from tests.voa_doctor.publishing import Messages, publishing, scan, sent
 from voa_client import ZenohAddress
 from voa_client.zenoh_session import joined
+from voa_doctor.findings import Budget, Finding
+from voa_doctor.topics import Listening, check_topics
 from voa_ros.cdr import encode_laser_scan, encode_odometry, encode_pose
 from voa_ros.messages import LaserScan, Odometry, Pose, PoseWithCovariance, Stamp
 from voa_ros.robots import load

@@ -11,9 +11,9 @@ import pytest
 from tests.support.routers import Router, router
 from tests.support.serving import data_scenario
 from tests.support.waiting import wait_for
-from tests.voa_cli.doctor.examinations import Findings, examined, wrong
-from tests.voa_cli.doctor.publishing import publishing, scan, sent
 from tests.voa_cli.labs import Lab, service_on
+from tests.voa_doctor.examinations import Findings, examined, wrong
+from tests.voa_doctor.publishing import publishing, scan, sent
 from voa_client import Client, ZenohAddress
 from voa_client.zenoh_session import joined
 from voa_msgs.keys import Keys

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from tests.support.serving import data_scenario, scan_of, serving
-from voa_cli.doctor.command import main
-from voa_cli.doctor.findings import Finding
-from voa_cli.doctor.over_database import check_database
+from voa_cli.doctor import main
+from voa_doctor.findings import Finding
+from voa_doctor.over_database import check_database
 from voa_store.drivers import sqlite_driver
 
 RIGHT: dict[str, Any] = {"database": "SQLite 3.53.4", "sessions": 2, "versions": 7, "damaged": [], "pages": []}

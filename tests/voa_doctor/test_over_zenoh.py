@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from tests.support.routers import Router, router
-from tests.voa_cli.doctor.examinations import examined, free_port, wrong
 from tests.voa_cli.labs import Lab, service_on
+from tests.voa_doctor.examinations import examined, free_port, wrong
 
 
 def test_a_router_that_is_down(capsys: pytest.CaptureFixture[str], lab: Lab) -> None:

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from tests.voa_ros.parking import ParkingRobot, mapped, play
-from voa_cli.doctor.findings import Finding
-from voa_cli.doctor.robots import check_robots, needs_second_report
+from voa_doctor.findings import Finding
+from voa_doctor.robots import check_robots, needs_second_report
 from voa_msgs.geometry import UncertainSensorPose
 from voa_msgs.robots import LookReport, RobotReport, Robots
 from voa_msgs.warnings import ProbableMistake, WarningKind

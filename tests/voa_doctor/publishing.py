@@ -21,14 +21,14 @@ Messages = Callable[[int], Iterable[tuple[str, bytes]]]
 
 
 @contextmanager
-def publishing(router: Router, messages: Messages) -> Iterator[None]:
-    """Put step after step for the length of a `with`."""
+def publishing(router: Router, messages: Messages, every_s: float = _EVERY_S) -> Iterator[None]:
+    """Put step after step, one in `every_s` seconds, for the length of a `with`."""
     ended = threading.Event()
     with joined(ZenohAddress.parse(router.endpoint)) as robot:
 
         def run() -> None:
             step = 0
-            while not ended.wait(_EVERY_S):
+            while not ended.wait(every_s):
                 for key, payload in messages(step):
                     robot.put(key, payload)
                 step += 1
