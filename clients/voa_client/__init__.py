@@ -71,7 +71,7 @@ from voa_msgs.rankings import (
     RankingRequest,
     VoaRequest,
 )
-from voa_msgs.robots import RobotReport, Robots
+from voa_msgs.robots import RobotReport, Robots, RobotScan
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
 from voa_msgs.sessions import (
     BeliefRequest,
@@ -131,6 +131,7 @@ __all__ = [
     "RankingRequest",
     "Retries",
     "RobotReport",
+    "RobotScan",
     "Robots",
     "Scan",
     "ScanRequest",

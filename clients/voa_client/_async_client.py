@@ -4,12 +4,12 @@ import asyncio
 import random
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from voa_client import _calls as calls
 from voa_client._addresses import async_transport_to
+from voa_client._async_contents import AsyncContents
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client._calls import Call, M
 from voa_client._errors import VoaClientError
@@ -17,13 +17,10 @@ from voa_client._following import Following, Pause, Result, Send, Step, Wait, ne
 from voa_client._mailbox import AsyncMailbox
 from voa_client._responses import Response, read
 from voa_client._transport import AsyncTransport
-from voa_msgs.lidars import LidarPresets
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
-from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.robots import ClaimRequest, RobotReport, Robots
-from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots, RobotScan
 from voa_msgs.sessions import (
     BeliefRequest,
     HistoryEntry,
@@ -36,10 +33,9 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
-from voa_msgs.warnings import Warnings
 
 
-class AsyncClient:
+class AsyncClient(AsyncContents):
     """Client of one service; use as an asynchronous context manager.
 
     A call is tried again until `timeout_s` is over if the service cannot be reached or is overloaded. All attempts of
@@ -99,68 +95,6 @@ class AsyncClient:
         """Wait until the service is ready to answer, and return its state."""
         return await self._do(calls.health())
 
-    async def create_object(
-        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
-    ) -> Object:
-        """Upload a mesh file, and return the stored object.
-
-        Args:
-            mesh: the file.
-            name: of the object; None: the file's name.
-            scale: metres per unit of the file.
-            up: the axis of the file that points up, which becomes z; None: +Y in a GLB file, +Z in any other.
-        """
-        content = await asyncio.to_thread(mesh.read_bytes)
-        return await self._do(calls.create_object(mesh.name, content, name, scale, up))
-
-    async def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
-        """Return the object of a mesh file that was uploaded before with the same scale and axis, without uploading it.
-
-        None: it was not uploaded, or the service is too old to search.
-        """
-        call = calls.find_object(mesh.name, await asyncio.to_thread(mesh.read_bytes), scale, up)
-        return calls.matching_object(call, await self._do(call))
-
-    async def get_object(self, object_id: str) -> Object:
-        """Return a stored object."""
-        return await self._do(calls.get_object(object_id))
-
-    def list_objects(self) -> AsyncIterator[Object]:
-        """Yield every object, oldest first; they are fetched a page at a time."""
-        return self._items(calls.list_objects)
-
-    async def object_mesh(self, object_id: str, most_faces: int | None = None) -> bytes:
-        """Return an object's mesh as binary STL, metres, z up; `most_faces` (100 or more) thins it for a picture."""
-        return (await self._do(calls.object_mesh(object_id, most_faces))).file
-
-    async def stable_poses(self, object_id: str) -> StablePoses:
-        """Return the poses in which an object can rest on the table, with their probabilities."""
-        return await self._do(calls.stable_poses(object_id))
-
-    async def lidars(self) -> LidarPresets:
-        """Return the lidars that scenarios can name."""
-        return await self._do(calls.lidars())
-
-    async def create_scenario(self, request: ScenarioRequest) -> Scenario:
-        """Store a scenario, and return it with its id; equal content gives the same id."""
-        return await self._do(calls.create_scenario(request))
-
-    async def get_scenario(self, scenario_id: str) -> Scenario:
-        """Return a stored scenario."""
-        return await self._do(calls.get_scenario(scenario_id))
-
-    def list_scenarios(self) -> AsyncIterator[ScenarioSummary]:
-        """Yield every scenario, oldest first; they are fetched a page at a time."""
-        return self._items(calls.list_scenarios)
-
-    async def warnings(self, scenario_id: str) -> Warnings:
-        """Return the probable mistakes in a scenario."""
-        return await self._do(calls.warnings(scenario_id))
-
-    async def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
-        """Return the predicted scan of each pose from each sensor configuration, or from those in the request."""
-        return await self._do(calls.predict(scenario_id, request or PredictionsRequest()))
-
     async def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
 
@@ -182,9 +116,10 @@ class AsyncClient:
         """Delete a session with its history; with `if_match` only if it has that version (over HTTP only)."""
         await self._do(calls.delete_session(session_id, if_match), key)
 
-    def history(self, session_id: str, *, beliefs: bool = False) -> AsyncIterator[HistoryEntry]:
-        """Yield each version of a session with the request that made it, and with its belief if `beliefs` is true."""
-        return self._items(lambda after: calls.history(session_id, after, beliefs=beliefs))
+    def history(self, session_id: str, *, beliefs: bool = False, after: int = -1) -> AsyncIterator[HistoryEntry]:
+        """Yield each version above `after` with the request that made it, and with its belief if `beliefs` is true."""
+        first = None if after < 0 else str(after)
+        return self._items(lambda page: calls.history(session_id, page or first, beliefs=beliefs))
 
     async def put_belief(
         self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None
@@ -244,6 +179,10 @@ class AsyncClient:
     async def robots(self) -> Robots:
         """Return a report of each robot that the service received scans of, or that is mapped."""
         return await self._do(calls.robots())
+
+    async def robot_scan(self, robot: str) -> RobotScan:
+        """Return the newest scan of a robot, accepted or not, with its place; raises NotFoundError before the first."""
+        return await self._do(calls.robot_scan(robot))
 
     async def request_look(self, robot: str) -> RobotReport:
         """Request a look of a robot whose mapping says `on_request`: its next scans make one."""

@@ -22,7 +22,7 @@ from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.objects import MeshFile, Object, ObjectPage, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.robots import ClaimRequest, RobotReport, Robots
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots, RobotScan
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
 from voa_msgs.sessions import (
     BeliefRequest,
@@ -304,6 +304,11 @@ def rank_once(request: RankingRequest) -> Call[Ranking]:
 def robots() -> Call[Robots]:
     """List the robots that the service knows."""
     return Call("robot.list", "GET", "/v1/robots", Robots)
+
+
+def robot_scan(robot: str) -> Call[RobotScan]:
+    """Get the newest scan of a robot."""
+    return Call("robot.scan", "GET", "/v1/robots/{robot}/scan", RobotScan, {"robot": robot})
 
 
 def request_look(robot: str) -> Call[RobotReport]:

@@ -3,7 +3,6 @@
 import random
 import time
 from collections.abc import Callable, Generator, Iterator
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -11,18 +10,16 @@ from voa_client import _calls as calls
 from voa_client._addresses import transport_to
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
 from voa_client._calls import Call, M
+from voa_client._contents import Contents
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import Mailbox
 from voa_client._responses import Response, read
 from voa_client._transport import Transport
-from voa_msgs.lidars import LidarPresets
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
-from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
-from voa_msgs.robots import ClaimRequest, RobotReport, Robots
-from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots, RobotScan
 from voa_msgs.sessions import (
     BeliefRequest,
     HistoryEntry,
@@ -35,10 +32,9 @@ from voa_msgs.sessions import (
     UpdatedSession,
     UpdateRequest,
 )
-from voa_msgs.warnings import Warnings
 
 
-class Client:
+class Client(Contents):
     """Client of one service; use as a context manager.
 
     A call is tried again until `timeout_s` is over if the service cannot be reached or is overloaded. All attempts of
@@ -98,67 +94,6 @@ class Client:
         """Wait until the service is ready to answer, and return its state."""
         return self._do(calls.health())
 
-    def create_object(
-        self, mesh: Path, name: str | None = None, scale: float = 1.0, up: UpAxis | None = None
-    ) -> Object:
-        """Upload a mesh file, and return the stored object.
-
-        Args:
-            mesh: the file.
-            name: of the object; None: the file's name.
-            scale: metres per unit of the file.
-            up: the axis of the file that points up, which becomes z; None: +Y in a GLB file, +Z in any other.
-        """
-        return self._do(calls.create_object(mesh.name, mesh.read_bytes(), name, scale, up))
-
-    def find_object(self, mesh: Path, scale: float = 1.0, up: UpAxis | None = None) -> Object | None:
-        """Return the object of a mesh file that was uploaded before with the same scale and axis, without uploading it.
-
-        None: it was not uploaded, or the service is too old to search.
-        """
-        call = calls.find_object(mesh.name, mesh.read_bytes(), scale, up)
-        return calls.matching_object(call, self._do(call))
-
-    def get_object(self, object_id: str) -> Object:
-        """Return a stored object."""
-        return self._do(calls.get_object(object_id))
-
-    def list_objects(self) -> Iterator[Object]:
-        """Yield every object, oldest first; they are fetched a page at a time."""
-        return self._items(calls.list_objects)
-
-    def object_mesh(self, object_id: str, most_faces: int | None = None) -> bytes:
-        """Return an object's mesh as binary STL, metres, z up; `most_faces` (100 or more) thins it for a picture."""
-        return (self._do(calls.object_mesh(object_id, most_faces))).file
-
-    def stable_poses(self, object_id: str) -> StablePoses:
-        """Return the poses in which an object can rest on the table, with their probabilities."""
-        return self._do(calls.stable_poses(object_id))
-
-    def lidars(self) -> LidarPresets:
-        """Return the lidars that scenarios can name."""
-        return self._do(calls.lidars())
-
-    def create_scenario(self, request: ScenarioRequest) -> Scenario:
-        """Store a scenario, and return it with its id; equal content gives the same id."""
-        return self._do(calls.create_scenario(request))
-
-    def get_scenario(self, scenario_id: str) -> Scenario:
-        """Return a stored scenario."""
-        return self._do(calls.get_scenario(scenario_id))
-
-    def list_scenarios(self) -> Iterator[ScenarioSummary]:
-        """Yield every scenario, oldest first; they are fetched a page at a time."""
-        return self._items(calls.list_scenarios)
-
-    def warnings(self, scenario_id: str) -> Warnings:
-        """Return the probable mistakes in a scenario."""
-        return self._do(calls.warnings(scenario_id))
-
-    def predict(self, scenario_id: str, request: PredictionsRequest | None = None) -> Predictions:
-        """Return the predicted scan of each pose from each sensor configuration, or from those in the request."""
-        return self._do(calls.predict(scenario_id, request or PredictionsRequest()))
-
     def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
 
@@ -180,9 +115,10 @@ class Client:
         """Delete a session with its history; with `if_match` only if it has that version (over HTTP only)."""
         self._do(calls.delete_session(session_id, if_match), key)
 
-    def history(self, session_id: str, *, beliefs: bool = False) -> Iterator[HistoryEntry]:
-        """Yield each version of a session with the request that made it, and with its belief if `beliefs` is true."""
-        return self._items(lambda after: calls.history(session_id, after, beliefs=beliefs))
+    def history(self, session_id: str, *, beliefs: bool = False, after: int = -1) -> Iterator[HistoryEntry]:
+        """Yield each version above `after` with the request that made it, and with its belief if `beliefs` is true."""
+        first = None if after < 0 else str(after)
+        return self._items(lambda page: calls.history(session_id, page or first, beliefs=beliefs))
 
     def put_belief(
         self, session_id: str, request: BeliefRequest, *, key: str | None = None, if_match: int | None = None
@@ -240,6 +176,10 @@ class Client:
     def robots(self) -> Robots:
         """Return a report of each robot that the service received scans of, or that is mapped."""
         return self._do(calls.robots())
+
+    def robot_scan(self, robot: str) -> RobotScan:
+        """Return the newest scan of a robot, accepted or not, with its place; raises NotFoundError before the first."""
+        return self._do(calls.robot_scan(robot))
 
     def request_look(self, robot: str) -> RobotReport:
         """Request a look of a robot whose mapping says `on_request`: its next scans make one."""

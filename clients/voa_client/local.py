@@ -68,11 +68,12 @@ def running(module: str, options: Sequence[str], log: Path, ready: str = "/ready
 
 
 @contextmanager
-def local_service(folder: Path | None = None) -> Iterator[str]:
+def local_service(folder: Path | None = None, database: str = "voa.db") -> Iterator[str]:
     """Run `voa serve` on SQLite for the length of a `with`; gives its URL.
 
     Args:
         folder: for its database and log; None: a temporary folder.
+        database: name of the file in that folder.
 
     Raises:
         ServiceDidNotStart: the service ended, or did not answer within 60 s.
@@ -80,8 +81,8 @@ def local_service(folder: Path | None = None) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="voa-") as temporary:
         place = Path(temporary) if folder is None else folder
         place.mkdir(parents=True, exist_ok=True)
-        database = f"sqlite:///{(place / 'voa.db').resolve()}"
-        with running("voa_service", ["--database-url", database], place / "service.log") as service:
+        url = f"sqlite:///{(place / database).resolve()}"
+        with running("voa_service", ["--database-url", url], place / "service.log") as service:
             yield service.url
 
 

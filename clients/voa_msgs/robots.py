@@ -9,6 +9,7 @@ from voa_msgs import examples
 from voa_msgs.base import Id, Message
 from voa_msgs.examples import exemplified
 from voa_msgs.geometry import UncertainSensorPose
+from voa_msgs.sessions import Scan
 from voa_msgs.warnings import ProbableMistake
 
 
@@ -27,6 +28,17 @@ class LookReport(Message):
     """Reason why the look was not accepted, or `nearest`, as `update.reason` of a scan's response; null: none."""
     version: int
     """Version of the session after the look."""
+
+
+class Refusal(Message):
+    """Refusal of scans or looks of a robot for one reason."""
+
+    at: datetime
+    """Time of the newest of them, by the clock of the service, UTC."""
+    reason: str
+    """Reason why they could not be used."""
+    times: int = 1
+    """Number of refusals in a row for this reason."""
 
 
 class RobotReport(Message):
@@ -56,6 +68,36 @@ class RobotReport(Message):
     """Newest look that this process applied, and its result; null: no look yet."""
     warnings: list[ProbableMistake] = Field(default=[])
     """Probable mistakes in the use of the robot, and those that its newest look caused; empty: none."""
+    sensor: str | None = None
+    """Sensor configuration at which its lidar was at the newest scan: the name that the mapping or the scan states, or
+    the nearest listed one within 10 cm and 15 degrees of a measured pose; null: none, or not known."""
+    sensor_pose: UncertainSensorPose | None = None
+    """Pose of its lidar at the newest scan, with its uncertainty; null: not measured, or no scan yet."""
+    gathered: int | None = None
+    """Number of revolutions gathered for the next look; null where each scan is a look."""
+    wanted: int | None = None
+    """Number of revolutions that make a look; null where each scan is a look."""
+    refusals: list[Refusal] = Field(default=[])
+    """Newest refusals with their times, at most 5, the newest first; empty: none."""
+
+
+class RobotScan(Message):
+    """Newest scan of a robot that this process of the service could decode, whether it made a look or not."""
+
+    robot: str
+    """Name of the robot."""
+    session: str | None
+    """Session to which the scans of the robot are applied; null: none, or not known yet."""
+    source: Literal["scan", "ros2"]
+    """Origin of the scan: a put on `scan/<session>/<robot>`, or a ROS 2 topic that a mapping names."""
+    at: datetime
+    """Time at which the scan was received, by the clock of the service, UTC."""
+    sensor: str | None
+    """Sensor configuration from which it was taken; null: `sensor_pose` states where, or it is not known."""
+    sensor_pose: UncertainSensorPose | None
+    """Pose of the lidar from which it was taken; null: `sensor` states where, or it is not known."""
+    scan: Scan
+    """Scan as it is used: that of a lidar mapped as `upside_down` has counter-clockwise angles."""
 
 
 class Robots(Message):

@@ -23,6 +23,7 @@ Pure functions and state machines: bytes and messages in, messages out; no clock
 | `motions`      | compose and compare planar poses                                                   |
 | `tracks`       | newest poses of a robot, by time                                                   |
 | `localisation` | pose of the lidar at the time of a scan, by odometry or AMCL                       |
+| `standing`     | name the sensor configuration at which a robot stands                              |
 | `scenes`       | difference of two scans, to decide if a robot stands still                         |
 | `looks`        | a look: the median of several revolutions, as an update of a belief                |
 | `stops`        | decide if two looks of a robot were taken at one stop                              |

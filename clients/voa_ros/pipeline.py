@@ -60,6 +60,19 @@ class Received:
     attached: Attachment | None = None
 
 
+@dataclass(frozen=True)
+class SeenScan:
+    """Revolution that could be decoded, whether a look is made of it or not.
+
+    Attributes:
+        scan: as it is used, that of a lidar that hangs mirrored.
+        where: pose of the lidar, or the name of its sensor configuration; None: not known.
+    """
+
+    scan: LaserScan
+    where: Where | None
+
+
 class LookPipeline:
     """Pipeline that turns the messages of one mapped robot into looks."""
 
@@ -81,6 +94,7 @@ class LookPipeline:
         self._taker = LookTaker(mapping.name, mapping.look, grid)
         self._newest: Stamp | None = None
         self._frozen = 0
+        self._seen: SeenScan | None = None
         self._waiting_for: str | None = self._taker.waiting_for
 
     @property
@@ -92,6 +106,11 @@ class LookPipeline:
     def requested(self) -> bool:
         """True if a look was requested and not taken yet."""
         return self._taker.requested
+
+    @property
+    def seen(self) -> SeenScan | None:
+        """Newest revolution that could be decoded; None: there is none."""
+        return self._seen
 
     @property
     def standing(self) -> int:
@@ -171,6 +190,7 @@ class LookPipeline:
         if revolution is None:
             return self._wait(f"a whole revolution of the lidar: {self._segments.segments} segments received so far")
         where = self._where(revolution.scan, revolution.message)
+        self._seen = SeenScan(revolution.scan, None if isinstance(where, NoPose) else where)
         result = self._taker.receive(revolution.scan, where)
         self._waiting_for = self._taker.waiting_for
         if isinstance(where, NoPose):

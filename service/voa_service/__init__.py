@@ -6,6 +6,7 @@ behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mappin
 | folder or file    | purpose                                                                                 |
 |-------------------|-----------------------------------------------------------------------------------------|
 | `serve`           | the command `voa serve`: options, sockets and signals of the process                    |
+| `console`         | the console beside the service, which the command `voa serve` starts                    |
 | `settings`        | settings from the command line, from `VOA_*` in the environment, and their defaults     |
 | `environment`     | finds variables `VOA_*` that are not settings, such as misspelt ones                    |
 | `bootstrap`       | the composition root: builds the use cases, their queues and caches from the settings   |

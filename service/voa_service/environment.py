@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from voa_service.settings import Settings
 
 _PREFIX = "VOA_"
-_READ_BY_TESTS = ("VOA_CASES", "VOA_LAB_HOLDER", "VOA_SCHEMATHESIS_SEED", "VOA_TEST_SCALE")
+_READ_BY_TESTS = ("VOA_CASES", "VOA_LAB_HOLDER", "VOA_SCHEMATHESIS_SEED", "VOA_SCREENSHOTS", "VOA_TEST_SCALE")
 """Variables that the tests read. Clients read `VOA_LIMITS__BEAMS`, which is also a setting of the service."""
 _LINKS = re.compile(r"VOA_(SERVICE_HOST|SERVICE_PORT(_\w+)?|PORT_\d+_(TCP|UDP|SCTP)(_\w+)?|NAME|ENV_\w+)")
 """Variables that Kubernetes and Docker set in every container that runs beside a service named voa."""

@@ -19,6 +19,7 @@ from pydantic_settings import SettingsError
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
+from voa_service.console import ConsolePort, StartConsole, console_beside, missing_console
 from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
 from voa_service.http.server import Server, supervised
@@ -33,11 +34,12 @@ _COLLECT_AFTER = 50_000
 """Container objects (lists, dicts, instances) allocated since the last garbage collection that start another."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, console: StartConsole | None = None) -> int:
     """Run the service until a signal stops it.
 
     Args:
         arguments: of the command line; None: those of this process.
+        console: starts a console beside the service; None: there is none to start.
 
     Returns:
         The exit code: 0 after a stop, 1 where the address or the database cannot be used, 2 for a wrong setting.
@@ -54,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValidationError, SettingsError) as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 2
-    wrong = _wrong_mapping(settings)
+    wrong = _wrong_mapping(settings) or missing_console(settings, console)
     if wrong is not None:
         print(f"voa serve: {wrong}", file=sys.stderr)
         return 2
@@ -75,15 +77,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     settings = listening_at(settings, listening)
     # uvicorn raises the signal again when it has stopped, which by default would end the process at once.
     signal.signal(signal.SIGTERM, _leave)
-    try:
-        _serve(settings, listening)
-    except CannotOpen as error:
-        print(f"voa serve: {error}", file=sys.stderr)
-        return 1
+    return _run(settings, listening, console)
+
+
+def _run(settings: Settings, listening: socket.socket, console: StartConsole | None) -> int:
+    """Serve on a socket, with a console beside where the settings say so, and return the exit code."""
+    with ExitStack() as stack:
+        stack.enter_context(listening)
+        try:
+            port = stack.enter_context(console_beside(settings, _url_of(listening), console))
+        except OSError as error:
+            where = f"{settings.host}:{settings.console_port}"
+            print(f"voa serve: the console cannot listen on {where}: {error.strerror}", file=sys.stderr)
+            return 1
+        try:
+            _serve(settings, listening, port)
+        except CannotOpen as error:
+            print(f"voa serve: {error}", file=sys.stderr)
+            return 1
     return 0
 
 
-def _serve(settings: Settings, listening: socket.socket) -> None:
+def _serve(settings: Settings, listening: socket.socket, console: ConsolePort) -> None:
     """Serve on a socket until a signal stops the process.
 
     Raises:
@@ -95,25 +110,31 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         connections = supervised(settings.connections, services.metrics)
         config = uvicorn.Config(
-            create_app(services, connections.budget),
+            create_app(services, connections.budget, console),
             http=cast(type[asyncio.Protocol], connections.protocol),  # called, never subclassed
             ws="none",
             log_config=None,
             access_log=False,
             server_header=False,
         )
-        host, port = listening.getsockname()[:2]
-        url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
+        url = _url_of(listening)
         structlog.get_logger("voa").info(
             "listening",
             url=url,
             docs=f"{url}/docs",
+            console_port=console(),
             database=url_without_password(settings.database_url),
             software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )
         _collect_seldom()
         Server(config, services.changes, connections, deadline, settings.stop_seconds).run([listening])
+
+
+def _url_of(listening: socket.socket) -> str:
+    """Return the URL of a socket."""
+    host, port = listening.getsockname()[:2]
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 
 def _leave(*_: object) -> None:
@@ -197,6 +218,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     option("--zenoh-root", help=f"prefix of every key on Zenoh (default {ROOT}); its last chunk names the lab")
     option("--robots", metavar="FILE", help="TOML file that maps the ROS 2 topics of robots to sessions")
+    option("--console", action="store_const", const=True, help="run the console beside the service; / leads to it")
+    option("--console-port", type=int, help="port for the console, 0 for any that is free (default 8080)")
     option(
         "--wait-for-database",
         type=float,

@@ -110,6 +110,9 @@ class Settings(BaseSettings):
     """
     insecure: bool = False
     """True allows addresses other than loopback, where anyone who reaches the service can change beliefs."""
+    console: bool = False
+    """True runs the console beside the service, which then redirects `/` to it; started by the command `voa serve`."""
+    console_port: int = Field(default=8080, ge=0, le=65535)
     limits: Limits = Limits()
     connections: ConnectionSettings = ConnectionSettings()
     zenoh: ZenohSettings = ZenohSettings()

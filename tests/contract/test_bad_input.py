@@ -109,6 +109,7 @@ METHODS = {
     "/v1/rankings": {"POST"},
     "/v1/robots": {"GET"},
     "/v1/robots/nobody/look": {"POST"},
+    "/v1/robots/nobody/scan": {"GET"},
     "/v1/robots/nobody/session": {"PUT"},
     "/livez": {"GET"},
     "/readyz": {"GET"},

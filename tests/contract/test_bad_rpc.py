@@ -109,6 +109,7 @@ SCAN = {"scan": {"ranges": [0.5, 0.5, None, 1.0]}}
         ("look.cancel", b'{"session": "x"}', None, "invalid-request", "body.look"),
         ("look.cancel", b'{"session": "nothing", "look": "L"}', None, "not-found", "'nothing'"),
         ("robot.look", b'{"robot": "nobody"}', None, "not-found", "'nobody'"),
+        ("robot.scan", b'{"robot": "nobody"}', None, "not-found", "'nobody'"),
     ],
 )
 def test_bad_payloads_and_attachments(

@@ -133,6 +133,7 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
         "POST /v1/updates",
         {"scenario": "c", "belief": None, "absent": 0.2, "sensor": "Q1", "scan": {"ranges": [0.5, None]}},
     ),
+    (calls.robot_scan("r 1"), "robot.scan", "GET /v1/robots/r%201/scan", {"robot": "r 1"}),
     (calls.request_look("r 1"), "robot.look", "POST /v1/robots/r%201/look", {"robot": "r 1"}),
 ]
 
@@ -148,7 +149,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 30
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 31
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply", "look.announce"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}

@@ -104,12 +104,15 @@ def test_lists_longer_than_a_page_come_whole(client: Client, session: str) -> No
     beliefs = [entry.belief for entry in client.history(session, beliefs=True)]
     assert beliefs[1:] == [[0.2, 0.3, 0.5]] * 105
     assert {entry.belief for entry in client.history(session)} == {None}
+    assert [entry.version for entry in client.history(session, after=102)] == [103, 104, 105]
 
 
 def test_robots(client: Client) -> None:
     assert client.robots().items == []
     with pytest.raises(NotFoundError):
         client.request_look("nobody")
+    with pytest.raises(NotFoundError, match="no scan of robot 'nobody'"):
+        client.robot_scan("nobody")
 
 
 def test_a_robot_is_claimed_over_http_and_said_to_be_so_elsewhere(client: Client, way: str, session: str) -> None:

@@ -108,7 +108,7 @@ MESSAGES = {
         "Ranking",
     ),
     *("AnnouncedLook", "GraspGeometry", "Location", "LookAnnouncement", "Place", "Spread"),
-    *("RankingRequest", "RobotReport", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
+    *("RankingRequest", "RobotReport", "RobotScan", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
     *("ScenarioSummary", "SensorPose", "Session", "SessionRequest", "SessionSummary", "StablePoses"),
     *("UncertainSensorPose", "UpdateRequest", "UpdatedEstimate", "UpdatedSession", "VoaRequest", "Warnings"),
 }

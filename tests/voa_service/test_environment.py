@@ -33,6 +33,7 @@ def test_a_misspelt_variable_is_reported_with_the_closest_name(name: str, closes
         "VOA_LIMITS",
         "VOA_LIMITS__BEAMS",
         "VOA_CONNECTIONS__MOST",
+        "VOA_SCREENSHOTS",
         "VOA_TEST_SCALE",
         "VOA_SERVICE_HOST",
         "VOA_SERVICE_PORT_HTTP",

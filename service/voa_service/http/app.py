@@ -7,6 +7,7 @@ from fastapi_offline import FastAPIOffline
 
 from voa_connections.in_flight import ByteBudget, BytesInFlight
 from voa_connections.settings import MEBIBYTE, ConnectionSettings
+from voa_service.console import ConsolePort, no_console
 from voa_service.http import openapi, problems
 from voa_service.http.access import Access
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
@@ -19,6 +20,7 @@ from voa_service.http.routes import (
     observations,
     rankings,
     robots,
+    root,
     scenarios,
     sessions,
     stateless,
@@ -32,12 +34,13 @@ _DESCRIPTION = (
 )
 
 
-def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
+def create_app(services: Services, budget: ByteBudget | None = None, console: ConsolePort = no_console) -> FastAPI:
     """Build the HTTP application; the caller, who built the services, releases them.
 
     Args:
         services: use cases and queues.
         budget: bytes of request bodies that may be held at once; None: a budget of the default size.
+        console: returns the port of the console that runs beside the service.
     """
     if budget is None:
         budget = ByteBudget(ConnectionSettings().in_flight_mebibytes * MEBIBYTE)
@@ -50,6 +53,7 @@ def create_app(services: Services, budget: ByteBudget | None = None) -> FastAPI:
     )
     for module in (objects, scenarios, sessions, observations, looks, events, rankings, stateless, robots, health):
         app.include_router(module.routes(services))
+    root.install(app, console)
     problems.install(app)
     openapi.install(app, services.limits)
     app.add_middleware(WireVersion)

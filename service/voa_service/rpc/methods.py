@@ -2,7 +2,7 @@
 
 A payload is the body of the HTTP request plus `session`, or `id`, where HTTP has it in the path; responses are the
 bodies of HTTP. Beside the methods of the contract there is one for each HTTP request that robots make:
-`object.stable_poses`, `lidar.list`, `service.health`, `robot.list` and `robot.look`.
+`object.stable_poses`, `lidar.list`, `service.health`, `robot.list`, `robot.scan` and `robot.look`.
 """
 
 from collections.abc import Callable, Mapping
@@ -72,6 +72,7 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "ranking.compute": Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
         "service.health": Method(_given(NoParameters, lambda _: services.health.ready()), services.probes),
         "robot.list": Method(_given(NoParameters, lambda _: services.robots.reports()), reads),
+        "robot.scan": Method(_given(LookRequest, lambda request: services.robots.scan(request.robot)), reads),
         "robot.look": Method(_given(LookRequest, lambda request: services.robots.request_look(request.robot)), reads),
     }
 

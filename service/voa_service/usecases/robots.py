@@ -3,16 +3,19 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
-from voa_msgs.robots import LookReport, RobotReport
+from voa_msgs.robots import LookReport, Refusal, RobotReport, RobotScan
 from voa_msgs.robots import Robots as RobotsMessage
 from voa_msgs.sessions import ScanRequest, UpdateReport
 from voa_msgs.warnings import ProbableMistake
+from voa_ros.pipeline import SeenScan
 from voa_service.failures import InvalidRequest, not_found
 from voa_service.ports import Clock
+from voa_service.usecases.robot_reports import LookSource, at_place, empty_report, with_refusal
+from voa_service.usecases.seen_scans import SeenScans, of_decoded, of_request
 
 _MOST = 1_000  # reports; the bus lets anyone publish under any name
 
@@ -23,25 +26,6 @@ class LookOutcome(BaseModel):
     version: int
     update: UpdateReport
     warnings: list[ProbableMistake] = Field(default=[])
-
-
-class LookSource(Protocol):
-    """Port to a mapped robot: the facts that its report shows, and the request for a look."""
-
-    @property
-    def waiting_for(self) -> str | None:
-        """Condition for the next look that is not met yet; None: every scan is a look."""
-
-    @property
-    def warnings(self) -> list[ProbableMistake]:
-        """Probable mistakes in how the robot is used."""
-
-    def request(self) -> None:
-        """Request a look.
-
-        Raises:
-            ValueError: the robot's looks are not taken on request.
-        """
 
 
 @dataclass(frozen=True)
@@ -76,6 +60,7 @@ class Robots:
         self._session_of = session_of
         self._reports: dict[tuple[str, str], RobotReport] = {}
         self._mapped: dict[str, _Mapped] = {}
+        self._scans = SeenScans()
         self._lock = threading.Lock()
 
     def mapped(
@@ -84,7 +69,7 @@ class Robots:
         """Add a robot whose topic is subscribed to; its mapping names either a scenario or a session."""
         with self._lock:
             self._mapped[robot] = _Mapped(MappedTo(scenario, session), source)
-            self._reports.setdefault((robot, "ros2"), _empty_report(robot, "ros2", key))
+            self._reports.setdefault((robot, "ros2"), empty_report(robot, "ros2", key))
 
     def mapped_to(self, robot: str) -> MappedTo | None:
         """Return the target of a robot's mapping; None: the robot is not mapped."""
@@ -102,6 +87,7 @@ class Robots:
         with self._lock:
             self._mapped.pop(robot, None)
             self._reports.pop((robot, "ros2"), None)
+            self._scans.drop(robot, "ros2")
 
     def received(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
         """Count a scan that was received."""
@@ -112,6 +98,35 @@ class Robots:
             session = before.session if session is None else session
             changes = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
             self._keep(before.model_copy(update=changes))
+
+    def seen(self, robot: str, scan: ScanRequest | SeenScan) -> None:
+        """Keep the newest scan of a robot for a preview: a request to update a belief, or a scan of a mapped robot."""
+        with self._lock:
+            if isinstance(scan, ScanRequest):
+                self._scans.keep(robot, "scan", of_request(scan, self._now()))
+            elif robot in self._mapped:
+                self._scans.keep(robot, "ros2", of_decoded(scan, self._now()))
+
+    def scan(self, robot: str) -> RobotScan:
+        """Return the newest scan of a robot, whether it was accepted or not.
+
+        Raises:
+            NotFound: no scan of a robot of this name was received.
+        """
+        with self._lock:
+            newest = self._scans.newest(robot)
+        if newest is None:
+            raise not_found("scan of robot", robot)
+        source, seen = newest
+        return RobotScan(
+            robot=robot,
+            session=self._session(robot, source),
+            source=source,
+            at=seen.at,
+            sensor=seen.sensor,
+            sensor_pose=seen.sensor_pose,
+            scan=seen.message(),
+        )
 
     def looked(
         self,
@@ -144,17 +159,22 @@ class Robots:
             if self._is_gone(robot, source):
                 return False
             before = self._report(robot, source, key)
-            self._keep(before.model_copy(update={"refused": before.refused + 1, "last_refusal": why}))
+            refusals = with_refusal(before.refusals, Refusal(at=self._now(), reason=why))
+            counted = {"refused": before.refused + 1, "last_refusal": why, "refusals": refusals}
+            self._keep(before.model_copy(update=counted))
         return why != before.last_refusal
 
     def reports(self) -> RobotsMessage:
         """List the reports on all robots, sorted by name."""
         with self._lock:
             reports, mapped = sorted(self._reports.items()), dict(self._mapped)
+            places = {robot: self._scans.get(robot, "scan") for robot, source in self._reports if source == "scan"}
         return RobotsMessage(
             mapping_error=self.mapping_error,
             items=[
-                self._shown(report, mapped[robot]) if source == "ros2" and robot in mapped else report
+                self._shown(report, mapped[robot])
+                if source == "ros2" and robot in mapped
+                else at_place(report, places.get(robot))
                 for (robot, source), report in reports
             ],
         )
@@ -191,15 +211,34 @@ class Robots:
 
     def _shown(self, report: RobotReport, mapped: _Mapped) -> RobotReport:
         """Complete a report with the robot's present state; called without the lock because it reads the store."""
-        session = mapped.to.session or report.session
-        if mapped.to.scenario is not None:
-            session = self._session_of(report.robot, mapped.to.scenario)
-        warnings = [*mapped.source.warnings, *report.warnings]
-        state = {"session": session, "waiting_for": mapped.source.waiting_for, "warnings": warnings}
+        source = mapped.source
+        standing = source.standing
+        state: dict[str, Any] = {
+            "session": self._mapped_session(report, mapped),
+            "waiting_for": source.waiting_for,
+            "warnings": [*source.warnings, *report.warnings],
+            "sensor": standing.sensor,
+            "sensor_pose": standing.sensor_pose,
+            "gathered": standing.gathered,
+            "wanted": standing.wanted,
+        }
         return report.model_copy(update=state)
 
+    def _mapped_session(self, report: RobotReport, mapped: _Mapped) -> str | None:
+        if mapped.to.scenario is not None:
+            return self._session_of(report.robot, mapped.to.scenario)
+        return mapped.to.session or report.session
+
+    def _session(self, robot: str, source: Literal["scan", "ros2"]) -> str | None:
+        """Return the session to which the scans of a robot are applied; called without the lock."""
+        with self._lock:
+            report, mapped = self._reports.get((robot, source)), self._mapped.get(robot)
+        if report is None or source == "scan" or mapped is None:
+            return None if report is None else report.session
+        return self._mapped_session(report, mapped)
+
     def _report(self, robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
-        return self._reports.get((robot, source)) or _empty_report(robot, source, key)
+        return self._reports.get((robot, source)) or empty_report(robot, source, key)
 
     def _is_gone(self, robot: str, source: Literal["scan", "ros2"]) -> bool:
         """Return True for a message of a robot that was unmapped meanwhile: its report would never be removed."""
@@ -216,18 +255,3 @@ class Robots:
             if oldest is not None:
                 del self._reports[oldest]
         self._reports[named] = report
-
-
-def _empty_report(robot: str, source: Literal["scan", "ros2"], key: str) -> RobotReport:
-    return RobotReport(
-        robot=robot,
-        session=None,
-        source=source,
-        key=key,
-        last_scan_at=None,
-        scans=0,
-        looks=0,
-        refused=0,
-        last_refusal=None,
-        waiting_for=None,
-    )

@@ -11,9 +11,10 @@ from voa_msgs.lidars import LidarPreset, LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest, ScenarioSummary
 from voa_msgs.warnings import Warnings
 from voa_ros.grids import BeamGrid
+from voa_ros.standing import NamedPlace
 from voa_service.failures import TooLarge, not_found
 from voa_service.mapping.lidars import beam_grid
-from voa_service.mapping.models import Models
+from voa_service.mapping.models import Model, Models
 from voa_service.mapping.predictions import predictions_message
 from voa_service.mapping.scenarios import filled_in
 from voa_service.mapping.sensors import candidates
@@ -83,10 +84,15 @@ class Scenarios:
         Raises:
             NotFound: there is no such scenario.
         """
-        model = self.models.get(id_)
-        if model is None:
-            raise not_found("scenario", id_)
-        return beam_grid(model.scenario.lidar)
+        return beam_grid(self._model(id_).scenario.lidar)
+
+    def places(self, id_: str) -> Sequence[NamedPlace]:
+        """Return the sensor configurations of a scenario, near which robots stand.
+
+        Raises:
+            NotFound: there is no such scenario.
+        """
+        return self._model(id_).scenario.sensors
 
     def warnings(self, id_: str) -> Warnings:
         """Search a scenario thoroughly for probable mistakes, which may take long.
@@ -112,10 +118,7 @@ class Scenarios:
             TooLarge: the response would be too large.
             VoaError: a sensor configuration does not exist, or a prediction needs a mesh.
         """
-        model = self.models.get(id_)
-        if model is None:
-            raise not_found("scenario", id_)
-        scenario = model.scenario
+        scenario = self._model(id_).scenario
         sensors = candidates(scenario, None if request is None else request.sensors)
         self._check_size(len(sensors), len(scenario.poses) * scenario.lidar.grid.beams)
         return predictions_message(scenario, sensors)
@@ -128,6 +131,12 @@ class Scenarios:
                 f"the response would hold {numbers} ranges, and may hold at most {self.limits.numbers}: "
                 f"request at most {self.limits.numbers // ranges_of_sensor} sensors at a time",
             )
+
+    def _model(self, id_: str) -> Model:
+        model = self.models.get(id_)
+        if model is None:
+            raise not_found("scenario", id_)
+        return model
 
     def _message(self, filled: ScenarioRequest, stored: StoredScenario) -> Scenario:
         """Convert a stored scenario to a message; its content has been validated already."""

@@ -6,19 +6,22 @@ has are read (`ledger`), so that a replica that missed some, or has just started
 
 import threading
 import time
+from collections.abc import Sequence
 
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_ros.looks import GatheredLook
-from voa_ros.pipeline import ContradictoryHeader, LookPipeline, Received, UnusableMessage
+from voa_ros.pipeline import ContradictoryHeader, LookPipeline, Received, SeenScan, UnusableMessage
 from voa_ros.robot_places import AttachmentPlace
 from voa_ros.robots import RobotMapping
+from voa_ros.standing import NamedPlace, nearest_place
 from voa_ros.stops import SameStop, same_stop
 from voa_ros.topics import LASER_SCAN, MessageType
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
 from voa_service.guard import guarded
 from voa_service.requests.attachments import read_attachment
 from voa_service.services import Services
+from voa_service.usecases.robot_reports import Standing
 from voa_service.zenoh.applying import DueLook
 from voa_service.zenoh.ledger import LookLedger
 from voa_service.zenoh.samples import Sample
@@ -46,6 +49,8 @@ class MappedRobot:
         self._looks: LookPipeline | None = None
         self._session: str | None = None
         self._scenario: str | None = None
+        self._places: Sequence[NamedPlace] = ()
+        self._seen: SeenScan | None = None
         self._ledger: LookLedger | None = None
         self._same_stop: SameStop | None = None
         self._stop_known = False
@@ -70,6 +75,18 @@ class MappedRobot:
     def warnings(self) -> list[ProbableMistake]:
         """Probable mistakes in how the robot is used."""
         return [] if self._looks is None else self._looks.warnings
+
+    @property
+    def standing(self) -> Standing:
+        """Present place of the robot, and the progress of its next look."""
+        looks, rule = self._looks, self.mapping.look
+        where = None if self._seen is None else self._seen.where
+        gathered, wanted = (
+            (None, None) if rule.mode == "every" else (0 if looks is None else looks.standing, rule.scans)
+        )
+        if where is None or isinstance(where, str):
+            return Standing(where, None, gathered, wanted)
+        return Standing(nearest_place(where, self._places), where, gathered, wanted)
 
     @property
     def session(self) -> str | None:
@@ -115,12 +132,20 @@ class MappedRobot:
                 raise BeamGridMismatch(str(error)) from error
             except UnusableMessage as error:
                 raise InvalidRequest(str(error)) from error
+            finally:
+                self._show(looks.seen)
             if isinstance(received, GatheredLook):
                 return self._due(received)
             self._read_looks_of_others(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
+
+    def _show(self, seen: SeenScan | None) -> None:
+        """Keep a scan for a preview, if it is a new one."""
+        if seen is not None and seen is not self._seen:
+            self._seen = seen
+            self._services.robots.seen(self.name, seen)
 
     def _due(self, taken: GatheredLook) -> DueLook | None:
         """Make a look due; None where another replica applied a look at this stop while the robot's session changed.
@@ -232,6 +257,7 @@ class MappedRobot:
     def _begin_on(self, scenario: str) -> None:
         """Begin to gather looks on the beam grid of a scenario's lidar."""
         beams = self._services.scenarios.beam_grid(scenario)
+        self._places = self._services.scenarios.places(scenario)
         self._scenario = scenario
         self._looks = LookPipeline(self.mapping, beams, self._services.limits.beams)
         self._same_stop = same_stop(self.mapping.look, beams)

@@ -151,6 +151,7 @@ class Scans:
         fields = _fields(scan, self._services)
         add_place(fields, attachment)
         request = message(ScanRequest, fields, self._services.limits)
+        self._services.robots.seen(scan.robot, request)
         key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
         sessions, updates = self._services.sessions, self._services.updates
         if scan.is_deferred and key is not None and sessions.has_response(key):

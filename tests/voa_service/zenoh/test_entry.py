@@ -171,6 +171,9 @@ def test_a_scan_that_cannot_be_used_is_seen(
     assert problems[0].json["type"] == f"urn:voa:problem:{kind}"
     assert f'event="scan refused: {kind}"' in service.http.get("/metrics").text
     assert version(service, session) == 0
+    is_scan = name in ("of-an-unknown-sensor", "of-another-grid")
+    assert service.http.get(f"/v1/robots/{name}/scan").status_code == (200 if is_scan else 404)
+    assert [each["reason"] for each in report(service, name)["refusals"]] == [report(service, name)["last_refusal"]]
 
 
 @pytest.mark.parametrize("encoding", ["application/cdr", "application/cdr;nav_msgs/msg/Odometry"])

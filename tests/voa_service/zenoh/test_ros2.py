@@ -297,6 +297,39 @@ def test_odometry_says_where_the_lidar_was_when_the_scan_was_taken(own: Lab) -> 
     pose = own.last_request(session)["sensor_pose"]
     assert (pose["x"], pose["y"], pose["yaw_rad"]) == pytest.approx((1.0, 1.0, math.pi / 2), abs=1e-6)
     assert pose["std"] == {"xy_m": 0.01, "yaw_rad": 0.0}
+    pose["height_m"] = None
+    report, shown = own.report(), own.service.get("/v1/robots/tb3_1/scan")
+    assert (report["sensor_pose"], report["sensor"], report["gathered"]) == (pose, None, None)
+    assert (shown["sensor_pose"], shown["session"], shown["source"]) == (pose, session, "ros2")
+    assert shown["scan"]["ranges"] == [0.31] * 4
+    assert own.bus.call("robot.scan", {"robot": "tb3_1"}) == shown
+
+
+def test_a_robot_is_reported_at_the_place_where_it_stands(own: Lab) -> None:
+    box = own.service.upload(box_obj())
+    scenario = mesh_scenario(box, lidar={"preset": "lds-01", "beams": 4, "angle_increment": 0.1, "height_m": 0.02})
+    session = own.service.open(own.service.create(scenario))
+    own.map(f'name = "tb3_1"\nsession = "{session}"\nlook = {{ scans = 5 }}\nplace = {{ from = "odometry" }}\n')
+    for turn in range(3):
+        own.put("tb3_1/odom", odometry(0.33, -0.02, 3.1, 100.0 + 0.2 * turn))
+        own.put("tb3_1/scan", laser_scan([0.3 + 0.001 * turn] * 4, 100.0 + 0.2 * turn))
+    wait_for(lambda: own.report()["gathered"] == 3, "three revolutions")
+    report = own.report()
+    assert (report["sensor"], report["wanted"], report["looks"]) == ("E", 5, 0)
+    assert report["sensor_pose"]["x"] == pytest.approx(0.33)
+
+
+def test_the_newest_scan_is_shown_although_no_session_takes_it(own: Lab) -> None:
+    scenario = own.service.create(data_scenario())
+    place = 'place = { from = "sensor", sensor = "Q1" }'
+    own.map(f'name = "tb3_1"\nscenario = "{scenario}"\n{place}\n')
+    assert own.service.http.get("/v1/robots/tb3_1/scan").status_code == 404
+    own.put("tb3_1/scan", laser_scan([0.6, 0.6, 0.6, 0.6], 100.0))
+    wait_for(lambda: own.report()["refused"] == 1, "the refusal")
+    shown = own.service.get("/v1/robots/tb3_1/scan")
+    assert (shown["sensor"], shown["session"], shown["scan"]["ranges"]) == ("Q1", None, [0.6] * 4)
+    (refusal,) = own.report()["refusals"]
+    assert (refusal["reason"], refusal["times"]) == (own.report()["last_refusal"], 1)
 
 
 def test_the_place_may_come_beside_each_scan(own: Lab, session: str) -> None:

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Response
 
-from voa_msgs.robots import ClaimRequest, RobotReport, Robots
+from voa_msgs.robots import ClaimRequest, RobotReport, Robots, RobotScan
 from voa_service.failures import ClaimConflict, NotFound, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
@@ -34,6 +34,19 @@ def routes(services: Services) -> APIRouter:
         The mapping of the robot must have the look mode `on_request`.
         """
         return await answer(services.reads, lambda: services.robots.request_look(robot))
+
+    @router.get(
+        "/{robot}/scan",
+        response_model=RobotScan,
+        responses=problems(NotFound),
+        response_description="The scan, and where it was taken.",
+    )
+    async def robot_scan(robot: RobotName) -> Response:
+        """Get the newest scan of a robot, whether it was accepted or not.
+
+        It is the newest one that this process of the service could decode since it started.
+        """
+        return await answer(services.reads, lambda: services.robots.scan(robot))
 
     @router.put(
         "/{robot}/session",
