@@ -8,7 +8,7 @@ from voa_msgs.geometry import SensorPose
 from voa_msgs.lidars import Lidar
 from voa_msgs.scenarios import Scenario, Workspace
 from voa_scene.colours import BLUE, GREEN, ORANGE, PURPLE
-from voa_scene.shapes import AnyShape, Colour, Points, Polyline, Vector
+from voa_scene.shapes import AnyShape, Ball, Colour, Points, Polyline, Vector
 from voa_scene.views import TakenScan
 
 Class = Literal["return", "no-return", "missing"]
@@ -21,6 +21,7 @@ _COLOURS: dict[Class, Colour] = {"return": BLUE, "no-return": GREEN, "missing": 
 _SIZES: dict[Class, float] = {"return": 0.006, "no-return": 0.004, "missing": 0.005}
 _GAP_M = 0.05
 """Largest distance of two neighbouring predicted points that a line joins."""
+_LIDAR_M = 0.012
 _BELOW_M = 0.002
 """Height by which the predicted outline lies below the scan's points."""
 
@@ -47,6 +48,16 @@ def scan_shapes(scenario: Scenario, taken: TakenScan) -> list[AnyShape]:
         for kind, points in by_class.items()
         if points
     ]
+    shapes.append(
+        Ball(
+            group="scan",
+            name="lidar",
+            label="lidar at the newest scan",
+            position=(taken.place.x, taken.place.y, level),
+            radius=_LIDAR_M,
+            colour=BLUE,
+        )
+    )
     return shapes + _outline(taken, scenario.lidar, scenario.workspace, max(level - _BELOW_M, 0.0))
 
 

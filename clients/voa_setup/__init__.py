@@ -15,6 +15,8 @@
 | divide a mesh into convex pieces for collisions              | `hulls`, `pieces/` |
 | score grasps by simulated attempts, read and write scores    | `scores/`          |
 | choose the source of the scores                              | `scoring`          |
+| take the steps that need no grasps from a person's choices   | `steps`            |
+| show rests, poses and the scan plane while a person chooses  | `previews/`        |
 | write the files of a scenario                                | `writing`          |
 | draw the page that shows whether it is right                 | `look/`            |
 | estimate a robot's odometry origin or lidar mount            | `calibration/`     |

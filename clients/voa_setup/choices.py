@@ -32,6 +32,7 @@ class Choices:
         yaws_deg: turns of every rest about the vertical, degrees.
         positions: x, y on the table over which the centre of mass lies, metres.
         least_probability: rests less probable than this are left out.
+        rests: names of the rests to keep, however probable; None: all that are probable enough.
         xy_m, yaw_deg: spread of the object about a pose: standard deviations in metres and degrees.
         gripper: opening, force and finger size.
         grasps: most grasps to propose.
@@ -53,6 +54,7 @@ class Choices:
     yaws_deg: Sequence[float] = field(default_factory=lambda: even_yaws(8))
     positions: Sequence[tuple[float, float]] = ((0.0, 0.0),)
     least_probability: float = LEAST_PROBABILITY
+    rests: Sequence[str] | None = None
     xy_m: float = XY_M
     yaw_deg: float = YAW_DEG
     gripper: GripperSetting = field(default_factory=lambda: gripper_named(GRIPPER))

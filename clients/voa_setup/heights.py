@@ -68,12 +68,8 @@ def sights(
     index = evenly(len(poses), _MOST_POSES)
     shown = [poses[p] for p in index]
     weights = np.array(prior)[index] / np.array(prior)[index].sum()
-    core = CorePoses.from_arrays(
-        [pose.name for pose in shown],
-        np.array([pose.position for pose in shown]),
-        np.array([pose.quaternion_wxyz for pose in shown]),
-    )
-    model = _model(lidar)
+    core = core_poses(shown)
+    model = lidar_model(lidar)
     predictor = predictor_of_mesh(mesh.object_, core, model)
     heights = _candidates(mesh, shown) if heights_m is None else list(heights_m)
     stands = [CoreSensor(place.name, place.x, place.y, place.yaw_rad) for place in places]
@@ -142,6 +138,15 @@ def describe_height(chosen: HeightSight, best: HeightSight) -> str:
     return f"{sentence}. If your lidar is at another height over the object's table, state it with --height."
 
 
+def core_poses(poses: Sequence[Pose]) -> CorePoses:
+    """Make the poses of the mathematics from poses with a position and an orientation."""
+    return CorePoses.from_arrays(
+        [pose.name for pose in poses],
+        np.array([pose.position for pose in poses]),
+        np.array([pose.quaternion_wxyz for pose in poses]),
+    )
+
+
 def _candidates(mesh: SetupMesh, poses: Sequence[Pose]) -> list[float]:
     """Heights to compare: from 1 cm, or half of the lowest pose's height, to the top of the highest pose, metres."""
     tops = [float((mesh.mesh.vertices @ row[2, :3] + row[2, 3]).max()) for row in matrices_of_poses(poses)]
@@ -150,11 +155,11 @@ def _candidates(mesh: SetupMesh, poses: Sequence[Pose]) -> list[float]:
     return [round(float(height), 4) for height in np.arange(max(lowest, 0.001), max(tops), step)]
 
 
-def _model(lidar: LidarPreset) -> LidarModel:
-    """The preset as the lidar of the mathematics, without a height."""
+def lidar_model(lidar: LidarPreset, height_m: float | None = None) -> LidarModel:
+    """Make the lidar of the mathematics from a preset; the scan plane has no height unless it is stated, metres."""
     grid = BeamGrid(lidar.beams, lidar.angle_min, lidar.angle_increment)
     return LidarModel(
-        grid, lidar.range_min, lidar.range_max, None, lidar.zero, lidar.noise_m, lidar.noise_ratio, lidar.dropout
+        grid, lidar.range_min, lidar.range_max, height_m, lidar.zero, lidar.noise_m, lidar.noise_ratio, lidar.dropout
     )
 
 

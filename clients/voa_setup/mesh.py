@@ -148,9 +148,14 @@ def read_triangles(file: Path, up: UpAxis | None = None) -> tuple[Floats, np.nda
     return vertices, faces
 
 
+def likely_scales(extent: float) -> list[float]:
+    """Return the metres per millimetre, inch or centimetre under which an arm could grasp an object of that extent."""
+    return [scale for scale in _UNITS if scale != 1.0 and SMALLEST_M <= extent * scale <= LARGEST_M]
+
+
 def _unlikely_size(file: Path, extent: float) -> UnlikelySize:
     """Make the error for a mesh of that largest extent, with the scales that would make it an object for an arm."""
-    scales = [scale for scale in _UNITS if scale != 1.0 and SMALLEST_M <= extent * scale <= LARGEST_M]
+    scales = likely_scales(extent)
     sizes = [f"--scale {scale:g} if it is in {_UNITS[scale]} ({100 * extent * scale:.3g} cm)" for scale in scales]
     advice = f"state {' or '.join(sizes)}" if sizes else "state --scale, the metres per unit of the file"
     return UnlikelySize(

@@ -57,6 +57,7 @@ def make_poses(
     yaws_deg: Sequence[float],
     positions: Sequence[tuple[float, float]] = ((0.0, 0.0),),
     least_probability: float = LEAST_PROBABILITY,
+    rests: Sequence[str] | None = None,
 ) -> PoseSet:
     """Make a pose of each rest at each yaw and position; keep one of those at which the mesh lies in the same place.
 
@@ -66,21 +67,17 @@ def make_poses(
         yaws_deg: turns about the vertical through the centre of mass, degrees.
         positions: x, y over which the centre of mass lies, metres.
         least_probability: rests less probable than this are left out.
+        rests: names of the rests to keep, however probable; None: all that are probable enough.
 
     Raises:
-        InvalidOption: no rest is as probable as `least_probability`.
+        InvalidOption: no rest is as probable as `least_probability`, or a name is that of no rest.
     """
     symmetry = symmetry_of(mesh.object_)
     named = name_rests(stable, symmetry, ball=mesh.is_ball)
-    kept = [rest for rest in named if rest.probability >= least_probability]
-    if not kept:
-        raise InvalidOption(
-            f"no rest is as probable as {least_probability:g}; the most probable, {named[0].name!r}, has "
-            f"{named[0].probability:.3f}"
-        )
+    kept = _kept(named, least_probability, rests)
     poses: list[Pose] = []
     prior: list[float] = []
-    rests: dict[str, Rest] = {}
+    ways: dict[str, Rest] = {}
     merged: list[str] = [_BALL] if mesh.is_ball else []
     total = sum(rest.probability for rest in kept)
     for rest in kept:
@@ -93,10 +90,28 @@ def make_poses(
                 names.append(_pose_name(rest, group[0], len(groups), (x, y) if len(positions) > 1 else None))
                 poses.append(_pose(names[-1], rest.at(math.radians(group[0]), x, y)))
                 prior.append(rest.probability / total * len(group) / (len(yaws_deg) * len(positions)))
-        rests[rest.name] = Rest(poses=names, ups=list(rest.ups))
-    left_out = [rest for rest in named if rest.probability < least_probability]
-    rests |= {rest.name: Rest(poses=[], ups=list(rest.ups)) for rest in left_out}
-    return PoseSet(poses, [round(share, _DIGITS) for share in prior], rests, merged, _reasons(left_out))
+        ways[rest.name] = Rest(poses=names, ups=list(rest.ups))
+    left_out = [rest for rest in named if rest not in kept]
+    ways |= {rest.name: Rest(poses=[], ups=list(rest.ups)) for rest in left_out}
+    return PoseSet(poses, [round(share, _DIGITS) for share in prior], ways, merged, _reasons(left_out))
+
+
+def _kept(named: Sequence[NamedRest], least_probability: float, names: Sequence[str] | None) -> list[NamedRest]:
+    """Select the rests of those names, or those that are probable enough; raises InvalidOption."""
+    if names is None:
+        kept = [rest for rest in named if rest.probability >= least_probability]
+        if not kept:
+            raise InvalidOption(
+                f"no rest is as probable as {least_probability:g}; the most probable, {named[0].name!r}, has "
+                f"{named[0].probability:.3f}"
+            )
+        return kept
+    known = [rest.name for rest in named]
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        wrong = f"there is no rest {unknown[0]!r}" if unknown else "expected at least one rest"
+        raise InvalidOption(f"--rests: {wrong}; there are: {', '.join(map(repr, known))}")
+    return [rest for rest in named if rest.name in names]
 
 
 def _alike_yaws(rest: NamedRest, yaws_deg: list[float], symmetry: Symmetry) -> list[list[float]]:

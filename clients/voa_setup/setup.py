@@ -7,28 +7,28 @@ scenario that the service, the fleet and the evaluations can use, and a page tha
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from voa_client import Client
 from voa_client.scenario_files import load_with_warnings
+from voa_fleet.errors import FleetError
 from voa_fleet.world.objects import Physics
 from voa_msgs.geometry import SensorConfiguration, Spread
-from voa_msgs.lidars import Lidar, LidarPreset
-from voa_msgs.objects import StablePose
+from voa_msgs.lidars import Lidar
 from voa_msgs.rankings import Ranking, RankingRequest
 from voa_msgs.scenarios import ScenarioRequest, Workspace
 from voa_msgs.warnings import ProbableMistake
 from voa_setup.choices import Choices
-from voa_setup.errors import InvalidOption
-from voa_setup.grasps.proposals import ProposedGrasp, propose_grasps
-from voa_setup.heights import check_height, describe_height, sights, suggested
+from voa_setup.errors import SetupError
+from voa_setup.grasps.proposals import NoGrasp, ProposedGrasp, propose_grasps
+from voa_setup.grippers import UnknownGripper
 from voa_setup.hulls import FILE as HULLS
 from voa_setup.hulls import collision_solids, convex_pieces, describe_pieces, write_hulls
 from voa_setup.look.page import write_look
 from voa_setup.mesh import SetupMesh, read_mesh, write_mesh
-from voa_setup.places import check_places, fitting_radius, footprints, ring
-from voa_setup.poses import PoseSet, make_poses
+from voa_setup.places import footprints
+from voa_setup.poses import PoseSet
 from voa_setup.scoring import Stages, final_scores, first_scores, without_failures
+from voa_setup.steps import chosen_height, chosen_places, chosen_poses, preset_named, stable_poses_of
 from voa_setup.writing import (
     begun_folder,
     check_folder,
@@ -39,6 +39,9 @@ from voa_setup.writing import (
     write_physics,
     write_scenario,
 )
+
+REFUSALS = (SetupError, NoGrasp, FleetError, UnknownGripper)
+"""Errors of the making whose message is a sentence for the person who made the choices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,7 @@ class NewScenario:
         warnings: probable mistakes that the service reports.
         notes: what was decided, merged, left out or guessed, a sentence each.
         page: the page that shows whether it is right.
+        stored: identifier of the scenario on the service.
     """
 
     folder: Path
@@ -60,6 +64,7 @@ class NewScenario:
     warnings: list[ProbableMistake]
     notes: list[str]
     page: Path
+    stored: str
 
 
 def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages) -> NewScenario:
@@ -84,19 +89,12 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
     check_folder(folder, choices.mesh, force=choices.force)
 
     stages.begin("finding its rests")
-    stable = _stable_poses(client, mesh)
-    poses = make_poses(
-        mesh,
-        stable,
-        yaws_deg=choices.yaws_deg,
-        positions=choices.positions,
-        least_probability=choices.least_probability,
-    )
+    poses = chosen_poses(choices, mesh, stable_poses_of(client, mesh))
 
     stages.begin("placing the lidar")
-    lidar = _preset(client, choices.lidar)
-    places = _places(choices, mesh, poses, lidar)
-    height_m, height_notes = _height(choices, mesh, poses, places, lidar)
+    lidar = preset_named(client, choices.lidar)
+    places = chosen_places(choices, mesh, poses, lidar)
+    height_m, height_notes = chosen_height(choices, mesh, poses, places, lidar)
 
     stages.begin("proposing grasps")
     grasps = propose_grasps(
@@ -148,48 +146,7 @@ def new_scenario(client: Client, choices: Choices, folder: Path, stages: Stages)
         gripper=choices.gripper,
     )
     finish_folder(folder)
-    return NewScenario(folder, scenario, ranking, warnings, notes, page)
-
-
-def _stable_poses(client: Client, mesh: SetupMesh) -> list[StablePose]:
-    """Stable poses of the mesh, as the service computes them."""
-    with TemporaryDirectory(prefix="voa-new-") as temporary:
-        file = Path(temporary) / f"{mesh.name}.obj"
-        write_mesh(mesh.mesh, file)
-        return list(client.stable_poses(client.create_object(file).id).items)
-
-
-def _preset(client: Client, name: str) -> LidarPreset:
-    """Preset of that name; raises InvalidOption with the names that exist."""
-    presets = {preset.name: preset for preset in client.lidars().items}
-    if name not in presets:
-        raise InvalidOption(f"--lidar {name}: there is no such lidar; there are: {', '.join(sorted(presets))}")
-    return presets[name]
-
-
-def _places(choices: Choices, mesh: SetupMesh, poses: PoseSet, lidar: LidarPreset) -> list[SensorConfiguration]:
-    """Places of the lidar, on a ring around the middle of the positions or as listed; raises InvalidOption."""
-    if not isinstance(choices.places, int):
-        places = list(choices.places)
-        check_places(places, mesh, poses.poses, lidar)
-        return places
-    xs, ys = zip(*choices.positions, strict=True)
-    centre = round(sum(xs) / len(xs), 6), round(sum(ys) / len(ys), 6)
-    radius = fitting_radius(choices.radius_m, mesh, poses.poses, lidar, centre)
-    return ring(choices.places, radius, centre)
-
-
-def _height(
-    choices: Choices, mesh: SetupMesh, poses: PoseSet, places: Sequence[SensorConfiguration], lidar: LidarPreset
-) -> tuple[float, list[str]]:
-    """Height of the scan plane, and notes about it; raises InvalidOption for a height that sees nothing."""
-    candidates = sights(mesh, poses.poses, poses.prior, places, lidar)
-    best = suggested(candidates)
-    chosen = best
-    if choices.height_m is not None:
-        chosen = sights(mesh, poses.poses, poses.prior, places, lidar, [choices.height_m])[0]
-    check_height(chosen, candidates)
-    return chosen.height_m, [] if len(poses.poses) == 1 else [describe_height(chosen, best)]
+    return NewScenario(folder, scenario, ranking, warnings, notes, page, stored.id)
 
 
 def _sentence(text: str) -> str:

@@ -53,6 +53,7 @@ def test_options_become_choices(tmp_path: Path) -> None:
     assert list(choices("--yaws", "30,").yaws_deg) == [30.0]
     assert choices("--positions", "0.1,0", "-0.1,0.05").positions == [(0.1, 0.0), (-0.1, 0.05)]
     assert choices("--gripper", "0.05").gripper.opening_m == 0.05
+    assert choices("--rests", "upright", "on side A").rests == ["upright", "on side A"]
     listed = choices("--place", "E,0.5,0,180", "--place", "N,0,0.5,-90").places
     assert not isinstance(listed, int)
     assert [place.name for place in listed] == ["E", "N"]

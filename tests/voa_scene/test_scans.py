@@ -96,4 +96,4 @@ def test_a_scan_without_a_workspace_has_returns_alone() -> None:
     scenario = stored_scenario()
     scan = Scan(ranges=[0.25, None, 0.0, 30.0], angle_min=0.0, angle_increment=0.1)
     shapes = scan_shapes(scenario, replace(TakenScan(scan, SensorPose(x=0.0, y=0.0, yaw_rad=0.0))))
-    assert [shape.name for shape in shapes] == ["return"]
+    assert [shape.name for shape in shapes] == ["return", "lidar"]

@@ -96,3 +96,15 @@ def test_a_feature_of_two_millimetres_keeps_poses_apart_and_one_of_a_tenth_does_
         rib.apply_translation([0.03 + size / 2, 0.0, 0.0])
         result = poses_of(joined(body, rib), tmp_path, least_probability=0.0)
         assert sum(name.startswith("upright") for name in names(result)) == upright
+
+
+def test_rests_are_kept_by_name_however_probable(tmp_path: Path) -> None:
+    result = poses_of(box(0.10, 0.05, 0.03), tmp_path, rests=("on side B",), least_probability=0.9)
+    assert {name.rsplit(" ", 1)[0] for name in names(result)} == {"on side B"}
+    assert sum(result.prior) == pytest.approx(1.0)
+    assert result.rests["upright"].poses == []
+    assert any(sentence.startswith("'upright' is left out") for sentence in result.left_out)
+    with pytest.raises(InvalidOption, match="--rests: there is no rest 'flying'; there are: 'upright', 'on side A'"):
+        poses_of(box(0.10, 0.05, 0.03), tmp_path, rests=("flying",))
+    with pytest.raises(InvalidOption, match="expected at least one rest"):
+        poses_of(box(0.10, 0.05, 0.03), tmp_path, rests=())

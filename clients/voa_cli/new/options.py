@@ -41,6 +41,7 @@ def choices_of(options: argparse.Namespace) -> Choices:
         yaws_deg=options.yaws,
         positions=options.positions,
         least_probability=options.least_probability,
+        rests=options.rests,
         xy_m=options.spread[0],
         yaw_deg=options.spread[1],
         gripper=gripper_named(options.gripper),
@@ -178,6 +179,10 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     poses.add_argument(
         "--least-probability", type=_share, default=LEAST_PROBABILITY, metavar="P",
         help=f"leave out rests in which a dropped object ends less often (default {LEAST_PROBABILITY:g})",
+    )  # fmt: skip
+    poses.add_argument(
+        "--rests", nargs="+", metavar="NAME",
+        help="rests to keep by name, such as upright 'on side A' (default: all that are probable enough)",
     )  # fmt: skip
     poses.add_argument(
         "--spread", type=_spread, default=(XY_M, YAW_DEG), metavar="M,DEG",
