@@ -30,7 +30,7 @@ $(STAMP): requirements.lock pyproject.toml
 demo: setup  ## a simulated lidar robot helps an arm to grasp; prints the story, leaves a page in build/demo
 	@$(BIN)/voa demo --out build/demo
 
-test: setup system-packages  ## all tests; PostgreSQL is installed by itself where that is allowed
+test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed by themselves where that is allowed
 	rm -rf $(COVERAGE)
 	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 2 tests
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/all --skip-covered --fail-under=$(FLOOR)
@@ -45,6 +45,13 @@ system-packages:
 	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends postgresql >/dev/null; \
 	  else \
 	    echo "the tests need PostgreSQL's server; on Debian: apt-get install postgresql"; exit 1; \
+	  fi
+	@command -v chromium >/dev/null || \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    echo "installing Chromium for the tests" && apt-get -qq update && \
+	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium >/dev/null; \
+	  else \
+	    echo "the tests need Chromium; on Debian: apt-get install chromium"; exit 1; \
 	  fi
 
 lint: setup  ## ruff and mypy, strict

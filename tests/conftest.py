@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from playwright.sync_api import Browser, Page
 
+from tests.support.browser import console_of, headless, opened
 from tests.support.postgres import Server, server
 from tests.support.scale import SCALE
 from tests.support.serving import Service, box_obj, data_scenario, mesh_scenario, serving
@@ -60,4 +62,25 @@ def process(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """The URL of `voa serve` in a process of its own."""
     folder: Path = tmp_path_factory.mktemp("process")
     with local_service(folder) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """A real headless Chromium, one per module: while it runs, `asyncio.run` cannot be used in its thread."""
+    with headless() as own:
+        yield own
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """An empty page, 1400 x 900; the test fails if the page logs an error, or requests anything of another host."""
+    with opened(browser) as own:
+        yield own
+
+
+@pytest.fixture(scope="session")
+def console(process: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The URL of a console of the service in `process`, in a process of its own."""
+    with console_of(process, tmp_path_factory.mktemp("console")) as url:
         yield url

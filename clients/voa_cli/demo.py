@@ -17,6 +17,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from voa_cli.demo_console import DATABASE, kept, offer_console
 from voa_cli.evaluate.common import count, progress_bar
 from voa_cli.fleet_options import natural
 from voa_cli.paper import PICTURE, paper_picture
@@ -71,7 +72,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console.print(f"\nThe page with the pictures: [bold]{page}[/bold]", highlight=False, soft_wrap=True)
     console.print(f"To see it, open [bold]{page.resolve().as_uri()}[/bold] in a browser.", soft_wrap=True)
     console.print("More: [bold]voa fleet --pairs 4[/bold]; for your own robots: [bold]voa serve[/bold], and README.md")
+    if demo.episode is not None:
+        offer_console(options.out, demo.episode.before.id, console, interactive=_is_interactive(console))
     return 0
+
+
+def _is_interactive(console: Console) -> bool:
+    """True if a person at a terminal can answer, and did not want the demo to end by itself."""
+    return console.is_terminal and sys.stdin.isatty() and "DEMO_SECONDS" not in os.environ
 
 
 def _run(demo: Demo, options: argparse.Namespace, console: Console) -> None:
@@ -79,7 +87,8 @@ def _run(demo: Demo, options: argparse.Namespace, console: Console) -> None:
     try:
         with interruptible(_seconds()) as interruption, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
-            client = stack.enter_context(Client(stack.enter_context(local_service(options.out))))
+            client = stack.enter_context(Client(stack.enter_context(local_service(options.out, DATABASE))))
+            stack.enter_context(kept(client, lambda: demo.episode.before.id if demo.episode else None))
             scenario = load_scenario(
                 client, demo.target.folder / "scenario.json", spread=spread_of(IMPERFECTIONS), absent=ABSENT
             )

@@ -17,14 +17,15 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "serve": Command("voa_service.serve", "run the service", "service"),
+    "serve": Command("voa_cli.serve", "run the service", "service"),
+    "console": Command("voa_cli.console", "serve the laboratory's web page beside a service", "console"),
     "demo": Command("voa_cli.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
     "replay": Command(
         "voa_cli.replay.command", "send recorded experiments, sessions or scans through the service", "cli"
     ),
     "experiment": Command("voa_cli.experiment", "begin, check or make a recorded experiment", "cli"),
     "calibrate": Command("voa_cli.calibrate", "estimate odometry's origin or the lidar's mount from a stop", "setup"),
-    "doctor": Command("voa_cli.doctor.command", "find out what is wrong between this machine and the service", "cli"),
+    "doctor": Command("voa_cli.doctor", "find out what is wrong between this machine and the service", "cli"),
     "record": Command("voa_cli.record", "record what robots and the service publish on Zenoh", "cli"),
     "sessions": Command("voa_cli.sessions", "list, show, export and delete the sessions of a service", "cli"),
     "new": Command("voa_cli.new.command", "make a scenario from a mesh", "setup"),

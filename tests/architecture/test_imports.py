@@ -69,9 +69,9 @@ PACKAGES = {
         *PYDANTIC,
         "voa_client",
         "voa_msgs",
+        "voa_recordings",
         "voa_ros",
         "httpx2",
-        "rich",
         "zenoh",
     ),
     "voa_fleet": _package(
@@ -144,6 +144,7 @@ PACKAGES = {
         "voa_assets",
         "fastapi",
         "nicegui",
+        "starlette",
         "uvicorn",
     ),
     "voa_cli": _package(
@@ -164,6 +165,7 @@ PACKAGES = {
         "matplotlib",
         "rich",
         "zenoh",
+        only_in={"voa_service": "serve.py"},  # `voa serve` puts the service and the console together
     ),
     "voa_assets": _package(
         "assets/voa_assets",

@@ -144,7 +144,7 @@ TOPICS = {
     "voa_client/test_events.py": "streams of events that a proxy has spoilt",
     "voa_client/test_hints.py": "hints of a bus or proxy that are checked with the service",
     "voa_client/test_surface.py": "the names of the package, sync and async",
-    "voa_cli/doctor/test_live_robots.py": "the doctor beside a real service and robot",
+    "voa_doctor/test_live_robots.py": "the doctor beside a real service and robot",
     "voa_cli/test_rank_meshes.py": "`voa rank` and mesh files",
     "voa_cli/test_record_latched.py": "`voa record` and publishers that keep their newest message",
     "voa_assets/test_access.py": "the package itself",

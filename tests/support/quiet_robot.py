@@ -1,6 +1,7 @@
 """Mapped robot from which no message was received."""
 
 from voa_msgs.warnings import ProbableMistake
+from voa_service.usecases.robot_reports import Standing
 
 
 class QuietRobot:
@@ -12,6 +13,11 @@ class QuietRobot:
     def warnings(self) -> list[ProbableMistake]:
         """Empty list: no probable mistakes."""
         return []
+
+    @property
+    def standing(self) -> Standing:
+        """Unknown place."""
+        return Standing()
 
     def request(self) -> None:
         """Ignore a request for a look."""

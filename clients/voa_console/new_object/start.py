@@ -1,0 +1,98 @@
+"""Beginning of the page: a mesh file is dropped, or a new object is opened that somebody has begun."""
+
+from nicegui import events, ui
+
+from voa_console.new_object.bench import Bench
+from voa_console.new_object.draft import ENDINGS, MOST_BYTES, file_name
+from voa_console.new_object.process import TaskFailed
+from voa_console.new_object.workshop import Workshop
+
+
+def draw_start(workshop: Workshop) -> None:
+    """Draw the field for a mesh file, and below it the new objects that were begun.
+
+    Args:
+        workshop: with them.
+    """
+    with ui.card().classes("w-full gap-3"):
+        ui.label(
+            f"Drop the mesh of the object here: {', '.join(ending.upper() for ending in ENDINGS)}, at most "
+            f"{MOST_BYTES // 1_000_000} MB. From it come its rests, grasps, their scores and places for the lidar."
+        )
+        message = ui.label().classes("text-negative").props('role="alert"')
+        busy = ui.spinner(size="md")
+        busy.set_visibility(False)
+
+        async def received(event: events.UploadEventArguments) -> None:
+            message.set_text("")
+            busy.set_visibility(True)
+            try:
+                bench = await _begun(workshop, event)
+            except (TaskFailed, ValueError) as error:
+                message.set_text(str(error))
+                upload.reset()
+            else:
+                ui.navigate.to(f"/new?of={bench.id}")
+            finally:
+                busy.set_visibility(False)
+
+        upload = ui.upload(
+            label="Mesh file",
+            auto_upload=True,
+            max_files=1,
+            max_file_size=MOST_BYTES,
+            on_upload=received,
+            on_rejected=lambda: message.set_text(
+                f"Expected one file of at most {MOST_BYTES // 1_000_000} MB that ends with {', '.join(ENDINGS)}."
+            ),
+        )
+        upload.props(f'accept="{",".join(f".{ending}" for ending in ENDINGS)}" flat bordered').classes("w-full")
+    _begun_before(workshop)
+
+
+async def _begun(workshop: Workshop, event: events.UploadEventArguments) -> Bench:
+    """Begin with the file that was received; raises TaskFailed or ValueError with a sentence."""
+    if event.file.size() > MOST_BYTES:
+        raise ValueError(f"The file is larger than {MOST_BYTES // 1_000_000} MB: simplify the mesh.")
+    name = file_name(event.file.name)
+    bench = await workshop.new()
+    mesh = bench.folder / "mesh" / name
+    await event.file.save(mesh)
+    try:
+        await bench.take(mesh)
+    except TaskFailed:
+        await workshop.remove(bench)
+        raise
+    return bench
+
+
+def _begun_before(workshop: Workshop) -> None:
+    """Draw a line for each new object that was begun, with the progress of its scenario."""
+    column = ui.column().classes("w-full gap-2")
+    shown: list[tuple[str, str]] = []
+
+    def update() -> None:
+        lines = [(bench.id, _state(bench)) for bench in workshop.benches]
+        if lines == shown:
+            return
+        shown[:] = lines
+        column.clear()
+        with column:
+            for id_, text in lines:
+                with ui.row().classes("items-center gap-3"):
+                    ui.label(text)
+                    ui.link("Continue", f"/new?of={id_}").props(f'aria-label="Continue with {text}"')
+
+    update()
+    ui.timer(1.0, update)
+
+
+def _state(bench: Bench) -> str:
+    """Describe a new object in a line."""
+    job = bench.job
+    if job is None:
+        return f"{bench.name}: begun"
+    if job.state != "running":
+        return f"{bench.name}: {job.state}"
+    share = job.share
+    return f"{bench.name}: {job.text}" + ("" if share is None else f", {share:.0%}")

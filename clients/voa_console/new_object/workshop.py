@@ -1,0 +1,59 @@
+"""Workshop: the benches of all new objects that are on the pages of this console."""
+
+import secrets
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+from voa_console.new_object.bench import Bench
+
+MOST = 8
+"""Most new objects at a time: each may have a process. The one that was not used for the longest time goes first."""
+
+
+class Workshop:
+    """The new objects of this console; pages that are closed and opened again show them as they are.
+
+    Args:
+        url: address of the service.
+    """
+
+    def __init__(self, url: str) -> None:
+        self._url = url
+        self._benches: dict[str, Bench] = {}
+
+    @property
+    def benches(self) -> list[Bench]:
+        """Benches with a mesh, the last used first."""
+        used = [bench for bench in self._benches.values() if bench.draft is not None]
+        return sorted(used, key=lambda bench: -bench.used_at)
+
+    def bench(self, id_: str) -> Bench | None:
+        """Return the bench of that identifier; None: there is none, or no longer."""
+        return self._benches.get(id_)
+
+    def making(self) -> Bench | None:
+        """Return the bench whose scenario is being made; None: none is."""
+        return next((bench for bench in self._benches.values() if bench.is_making), None)
+
+    async def new(self) -> Bench:
+        """Make an empty bench; beyond the most that there may be, the one that waits for the longest time ends."""
+        waiting = [bench for bench in self._benches.values() if not bench.is_making]
+        if len(self._benches) >= MOST and waiting:
+            await self.remove(min(waiting, key=lambda bench: bench.used_at))
+        id_ = secrets.token_hex(8)
+        folder = Path(tempfile.mkdtemp(prefix="voa-console-"))
+        self._benches[id_] = Bench(id_, self._url, folder, used_at=time.monotonic())
+        return self._benches[id_]
+
+    async def remove(self, bench: Bench) -> None:
+        """End a bench, with its processes and its own folder; a folder that a person named stays."""
+        self._benches.pop(bench.id, None)
+        await bench.close()
+        shutil.rmtree(bench.folder, ignore_errors=True)
+
+    async def close(self) -> None:
+        """End all benches."""
+        for bench in list(self._benches.values()):
+            await self.remove(bench)

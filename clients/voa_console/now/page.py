@@ -1,0 +1,80 @@
+"""The page Now: cards of the sessions that moved in the last hour, the newest session first."""
+
+from nicegui import ui
+
+from voa_client import Session, SessionSummary
+from voa_console import layout
+from voa_console.context import Console
+from voa_console.now.cards import Card
+from voa_console.now.opening import opening_dialog
+from voa_console.now.summary import Summary, robot_line, summarise
+
+_EMPTY = (
+    "No session moved in the last hour. Open one here, or let a program of yours open one; its card appears by itself. "
+    "To see something at once: voa fleet --url {url}"
+)
+
+
+def register(console: Console) -> None:
+    """Declare the page `/`."""
+
+    @ui.page("/")
+    def now() -> None:
+        with layout.page(console, "Now"):
+            _Now(console)
+
+
+_MOST_CARDS = 60
+
+
+class _Now:
+    """Content of the page, kept up to date while its browser shows it."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._cards: dict[str, Card] = {}
+        open_dialog = opening_dialog(console)
+        with ui.row().classes("items-center gap-4"):
+            ui.button("Open a session", icon="add", on_click=open_dialog)
+        self._waiting = ui.label("Waiting for the service.")
+        self._empty = ui.label(_EMPTY.format(url=console.settings.url)).classes("text-base max-w-2xl")
+        self._grid = ui.row().classes("w-full items-stretch gap-4")
+        self._more = ui.label().classes("text-sm")
+        layout.while_open(console.hub.subscribe(self._update))
+        self._update()
+
+    def _update(self) -> None:
+        """Draw cards for new sessions, update the others, and remove those of sessions that ended."""
+        hub = self._console.hub
+        sessions = hub.sessions()
+        summaries = [summary for each in sessions[:_MOST_CARDS] if (summary := self._summary(each)) is not None]
+        self._more.set_visibility(len(sessions) > _MOST_CARDS)
+        self._more.set_text(
+            f"{len(sessions) - _MOST_CARDS} more sessions moved in the last hour, which were opened before these. "
+            f"To list them: voa sessions list --url {self._console.settings.url}"
+        )
+        self._waiting.set_visibility(not hub.has_responded and hub.error is None)
+        self._empty.set_visibility(hub.has_responded and not summaries)
+        for gone in self._cards.keys() - {summary.session_id for summary in summaries}:
+            self._cards.pop(gone).element.delete()
+        for index, summary in enumerate(summaries):
+            card = self._cards.get(summary.session_id)
+            if card is not None:
+                card.update(summary)
+                continue
+            with self._grid:
+                card = Card(summary)
+            card.element.move(target_index=index)
+            self._cards[summary.session_id] = card
+
+    def _summary(self, listed: SessionSummary) -> Summary | None:
+        """Make the texts of a session: of its newest version where it is followed; None: it was deleted since."""
+        hub = self._console.hub
+        watched = hub.followed(listed.id)
+        if watched is not None and watched.ended:
+            return None
+        known = None if watched is None else watched.session
+        session: Session | SessionSummary = known or listed
+        now = hub.now()
+        robots = [robot_line(report, hub.refusal_of(report), now) for report in hub.robots_of(listed.id)]
+        return summarise(session, None if watched is None else watched.scenario, robots, now)

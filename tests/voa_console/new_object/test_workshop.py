@@ -1,0 +1,41 @@
+"""Workshop: as many new objects as it has room for, each with a folder that goes with it."""
+
+from pathlib import Path
+
+from tests.support.loops import run
+from voa_console.new_object.draft import Draft
+from voa_console.new_object.job import Job
+from voa_console.new_object.workshop import MOST, Workshop
+
+NOBODY = "http://127.0.0.1:9"
+
+
+def test_the_object_that_waits_for_the_longest_time_makes_room_but_none_that_is_being_made() -> None:
+    async def whole() -> None:
+        workshop = Workshop(NOBODY)
+        benches = [await workshop.new() for _ in range(MOST)]
+        for age, bench in enumerate(benches):
+            bench.draft, bench.used_at = Draft(mesh=f"{age}.stl"), float(age)
+        benches[0].job = Job(Draft(mesh="0.stl"), "made", 0.0)
+        assert workshop.making() is benches[0]
+        newest = await workshop.new()
+        assert workshop.bench(benches[0].id) is benches[0]
+        assert workshop.bench(benches[1].id) is None
+        assert not benches[1].folder.exists()
+        assert workshop.benches[0].name == str(MOST - 1)
+        assert newest.name == "new object"
+        await workshop.close()
+        assert not any(bench.folder.exists() for bench in [newest, *benches])
+
+    run(whole())
+
+
+def test_a_folder_that_a_person_named_stays(tmp_path: Path) -> None:
+    async def whole() -> None:
+        workshop = Workshop(NOBODY)
+        bench = await workshop.new()
+        bench.target = str(tmp_path)
+        await workshop.remove(bench)
+
+    run(whole())
+    assert tmp_path.is_dir()

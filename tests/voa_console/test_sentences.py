@@ -1,0 +1,44 @@
+"""Sentences about calls that failed: what happened, and what to do."""
+
+from typing import Any
+
+import pytest
+
+from voa_client import Problem, UnreachableError, VoaClientError
+from voa_client import TimedOutError as TimedOut
+from voa_client._errors import refusal
+from voa_console.sentences import sentence_of
+
+
+def problem(status: int, kind: str, detail: str = "the detail.", **more: Any) -> Problem:
+    return Problem(type=f"urn:voa:problem:{kind}", title="Title", status=status, detail=detail, **more)
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (refusal(problem(412, "stale-version", version=7)), ["Somebody else changed", "version 7 now"]),
+        (refusal(problem(412, "stale-version")), ["Somebody else changed the session in the meantime. Look"]),
+        (refusal(problem(409, "claim-conflict")), ["contradicts the present state: the detail."]),
+        (refusal(problem(404, "not-found")), ["no longer exists: the detail."]),
+        (refusal(problem(422, "invalid-request")), ["cannot use these values: the detail."]),
+        (
+            refusal(
+                problem(422, "invalid-request", errors=[{"field": "body.belief", "problem": "expected 3 numbers"}])
+            ),
+            ["cannot use these values: belief: expected 3 numbers."],
+        ),
+        (refusal(problem(403, "forbidden")), ["does not allow this: the detail."]),
+        (refusal(problem(503, "overloaded"), 2.0), ["busy", "Try again in 2 s."]),
+        (refusal(problem(503, "not-ready")), ["cannot answer at the moment: the detail.", "in a moment."]),
+        (refusal(problem(500, "internal")), ["The service refused: the detail."]),
+        (TimedOut("late"), ["did not answer in time", "voa doctor"]),
+        (UnreachableError("no answer"), ["does not respond", "voa doctor"]),
+        (VoaClientError("of another kind."), ["The call failed: of another kind."]),
+    ],
+)
+def test_an_error_becomes_a_sentence(error: VoaClientError, words: list[str]) -> None:
+    sentence = sentence_of(error)
+    assert all(each in sentence for each in words), sentence
+    assert sentence.endswith(".")
+    assert ".." not in sentence
