@@ -41,7 +41,7 @@ from voa_fleet.show.demo_page import (
     story_of,
     write_demo,
 )
-from voa_fleet.show.interruption import Interruption, TimeIsUp, interruptible
+from voa_fleet.show.interruption import TimeIsUp, interruptible
 from voa_fleet.show.live_report import LiveReport
 from voa_fleet.show.render import Renderer
 from voa_fleet.world.imperfections import Imperfections
@@ -88,13 +88,18 @@ def _run(demo: Demo, options: argparse.Namespace, console: Console) -> None:
         with interruptible(_seconds()) as interruption, ExitStack() as stack:
             console.print("[dim]starting the service on SQLite ...[/dim]")
             client = stack.enter_context(Client(stack.enter_context(local_service(options.out, DATABASE))))
-            stack.enter_context(kept(client, lambda: demo.episode.before.id if demo.episode else None))
+            sweep = stack.enter_context(kept(client, lambda: demo.episode.before.id if demo.episode else None))
             scenario = load_scenario(
                 client, demo.target.folder / "scenario.json", spread=spread_of(IMPERFECTIONS), absent=ABSENT
             )
             bench = make_bench(demo.target, IMPERFECTIONS, demo.seed, robot=PAIR)
             show_episode(demo, client, scenario, bench, console, options.looks)
-            show_comparison(demo, client, scenario, bench, console, options, interruption)
+
+            def between() -> None:
+                interruption.check()
+                sweep()  # now, because the service does not answer after Ctrl-C
+
+            show_comparison(demo, client, scenario, bench, console, options, between)
             demo.paper = options.out / PICTURE
             paper_picture(client, demo.paper)
     except TimeIsUp:
@@ -147,16 +152,16 @@ def show_comparison(
     bench: Bench,
     console: Console,
     options: argparse.Namespace,
-    interruption: Interruption,
+    between: Callable[[], None],
 ) -> None:
-    """Run more drops, each with looks and without, and print the counts."""
+    """Run more drops, each with looks and without, and print the counts; `between` is called after each episode."""
     console.rule("[bold]The same drops without a look, and with looks[/bold]", align="left")
     drops = range(1, options.drops + 1)
     try:
         with progress_bar("more drops", len(drops) * len(demo.comparison.policies)) as progress:
 
             def advance(episodes: int) -> None:
-                interruption.check()
+                between()
                 progress(episodes)
 
             demo.comparison.run(client, scenario, bench, drops, options.looks, advance)

@@ -3,14 +3,14 @@
 import importlib
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from shlex import quote
 
 from rich.console import Console
 
-from voa_client import Client
+from voa_client import Client, VoaClientError
 from voa_client.local import local_service
 
 DATABASE = "demo.db"
@@ -45,19 +45,29 @@ def offer_console(folder: Path, session_id: str, terminal: Console, *, interacti
 
 
 @contextmanager
-def kept(client: Client, session_of: Callable[[], str | None]) -> Iterator[None]:
-    """Delete the sessions that were opened in the `with`, but for one, unless it ends by an exception.
+def kept(client: Client, session_of: Callable[[], str | None]) -> Iterator[Callable[[], None]]:
+    """Delete the sessions that are opened in the `with`, but for one; yield a function that does so before its end.
+
+    They are deleted at the end of the `with` as well, also if it ends by an exception, but not after Ctrl-C.
 
     Args:
         client: of the demo's own service.
-        session_of: returns the session to keep, when the `with` ends; None: none.
+        session_of: returns the session to keep; None: none.
     """
     before = {summary.id for summary in client.list_sessions()}
-    yield
-    # Not after Ctrl-C, which the service has received as well: nobody would answer.
-    opened = {summary.id for summary in client.list_sessions()} - before
-    for session_id in opened - {session_of()}:
-        client.delete_session(session_id)
+
+    def sweep() -> None:
+        opened = {summary.id for summary in client.list_sessions()} - before
+        for session_id in opened - {session_of()}:
+            client.delete_session(session_id)
+
+    try:
+        yield sweep
+        sweep()
+    except Exception:  # Ctrl-C is none: the service has received it as well, and nobody would answer
+        with suppress(VoaClientError):
+            sweep()
+        raise
 
 
 def _show(folder: Path, session_id: str) -> None:

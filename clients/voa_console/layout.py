@@ -16,6 +16,9 @@ a:focus-visible, button:focus-visible, [tabindex]:focus-visible { outline: 3px s
 .voa-link { color: inherit; text-decoration: none; padding: 0.35rem 0.6rem; border-radius: 4px; }
 .voa-link:hover, .voa-link[aria-current] { background: rgba(255, 255, 255, 0.2); }
 .q-btn { text-transform: none; }
+.q-btn--dense:not(.q-btn--round) { padding: 0.285em 0.8em; }
+.nicegui-code pre { white-space: pre-wrap; overflow-wrap: anywhere; padding-right: 2.75rem; }
+.nicegui-code-copy { --q-primary: currentColor; opacity: 0.9; top: 0.2rem; }
 .voa-page a { color: var(--q-primary); }
 .body--dark .voa-page a { color: #56b4e9; }
 .voa-page { max-width: 1600px; margin: 0 auto; width: 100%; }
@@ -23,7 +26,7 @@ a:focus-visible, button:focus-visible, [tabindex]:focus-visible { outline: 3px s
 
 
 @contextmanager
-def page(console: Console, title: str, *, of: str | None = None) -> Iterator[None]:
+def page(console: Console, title: str) -> Iterator[None]:
     """Draw the frame of a page; elements of the `with` block become its content.
 
     The page counts as open in the hub until its browser has left.
@@ -31,14 +34,13 @@ def page(console: Console, title: str, *, of: str | None = None) -> Iterator[Non
     Args:
         console: parts of the console.
         title: of the page, as its heading and in the browser's tab.
-        of: name of the link in the header that leads to it; None: that of the title.
     """
     client = ui.context.client
     client.on_delete(console.hub.open_page())
     ui.page_title(f"{title} · VOA")
     ui.add_css(_STYLE)
     ui.colors(primary="#00507A", negative="#B3400A", positive="#00735A", warning="#8A5A00")
-    _header(console, of or title)
+    _header(console, title)
     while_open(console.hub.subscribe(banner(console)))
     with ui.column().classes("voa-page gap-4"):
         ui.label(title).classes("text-2xl").props('role=heading aria-level="1"')
@@ -69,14 +71,18 @@ def banner(console: Console) -> Callable[[], None]:
 
 
 def _header(console: Console, title: str) -> None:
+    """Draw the header with the link of the page marked; the page of a session belongs to the page Now."""
     with ui.header().classes("items-center gap-1 px-3 py-1"), ui.row().classes("items-center gap-1 w-full"):
         with ui.row().classes("items-center gap-1").props('role="navigation" aria-label="Pages"'):
             for name, path in LINKS.items():
                 link = ui.link(name, path).classes("voa-link")
                 if name == title:
                     link.props('aria-current="page"')
+                elif title not in LINKS and path == "/":
+                    link.props('aria-current="true"')
         ui.space()
-        ui.label(console.settings.url).classes("text-sm opacity-80 max-sm:hidden")
+        address = ui.label(f"service: {console.settings.url}").classes("text-sm opacity-80 max-sm:hidden")
+        address.tooltip("the service that this console watches")
         _dark_or_light()
 
 
@@ -93,4 +99,5 @@ def _dark_or_light() -> None:
             f"document.cookie = '{_COOKIE}={int(not is_dark)}; path=/; max-age=31536000; SameSite=Strict'"
         )
 
-    ui.button(icon="contrast", on_click=switch).props('flat round color=white aria-label="Dark or light"')
+    button = ui.button(icon="contrast", on_click=switch).props('flat round color=white aria-label="Dark or light"')
+    button.tooltip("dark or light")

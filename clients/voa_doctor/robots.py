@@ -53,7 +53,7 @@ def check_robots(robots: Robots, now: datetime, before: Robots | None = None) ->
         yield Finding("mapping", "wrong", robots.mapping_error, advice)
     if not robots.items:
         advice = "publish scans on scan/<session>/<robot>, or map topics by `voa serve --robots FILE`"
-        yield Finding("robots", "warning", "the service has received no scans, and no robot is mapped", advice)
+        yield Finding("robots", "warning", "no robot sends scans over Zenoh, and none is mapped", advice)
     earlier = {} if before is None else {(robot.robot, robot.source): robot for robot in before.items}
     for robot in robots.items:
         yield _robot(robot, earlier.get((robot.robot, robot.source)), now)

@@ -19,7 +19,10 @@ from rich.console import Console
 
 from tests.voa_fleet.show.test_live_report import FIRST, RANKING, session
 from voa_cli import demo as command
+from voa_cli.demo_console import DATABASE
 from voa_cli.main import main
+from voa_client import Client
+from voa_client.local import local_service
 from voa_fleet.devices.protocol import GraspOutcome
 from voa_fleet.episodes.bench import make_bench
 from voa_fleet.episodes.comparison import Comparison, Tally
@@ -29,7 +32,7 @@ from voa_fleet.episodes.looks import EpisodeLook
 from voa_fleet.errors import NoGraphics
 from voa_fleet.show.demo_page import Demo, story_of
 from voa_fleet.show.episode_pictures import belief_by_look
-from voa_fleet.show.interruption import TimeIsUp, interruptible
+from voa_fleet.show.interruption import TimeIsUp
 from voa_fleet.world.clocks import VirtualClock
 from voa_fleet.world.objects import named_object
 from voa_msgs.rankings import Ranking
@@ -139,10 +142,9 @@ def test_the_table_is_printed_when_the_progress_bar_is_gone(
     monkeypatch.setattr(Comparison, "run", run)
     shown = Demo(named_object("mallet"), seed=0)
     nothing: Any = None
-    with suppress(KeyboardInterrupt, TimeIsUp), interruptible(None) as interruption:
-        command.show_comparison(
-            shown, nothing, nothing, nothing, Console(file=screen), Namespace(drops=1, looks=1), interruption
-        )
+    with suppress(KeyboardInterrupt, TimeIsUp):
+        options = Namespace(drops=1, looks=1)
+        command.show_comparison(shown, nothing, nothing, nothing, Console(file=screen), options, lambda: None)
     assert screen.getvalue().index("</bar>") < screen.getvalue().index("1 of 1")
 
 
@@ -210,6 +212,8 @@ def test_demo_seconds_end_it_by_itself(
     assert main(["demo", "--out", str(tmp_path), "--drops", "5000"]) == 0
     assert "DEMO_SECONDS are over" in capfd.readouterr().out
     assert (tmp_path / "demo.html").is_file()
+    with local_service(tmp_path, DATABASE) as url, Client(url) as client:
+        assert len(list(client.list_sessions())) <= 1
 
 
 @pytest.mark.parametrize("seconds", ["soon", "-1", "nan"])

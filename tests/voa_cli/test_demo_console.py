@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import httpx2
@@ -15,11 +16,16 @@ from tests.support.serving import data_scenario
 from voa_cli.demo_console import DATABASE, kept, offer_console
 from voa_client import Client, ScenarioRequest, SessionRequest
 from voa_client.local import local_service
+from voa_fleet.show.interruption import TimeIsUp
 
 
 def open_session(client: Client) -> str:
     scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
     return client.create_session(SessionRequest(scenario=scenario.id)).id
+
+
+def sessions_of(client: Client) -> set[str]:
+    return {summary.id for summary in client.list_sessions()}
 
 
 def test_in_a_pipe_the_command_is_printed_and_nothing_is_waited_for(tmp_path: Path) -> None:
@@ -34,12 +40,24 @@ def test_in_a_pipe_the_command_is_printed_and_nothing_is_waited_for(tmp_path: Pa
 def test_of_the_sessions_of_a_demo_the_first_is_kept_and_of_other_sessions_each(process: str) -> None:
     with Client(process) as client:
         other = open_session(client)
-        with kept(client, lambda: first):
+        with kept(client, lambda: first) as sweep:
             first = open_session(client)
             further = [open_session(client) for _ in range(3)]
-        left = {summary.id for summary in client.list_sessions()}
-        assert {other, first} <= left
-        assert not left & set(further)
+            sweep()
+            assert not sessions_of(client) & set(further)
+            further.append(open_session(client))
+        assert {other, first} <= sessions_of(client)
+        assert not sessions_of(client) & set(further)
+
+
+def test_a_demo_whose_time_is_up_keeps_the_first_session_alone(process: str) -> None:
+    with Client(process) as client:
+        with suppress(TimeIsUp), kept(client, lambda: first):
+            first = open_session(client)
+            further = open_session(client)
+            raise TimeIsUp
+        assert first in sessions_of(client)
+        assert further not in sessions_of(client)
 
 
 @pytest.mark.parametrize("answer", ["\n", None])

@@ -7,6 +7,27 @@ from voa_console.new_object.draft import ENDINGS, MOST_BYTES, file_name
 from voa_console.new_object.process import TaskFailed
 from voa_console.new_object.workshop import Workshop
 
+_ENDINGS = f"{', '.join(ending.upper() for ending in ENDINGS[:-1])} or {ENDINGS[-1].upper()}"
+_MOST_MB = MOST_BYTES // 1_000_000
+_STYLE = """
+.voa-drop { border: 2px dashed rgba(128, 128, 128, 0.8); border-radius: 8px; }
+.voa-drop .q-uploader__header { background: transparent; color: inherit; }
+.voa-drop .q-uploader__list { min-height: 0; padding: 0; }
+"""
+_DROP = """
+<div class="column items-center q-gutter-sm q-pa-lg">
+  <q-icon name="upload_file" size="lg"></q-icon>
+  <div class="text-subtitle1">Drop the mesh file here, or</div>
+  <q-btn color="primary" icon="folder_open" label="Choose a mesh file" no-caps @click="props.pickFiles">
+    <q-uploader-add-trigger></q-uploader-add-trigger>
+  </q-btn>
+</div>
+"""
+"""Content of the area into which a file is dropped, in place of the uploader's figures."""
+_SENDING = """
+<div v-for="file in props.files" :key="file.__key" class="q-pa-sm text-center">{{ file.name }}</div>
+"""
+
 
 def draw_start(workshop: Workshop) -> None:
     """Draw the field for a mesh file, and below it the new objects that were begun.
@@ -14,10 +35,11 @@ def draw_start(workshop: Workshop) -> None:
     Args:
         workshop: with them.
     """
+    ui.add_css(_STYLE)
     with ui.card().classes("w-full gap-3"):
         ui.label(
-            f"Drop the mesh of the object here: {', '.join(ending.upper() for ending in ENDINGS)}, at most "
-            f"{MOST_BYTES // 1_000_000} MB. From it come its rests, grasps, their scores and places for the lidar."
+            "From the mesh of an object come its rests, grasps, their scores and places for the lidar. "
+            f"It may be a file in the format {_ENDINGS}, of at most {_MOST_MB} MB."
         )
         message = ui.label().classes("text-negative").props('role="alert"')
         busy = ui.spinner(size="md")
@@ -37,16 +59,17 @@ def draw_start(workshop: Workshop) -> None:
                 busy.set_visibility(False)
 
         upload = ui.upload(
-            label="Mesh file",
             auto_upload=True,
             max_files=1,
             max_file_size=MOST_BYTES,
             on_upload=received,
             on_rejected=lambda: message.set_text(
-                f"Expected one file of at most {MOST_BYTES // 1_000_000} MB that ends with {', '.join(ENDINGS)}."
+                f"Expected one file of at most {_MOST_MB} MB that ends with {', '.join(ENDINGS)}."
             ),
         )
-        upload.props(f'accept="{",".join(f".{ending}" for ending in ENDINGS)}" flat bordered').classes("w-full")
+        upload.props(f'accept="{",".join(f".{ending}" for ending in ENDINGS)}" flat').classes("w-full voa-drop")
+        upload.add_slot("header", _DROP)
+        upload.add_slot("list", _SENDING)
     _begun_before(workshop)
 
 

@@ -3,6 +3,7 @@
 | module    | contents                                                  |
 |-----------|-----------------------------------------------------------|
 | `summary` | the texts and bars of a card, from session and robots     |
+| `states`  | state of a session in words                               |
 | `cards`   | the cards as elements of the page                         |
 | `opening` | the dialog that opens a session                           |
 | `page`    | the page                                                  |

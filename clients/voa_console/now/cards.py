@@ -20,7 +20,7 @@ class Card:
 
     def __init__(self, summary: Summary) -> None:
         self._summary = summary
-        self.element = ui.card().classes("w-full sm:w-96 gap-2")
+        self.element = ui.card().classes("w-full min-w-0 gap-2 max-sm:gap-0 max-sm:py-2 max-sm:px-3")
         self._draw()
 
     def update(self, summary: Summary) -> None:
@@ -43,27 +43,30 @@ class Card:
                 ui.link(summary.title, f"/sessions/{summary.session_id}").classes("text-lg font-medium truncate").props(
                     f'aria-label="Open the session of {summary.title}, {summary.session_id}"'
                 )
-                ui.label(summary.session_id[:8]).classes("text-xs opacity-70")
+                ui.label(summary.session_id).classes("text-xs opacity-70").tooltip("identifier of the session")
+            ui.label(summary.state).classes("text-sm font-medium")
             self._moved = ui.label(summary.moved).classes("text-xs opacity-70")
             with ui.row().classes("w-full items-baseline justify-between no-wrap"):
-                ui.label(summary.grasp).classes("text-base truncate")
-                with ui.row().classes("items-baseline gap-2 no-wrap shrink-0"):
-                    ui.label("expected score" if summary.score else "").classes("text-xs opacity-70")
-                    ui.label(summary.score).classes("text-2xl font-medium")
+                ui.label(summary.grasp).classes("text-base max-sm:text-sm truncate")
+                if summary.score:
+                    with ui.row().classes("items-baseline gap-2 no-wrap shrink-0") as score:
+                        ui.label("expected score").classes("text-xs opacity-70")
+                        ui.label(summary.score).classes("text-2xl max-sm:text-lg font-medium")
+                    score.tooltip("probability that this grasp succeeds")
             if summary.poses:
-                ui.label("Likeliest poses").classes("text-xs opacity-70")
-            for bar in summary.poses:
-                _draw_pose(bar)
+                ui.label("Likeliest poses").classes("text-xs opacity-70 max-sm:hidden")
+            for place, bar in enumerate(summary.poses):
+                _draw_pose(bar, "max-sm:hidden" if place else "")
             if summary.others:
-                ui.label(summary.others).classes("text-xs opacity-70")
+                ui.label(summary.others).classes("text-xs opacity-70 max-sm:hidden")
             if summary.absent is not None:
-                ui.label(summary.absent).classes("text-sm")
+                ui.label(summary.absent).classes("text-sm max-sm:text-xs")
             self._robots = [_draw_robot(line) for line in summary.robots]
 
 
-def _draw_pose(bar: PoseBar) -> None:
+def _draw_pose(bar: PoseBar, classes: str) -> None:
     """Draw the name of a pose, a bar as long as its probability, and the figure."""
-    with ui.row().classes("w-full items-center gap-2 no-wrap"):
+    with ui.row().classes(f"w-full items-center gap-2 no-wrap {classes}"):
         ui.label(bar.name).classes("w-20 text-sm truncate")
         with ui.element("div").classes("grow rounded").style("height: 0.7rem; background: rgba(128, 128, 128, 0.25)"):
             ui.element("div").classes("rounded h-full").style(
@@ -94,6 +97,7 @@ def _without_ages(summary: Summary) -> tuple[object, ...]:
     version = summary.moved.partition(",")[0]
     return (
         summary.title,
+        summary.state,
         version,
         summary.grasp,
         summary.score,

@@ -1,4 +1,4 @@
-"""The page Now: cards of the sessions that moved in the last hour, the newest session first."""
+"""The page Now: cards of the sessions that moved in the last hour, the one that moved last first."""
 
 from nicegui import ui
 
@@ -25,6 +25,9 @@ def register(console: Console) -> None:
 
 
 _MOST_CARDS = 60
+_MOST_UNFILTERED = 6
+"""Number of sessions above which the page offers to filter them."""
+_COLUMNS = "grid-template-columns: repeat(auto-fill, minmax(min(100%, 22rem), 1fr))"
 
 
 class _Now:
@@ -34,11 +37,15 @@ class _Now:
         self._console = console
         self._cards: dict[str, Card] = {}
         open_dialog = opening_dialog(console)
+        ui.label("Sessions that moved in the last hour.").classes("text-sm")
         with ui.row().classes("items-center gap-4"):
             ui.button("Open a session", icon="add", on_click=open_dialog)
+            self._filter = ui.input("Filter by name", on_change=self._update)
+            self._filter.props('dense outlined clearable debounce=200 aria-label="Filter by name"')
         self._waiting = ui.label("Waiting for the service.")
         self._empty = ui.label(_EMPTY.format(url=console.settings.url)).classes("text-base max-w-2xl")
-        self._grid = ui.row().classes("w-full items-stretch gap-4")
+        self._nothing = ui.label().classes("text-base")
+        self._grid = ui.element("div").classes("w-full grid gap-4 max-sm:gap-2").style(_COLUMNS)
         self._more = ui.label().classes("text-sm")
         layout.while_open(console.hub.subscribe(self._update))
         self._update()
@@ -46,26 +53,42 @@ class _Now:
     def _update(self) -> None:
         """Draw cards for new sessions, update the others, and remove those of sessions that ended."""
         hub = self._console.hub
-        sessions = hub.sessions()
+        every = hub.sessions()
+        wanted = (self._filter.value or "").strip()
+        sessions = [each for each in every if self._fits(each, wanted)]
         summaries = [summary for each in sessions[:_MOST_CARDS] if (summary := self._summary(each)) is not None]
         self._more.set_visibility(len(sessions) > _MOST_CARDS)
         self._more.set_text(
-            f"{len(sessions) - _MOST_CARDS} more sessions moved in the last hour, which were opened before these. "
+            f"{len(sessions) - _MOST_CARDS} more sessions moved in the last hour, which moved before these. "
             f"To list them: voa sessions list --url {self._console.settings.url}"
         )
+        self._filter.set_visibility(len(every) > _MOST_UNFILTERED or bool(wanted))
+        self._nothing.set_visibility(bool(wanted and every and not summaries))
+        self._nothing.set_text(f"No session that moved in the last hour has “{wanted}” in its name.")
         self._waiting.set_visibility(not hub.has_responded and hub.error is None)
-        self._empty.set_visibility(hub.has_responded and not summaries)
+        self._empty.set_visibility(hub.has_responded and not every)
+        self._draw(summaries)
+
+    def _draw(self, summaries: list[Summary]) -> None:
+        """Draw the cards in the order of their summaries."""
         for gone in self._cards.keys() - {summary.session_id for summary in summaries}:
             self._cards.pop(gone).element.delete()
+        drawn = self._grid.default_slot.children
         for index, summary in enumerate(summaries):
             card = self._cards.get(summary.session_id)
-            if card is not None:
+            if card is None:
+                with self._grid:
+                    card = self._cards[summary.session_id] = Card(summary)
+            else:
                 card.update(summary)
-                continue
-            with self._grid:
-                card = Card(summary)
-            card.element.move(target_index=index)
-            self._cards[summary.session_id] = card
+            if drawn[index] is not card.element:
+                card.element.move(target_index=index)
+
+    def _fits(self, listed: SessionSummary, wanted: str) -> bool:
+        """True if a session has a text in its name, or begins its identifier with it."""
+        scenario = self._console.hub.known_scenario(listed.scenario)
+        name = "" if scenario is None else scenario.name
+        return wanted.casefold() in name.casefold() or listed.id.startswith(wanted)
 
     def _summary(self, listed: SessionSummary) -> Summary | None:
         """Make the texts of a session: of its newest version where it is followed; None: it was deleted since."""
@@ -77,4 +100,5 @@ class _Now:
         session: Session | SessionSummary = known or listed
         now = hub.now()
         robots = [robot_line(report, hub.refusal_of(report), now) for report in hub.robots_of(listed.id)]
-        return summarise(session, None if watched is None else watched.scenario, robots, now)
+        newest = None if watched is None else watched.newest
+        return summarise(session, hub.known_scenario(listed.scenario), robots, now, newest)

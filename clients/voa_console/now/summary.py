@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
-from voa_client import RobotReport, Scenario, Session, SessionSummary
+from voa_client import HistoryEntry, RobotReport, Scenario, Session, SessionSummary
 from voa_client.formatting import share
+from voa_console.now.states import state_of
 
 MOST_POSES = 3
 """Number of poses on a card."""
@@ -37,7 +38,8 @@ class Summary:
     Attributes:
         session_id: of the session.
         title: name of the scenario, or its identifier while the name is not known.
-        moved: version and age of the session.
+        state: what has happened in the session, in words.
+        moved: version of the session, and how long ago it was changed and opened.
         grasp: best grasp in words.
         score: its expected score as text; "": there is no grasp that can succeed.
         absent: probability that the object is at none of the poses, in words; None: not considered.
@@ -48,6 +50,7 @@ class Summary:
 
     session_id: str
     title: str
+    state: str
     moved: str
     grasp: str
     score: str
@@ -63,7 +66,11 @@ class Summary:
 
 
 def summarise(
-    session: Session | SessionSummary, scenario: Scenario | None, robots: Sequence[RobotLine], now: datetime
+    session: Session | SessionSummary,
+    scenario: Scenario | None,
+    robots: Sequence[RobotLine],
+    now: datetime,
+    newest: HistoryEntry | None = None,
 ) -> Summary:
     """Make the texts and bars of a card.
 
@@ -72,6 +79,7 @@ def summarise(
         scenario: of the session; None: not known yet.
         robots: sentences about its robots.
         now: time by the clock of the service.
+        newest: newest entry of its history that is known; None: none.
     """
     bars: tuple[PoseBar, ...] = ()
     others = ""
@@ -85,7 +93,8 @@ def summarise(
     return Summary(
         session.id,
         session.scenario if scenario is None else scenario.name,
-        f"version {session.version}, changed {_whole(age(now - session.updated_at))} ago",
+        state_of(session, newest),
+        _moved(session, now),
         "No grasp can succeed" if session.best_grasp is None else f"Best grasp {session.best_grasp}",
         "" if session.best_grasp is None else share(session.expected_score),
         None if session.absent is None else f"object at none of the poses: {share(session.absent)}",
@@ -93,6 +102,12 @@ def summarise(
         others,
         tuple(robots),
     )
+
+
+def _moved(session: Session | SessionSummary, now: datetime) -> str:
+    """Write the version of a session, and how long ago it was changed and opened."""
+    changed = f"changed {_whole(age(now - session.updated_at))} ago, " if session.version else ""
+    return f"version {session.version}, {changed}opened {_whole(age(now - session.created_at))} ago"
 
 
 def robot_line(report: RobotReport, refusal: str | None, now: datetime) -> RobotLine:

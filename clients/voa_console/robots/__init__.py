@@ -11,6 +11,8 @@
 | `chart`        | chart of a scan from above                                                            |
 | `scan_panel`   | the chart with the buttons of its readings, as elements                               |
 | `checklists`   | lists of findings as elements                                                         |
+| `wording`      | findings about the service in plain words                                             |
+| `snippets`     | text that a person copies, as an element                                              |
 | `sections`     | the section of a robot                                                                |
 | `mapping_help` | help for a laboratory without robots                                                  |
 | `page`         | the page                                                                              |

@@ -8,7 +8,7 @@ from voa_doctor.findings import Finding, State
 from voa_scene.colours import GREEN, ORANGE, VERMILION
 
 _ICONS: dict[State, tuple[str, str, str]] = {
-    "ok": ("check_circle", GREEN.hex, "in order"),
+    "ok": ("check_circle", GREEN.hex, "passed"),
     "warning": ("warning", ORANGE.hex, "warning"),
     "wrong": ("cancel", VERMILION.hex, "wrong"),
 }
@@ -41,11 +41,16 @@ class Checklist:
                 advice.set_text(_sentence(finding.advice))
 
 
+def draw_sign(state: State) -> None:
+    """Draw the sign of a state, with its meaning for screen readers."""
+    icon, colour, meaning = _ICONS[state]
+    with ui.element("span").props(f'role="img" aria-label="{meaning}"'):
+        ui.icon(icon, size="sm").style(f"color: {colour}")
+
+
 def _draw(finding: Finding) -> tuple[ui.label, ui.label | None]:
-    icon, colour, meaning = _ICONS[finding.state]
     with ui.row().classes("w-full items-start gap-2 no-wrap").props('role="listitem"'):
-        with ui.element("span").props(f'role="img" aria-label="{meaning}"'):
-            ui.icon(icon, size="sm").style(f"color: {colour}")
+        draw_sign(finding.state)
         with ui.column().classes("gap-0 min-w-0"):
             seen = ui.label().classes("text-sm min-w-0").style("overflow-wrap: anywhere")
             advice = None

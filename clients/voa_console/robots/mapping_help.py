@@ -2,6 +2,8 @@
 
 from nicegui import ui
 
+from voa_console.robots.snippets import snippet
+
 _MAPPING = """# robots.toml
 [[robot]]
 name = "tb3_1"
@@ -21,14 +23,18 @@ def mapping_help() -> ui.card:
     with ui.card().classes("w-full gap-3").props('role="region" aria-label="No robots"') as card:
         ui.label("No robots yet").classes("text-lg font-medium").props('role="heading" aria-level="2"')
         ui.label(
-            "The service has received no scans. A ROS 2 robot with a stock driver needs one file that maps its topics; "
-            "its scans come by zenoh-bridge-ros2dds or rmw_zenoh. Start the service with the router and this file, and "
-            "the robot appears here:"
+            "No robot publishes scans on Zenoh to this service. Scans that programs send over HTTP are in the sessions."
         ).classes("text-sm")
-        ui.code(_SERVE, language="bash").classes("w-full")
-        ui.code(_MAPPING, language="toml").classes("w-full")
+        ui.label(
+            "A ROS 2 robot with a stock driver needs one file that maps its topics; its scans come by "
+            "zenoh-bridge-ros2dds or rmw_zenoh. Start the service with the router and this file, and the robot appears "
+            "here:"
+        ).classes("text-sm")
+        snippet(_SERVE, "bash")
+        snippet(_MAPPING, "toml")
         ui.label(
             "The five measures to take and every field are on the page “On your robots” of the documentation "
-            "(deploy/docs/on-your-robots.md). A program of yours may instead put scans on scan/SESSION/ROBOT."
+            "(deploy/docs/on-your-robots.md). A program of yours may instead publish scans on the Zenoh key "
+            "scan/SESSION/ROBOT."
         ).classes("text-sm")
     return card

@@ -6,11 +6,14 @@ from voa_client import RobotReport
 from voa_console import layout
 from voa_console.context import Console
 from voa_console.now.summary import age
-from voa_console.robots.checklists import Checklist
+from voa_console.robots.checklists import Checklist, draw_sign
 from voa_console.robots.mapping_help import mapping_help
 from voa_console.robots.sections import RobotSection
 from voa_console.robots.watching import RobotsWatch, of_robot
-from voa_doctor.findings import Finding
+from voa_console.robots.wording import plain, tally
+from voa_doctor.findings import Finding, State
+
+_GRAVE: tuple[State, ...] = ("wrong", "warning")
 
 
 def register(console: Console) -> None:
@@ -21,6 +24,20 @@ def register(console: Console) -> None:
     def robots() -> None:
         with layout.page(console, "Robots"):
             _Robots(console, watch)
+
+
+class _Tally:
+    """Line with the sign of a state and the number of checks that ended in it; hidden if there are none."""
+
+    def __init__(self, state: State) -> None:
+        self._state: State = state
+        with ui.row().classes("items-center gap-2 no-wrap") as self._row:
+            draw_sign(state)
+            self._label = ui.label().classes("text-base font-medium")
+
+    def update(self, number: int) -> None:
+        self._row.set_visibility(number > 0)
+        self._label.set_text(tally(self._state, number))
 
 
 class _Robots:
@@ -37,9 +54,12 @@ class _Robots:
                     "outline no-caps dense"
                 )
                 self._age = ui.label().classes("text-sm")
+            self._tallies = {state: _Tally(state) for state in _GRAVE}
             self._checklist = Checklist("Checks of the service that need attention")
-            with ui.expansion().classes("w-full").props("dense") as self._order:
-                self._in_order = Checklist("Checks of the service in order")
+            with ui.expansion().classes("w-full").props('dense header-class="px-0"') as self._passed:
+                with self._passed.add_slot("header"), ui.element("div").classes("grow"):
+                    self._tallies["ok"] = _Tally("ok")
+                self._good = Checklist("Checks of the service that passed")
         self._help = mapping_help()
         self._column = ui.column().classes("w-full gap-4")
         layout.while_open(console.hub.subscribe(self._update))
@@ -51,13 +71,18 @@ class _Robots:
         now = hub.now()
         of_robots = watch.robot_findings(now) if hub.has_responded else []
         general = [finding for finding in of_robots if finding.check == "mapping"]
-        findings = [*general, *(watch.findings or [])]
+        findings = [plain(finding) for finding in (*general, *(watch.findings or []))]
         good = [finding for finding in findings if finding.state == "ok"]
         self._checklist.update([finding for finding in findings if finding.state != "ok"])
-        self._in_order.update(good)
-        self._order.set_text(f"{len(good)} check{'' if len(good) == 1 else 's'} in order")
+        self._good.update(good)
+        self._passed.set_visibility(bool(good))
+        self._passed.set_text(tally("ok", len(good)))  # its name for screen readers, below the sign and the text
+        for state, drawn in self._tallies.items():
+            drawn.update(sum(finding.state == state for finding in findings))
         self._age.set_text(
-            "examining…" if watch.examined_at is None or watch.is_examining else f"{age(now - watch.examined_at)} ago"
+            "examining ..."
+            if watch.examined_at is None or watch.is_examining
+            else f"examined {age(now - watch.examined_at)} ago"
         )
         self._help.set_visibility(hub.has_responded and not hub.robots())
         self._update_sections(hub.robots(), of_robots)

@@ -10,6 +10,7 @@ from voa_console.robots.comparing import Comparison, readings_of
 from voa_console.robots.previews import Preview
 from voa_console.robots.readings import AS_MEASURED, READINGS, Reading
 from voa_console.robots.repairs import Repair, repair
+from voa_console.robots.snippets import snippet
 from voa_console.robots.watching import RobotsWatch
 
 _NO_SCAN = "The service has not decoded a scan of this robot yet."
@@ -146,7 +147,7 @@ class ScanPanel:
             ui.label(f"Press “{suspected.name}” to see it over the prediction.").classes("text-sm")
             ui.label(advice.words).classes("text-sm")
             if advice.line is not None:
-                ui.code(advice.line, language="toml").classes("w-full")
+                snippet(advice.line, "toml")
 
 
 def _label(reading: Reading, comparison: Comparison | None) -> str:

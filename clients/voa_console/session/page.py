@@ -42,7 +42,7 @@ def register(console: Console) -> None:
 
     @ui.page("/sessions/{session_id}")
     def session_page(session_id: str) -> None:
-        with layout.page(console, "Session", of="Now"):
+        with layout.page(console, "Session"):
             SessionPage(console, records, session_id)
 
 

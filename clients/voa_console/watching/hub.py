@@ -20,6 +20,10 @@ MOST_FOLLOWED = 32
 """Most sessions that are followed because they moved lately; further ones are shown as the list has them."""
 
 
+MOVING = timedelta(seconds=60.0)
+"""Age of the newest version up to which a session counts as one that moves."""
+
+
 class Hub:
     """Sessions and robots of a service, requested and followed once for all pages.
 
@@ -66,10 +70,17 @@ class Hub:
         self._scenarios: dict[str, asyncio.Task[Scenario]] = {}
 
     def sessions(self) -> list[SessionSummary]:
-        """List the sessions that moved in the last hour, the one that was opened last first."""
-        since = self.now() - self._recent
+        """List the sessions that moved in the last hour, the one that moved last first.
+
+        Those that moved in the last minute stand in the order in which they were opened, the newest first: they would
+        change places all the time.
+        """
+        now = self.now()
         ended = {each for each, watched in self._watched.items() if watched.ended}
-        return [each for each in reversed(self._summaries) if each.updated_at >= since and each.id not in ended]
+        recent = [
+            each for each in reversed(self._summaries) if each.updated_at >= now - self._recent and each.id not in ended
+        ]
+        return sorted(recent, key=lambda each: min(each.updated_at, now - MOVING), reverse=True)
 
     def robots(self) -> list[RobotReport]:
         """List the newest reports of all robots."""
@@ -112,6 +123,17 @@ class Hub:
             task = asyncio.create_task(self._client.get_scenario(scenario_id))
             self._scenarios[scenario_id] = task
         return await asyncio.shield(task)
+
+    def known_scenario(self, scenario_id: str) -> Scenario | None:
+        """Return a scenario if it is known; None: it is not, and is requested if it was not yet."""
+        task = self._scenarios.get(scenario_id)
+        if task is None:
+            task = asyncio.create_task(self._client.get_scenario(scenario_id))
+            self._scenarios[scenario_id] = task
+            task.add_done_callback(lambda _: self._news.publish_soon())
+        if not task.done() or task.cancelled() or task.exception() is not None:
+            return None
+        return task.result()
 
     def open_page(self) -> Callback:
         """Count a page as open; return the function that counts it as closed."""
@@ -168,6 +190,8 @@ class Hub:
         """Request the list of sessions; the longer it is, the longer until it is requested again."""
         self._summaries = [summary async for summary in self._client.list_sessions()]
         self._list_due_s = self._clock() + max(self._poll_s / 2.0, _PAUSE_S_PER_SESSION * len(self._summaries))
+        for deleted in self._recents.keys() - {summary.id for summary in self._summaries}:
+            self._watched[deleted].end()  # the list may know it before the follower, which is stopped below
         newest = sorted(self.sessions(), key=lambda summary: summary.updated_at, reverse=True)
         self._follow([summary.id for summary in newest[:MOST_FOLLOWED]])
 

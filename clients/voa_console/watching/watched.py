@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from voa_client import AsyncClient, NotFoundError, Ranking, Scenario, Session, VoaClientError
+from voa_client import AsyncClient, HistoryEntry, NotFoundError, Ranking, Scenario, Session, VoaClientError
 from voa_console.watching.news import Callback, News
 
 _AGAIN_S = 1.0
@@ -25,6 +25,8 @@ class WatchedSession:
         """Newest version; None: not received yet."""
         self.scenario: Scenario | None = None
         """Scenario of the session; None: not received yet."""
+        self.newest: HistoryEntry | None = None
+        """Newest entry of the history that was no look, as far as it is known."""
         self.ended = False
         """True if the session was deleted, or never existed."""
         self.error: VoaClientError | None = None
@@ -34,6 +36,8 @@ class WatchedSession:
         self._news = News()
         self._first = asyncio.Event()
         self._follower: asyncio.Task[None] | None = None
+        self._reader: asyncio.Task[None] | None = None
+        self._others = 0
         self._ranking: tuple[int, asyncio.Task[Ranking]] | None = None
 
     @property
@@ -56,9 +60,10 @@ class WatchedSession:
 
     def close(self) -> None:
         """Stop following; a new subscription starts it again."""
-        if self._follower is not None:
-            self._follower.cancel()
-            self._follower = None
+        for task in (self._follower, self._reader):
+            if task is not None:
+                task.cancel()
+        self._follower = self._reader = None
 
     async def ready(self) -> bool:
         """Wait for the first version while somebody subscribes; return False if there is no such session."""
@@ -86,9 +91,9 @@ class WatchedSession:
                         self.scenario = await self._scenario_of(session.scenario)
                     self.error = None
                     self._change(session)
-                self._end()
+                self.end()
             except NotFoundError:
-                self._end()
+                self.end()
             except VoaClientError as error:
                 self.error = error
                 self._news.publish()
@@ -96,10 +101,32 @@ class WatchedSession:
 
     def _change(self, session: Session) -> None:
         self.session = session
+        self._read_others(session)
         self._first.set()
         self._news.publish()
 
-    def _end(self) -> None:
+    def _read_others(self, session: Session) -> None:
+        """Read the newest entry of the history, unless the looks of the session explain all its new versions."""
+        version = session.version or 0
+        others = version - sum(place.looks for place in session.places)
+        if others == self._others:
+            return
+        self._others = others
+        if self._reader is not None:
+            self._reader.cancel()
+        self._reader = asyncio.create_task(self._read(version), name=f"voa-console-history-{self.id}")
+
+    async def _read(self, version: int) -> None:
+        try:
+            async for entry in self._client.history(self.id, after=version - 1):
+                self.newest = entry
+        except VoaClientError:
+            self._others = -1  # to be read with the next version; until then the pages say less
+            return
+        self._news.publish()
+
+    def end(self) -> None:
+        """Note that the session was deleted."""
         self.ended = True
         self._first.set()
         self._news.publish()

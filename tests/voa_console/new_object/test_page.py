@@ -73,6 +73,21 @@ def drag(page: Page, from_deg: float, to_deg: float) -> None:
     page.mouse.up()
 
 
+def test_a_mesh_file_is_chosen_by_mouse_and_by_keyboard(page: Page, console: str, tmp_path: Path) -> None:
+    text = tmp_path / "part.txt"
+    text.write_text("no mesh")
+    page.goto(f"{console}/new")
+    button = page.get_by_role("button", name="Choose a mesh file")
+    with page.expect_file_chooser():
+        button.click()
+    button.focus()
+    with page.expect_file_chooser() as chooser:
+        page.keyboard.press("Enter")
+    chooser.value.set_files(text)
+    expect(page.get_by_text("Expected one file of at most 20 MB")).to_be_visible()
+    picture(page, "new-start", tmp_path)
+
+
 def test_a_mesh_becomes_a_session_with_the_files_of_the_command(
     begun: Page, browser: Browser, process: str, mesh: Path, tmp_path: Path
 ) -> None:

@@ -16,7 +16,7 @@ from tests.support.replicas import Replica
 from tests.support.routers import router
 from tests.support.serving import data_scenario, scan_of
 from tests.voa_cli.labs import service_on
-from voa_client import Client, ScanRequest, ScenarioRequest, SessionRequest
+from voa_client import Client, OutcomeRequest, ScanRequest, ScenarioRequest, SessionRequest
 
 GOOD = [0.5, 0.5, None, 1.0]
 AWAY = re.compile("The service does not respond|did not answer in time")
@@ -108,6 +108,30 @@ def test_a_session_is_opened_by_mouse(page: Page, lab: Lab) -> None:
     (new,) = [summary for summary in lab.client.list_sessions() if summary.id not in before]
     assert page.url.endswith(new.id)
     assert lab.client.get_scenario(new.scenario).name == "the one to choose"
+
+
+def test_cards_say_what_happened_and_are_filtered_by_name(page: Page, lab: Lab, tmp_path: Path) -> None:
+    others = [lab.open_session("mug") for _ in range(7)]
+    mallet = lab.open_session("mallet")
+    lab.apply_scan(mallet)
+    lab.client.report_outcome(mallet, OutcomeRequest(grasp="G1", success=True))
+    page.goto(lab.console)
+    expect(page.get_by_text("Sessions that moved in the last hour.")).to_be_visible()
+    expect(card_of(page, mallet).get_by_text("Looked once; G1 succeeded")).to_be_visible()
+    expect(card_of(page, mallet).get_by_text(mallet, exact=True)).to_be_visible()
+    expect(card_of(page, others[0]).get_by_text("Waits for a look")).to_be_visible()
+    page.get_by_role("textbox", name="Filter by name").fill("MALL")
+    expect(page.get_by_role("article")).to_have_count(1)
+    picture(page, "now-filtered", tmp_path)
+    page.get_by_role("textbox", name="Filter by name").fill("teapot")
+    expect(page.get_by_text("No session that moved in the last hour has “teapot” in its name.")).to_be_visible()
+
+
+def test_the_page_of_a_session_belongs_to_now(page: Page, lab: Lab) -> None:
+    page.goto(f"{lab.console}/sessions/{lab.open_session()}")
+    expect(page.get_by_role("link", name="Now", exact=True)).to_have_attribute("aria-current", "true")
+    page.get_by_text(re.compile("^service: http")).hover()
+    expect(page.get_by_text("the service that this console watches")).to_be_visible()
 
 
 def test_every_action_can_be_reached_by_keyboard(page: Page, lab: Lab) -> None:

@@ -22,7 +22,7 @@ def session(belief: list[float], **more: object) -> Session:
         "expected_score": 0.55,
         "entropy_nats": 0.1,
         "last_fit_rmsd_mm": None,
-        "created_at": NOW,
+        "created_at": NOW - timedelta(minutes=12),
         "updated_at": NOW - timedelta(seconds=3),
     }
     return Session.model_validate(given | more)
@@ -33,7 +33,8 @@ def test_a_card_has_the_three_likeliest_poses_the_rest_together_and_the_grasp() 
     assert [(bar.name, bar.figure) for bar in card.poses] == [("P1", "0.50"), ("P2", "0.30"), ("P3", "0.10")]
     assert card.others == "2 other poses together 0.10"
     assert (card.grasp, card.score, card.title) == ("Best grasp TOP", "0.55", "abc")
-    assert card.moved == "version 3, changed 3 s ago"
+    assert card.moved == "version 3, changed 3 s ago, opened 12 min ago"
+    assert card.state == "Waits for a look"
     assert card.absent is None
     assert not card.is_alarming
 

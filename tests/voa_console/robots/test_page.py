@@ -67,9 +67,9 @@ def test_a_robot_in_order_is_shown_over_the_prediction(
         expect(section(page).get_by_text("x 0.400 m, y 0.050 m (± 0.5 cm)")).to_be_visible()
         expect(section(page).get_by_role("link")).to_have_attribute("href", f"/sessions/{session}")
         expect(section(page).get_by_role("alert")).to_be_hidden()
-        page.get_by_role("button", name="8 checks in order").click()
-        service = page.get_by_role("list", name="Checks of the service in order")
-        expect(service.get_by_text("HTTP: 127.0.0.1:")).to_be_visible()
+        page.get_by_role("button", name="8 checks passed").click()
+        service = page.get_by_role("list", name="Checks of the service that passed")
+        expect(service.get_by_text("connection: 127.0.0.1:")).to_be_visible()
         picture(page, "robots-wide", tmp_path)
 
 

@@ -4,6 +4,7 @@ import asyncio
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager, suppress
+from datetime import timedelta
 from typing import Any
 
 import pytest
@@ -122,6 +123,59 @@ def test_a_session_is_followed_once_however_many_pages_show_it(service: Service,
         for leave in leaves:
             leave()
         assert not watched.is_followed
+
+    run(service, story)
+
+
+def test_the_history_is_read_where_looks_do_not_explain_a_version(service: Service, session: str) -> None:
+    async def story(bench: Bench) -> None:
+        bench.hub.open_page()
+        watched = bench.hub.watch(session)
+        watched.subscribe(lambda: None)
+        bench.apply(session)
+        await bench.until(lambda: watched.session is not None and watched.session.version == 1)
+        assert (watched.newest, bench.transport.calls["history.get"]) == (None, 0)
+        service.post(f"/v1/sessions/{session}/grasp-outcomes", {"grasp": "G1", "success": False})
+        await bench.until(lambda: watched.newest is not None and watched.newest.version == 2)
+        assert watched.newest is not None
+        assert watched.newest.kind == "outcome"
+        bench.apply(session)
+        await bench.until(lambda: watched.session is not None and watched.session.version == 3)
+        assert bench.transport.calls["history.get"] == 1
+
+    run(service, story)
+
+
+def test_sessions_that_moved_last_come_first(service: Service, data_id: str) -> None:
+    opened = [service.open(data_id) for _ in range(3)]
+
+    async def story(bench: Bench) -> None:
+        bench.hub.open_page()
+        await bench.until(lambda: bench.hub.has_responded)
+        hub = Hub(bench.client, poll_s=POLL_S)
+        ages = dict(zip(opened, (300.0, 30.0, 120.0), strict=True))
+        listed = [each for each in bench.hub._summaries if each.id in ages]
+        now = hub.now()
+        hub._summaries = [
+            each.model_copy(update={"updated_at": now - timedelta(seconds=ages[each.id])}) for each in listed
+        ]
+        assert [each.id for each in hub.sessions()] == [opened[1], opened[2], opened[0]]
+        hub._summaries = [
+            each.model_copy(update={"updated_at": now - timedelta(seconds=ages[each.id] / 10.0)}) for each in listed
+        ]
+        assert [each.id for each in hub.sessions()] == opened[::-1], "those that move keep their places"
+
+    run(service, story)
+
+
+def test_a_scenario_is_requested_once_for_its_name(service: Service, session: str, data_id: str) -> None:
+    async def story(bench: Bench) -> None:
+        assert bench.hub.known_scenario(data_id) is None
+        await bench.until(lambda: bench.hub.known_scenario(data_id) is not None)
+        assert bench.hub.known_scenario("no-such-scenario") is None
+        await bench.client.lidars()
+        assert bench.hub.known_scenario("no-such-scenario") is None
+        assert bench.transport.calls["scenario.get"] == 2
 
     run(service, story)
 
