@@ -59,6 +59,14 @@ class AsyncContents(ABC):
         """Return an object's mesh as binary STL, metres, z up; `most_faces` (100 or more) thins it for a picture."""
         return (await self._do(calls.object_mesh(object_id, most_faces))).file
 
+    async def delete_object(self, object_id: str) -> None:
+        """Delete a mesh that no scenario needs."""
+        await self._do(calls.delete_object(object_id))
+
+    async def delete_scenario(self, scenario_id: str) -> None:
+        """Delete a scenario that no session is on."""
+        await self._do(calls.delete_scenario(scenario_id))
+
     async def stable_poses(self, object_id: str) -> StablePoses:
         """Return the poses in which an object can rest on the table, with their probabilities."""
         return await self._do(calls.stable_poses(object_id))

@@ -236,6 +236,16 @@ def list_sessions(after: str | None) -> Call[SessionPage]:
     return Call("session.list", "GET", "/v1/sessions", SessionPage, query={"after": after})
 
 
+def delete_object(object_id: str) -> Call[Nothing]:
+    """Delete a mesh that no scenario needs."""
+    return Call("object.delete", "DELETE", "/v1/objects/{id}", Nothing, {"id": object_id})
+
+
+def delete_scenario(scenario_id: str) -> Call[Nothing]:
+    """Delete a scenario that no session is on."""
+    return Call("scenario.delete", "DELETE", "/v1/scenarios/{id}", Nothing, {"id": scenario_id})
+
+
 def delete_session(session_id: str, if_match: int | None) -> Call[Nothing]:
     """Delete a session with its history."""
     path, ids = "/v1/sessions/{session}", {"session": session_id}

@@ -57,6 +57,14 @@ class Contents(ABC):
         """Return an object's mesh as binary STL, metres, z up; `most_faces` (100 or more) thins it for a picture."""
         return (self._do(calls.object_mesh(object_id, most_faces))).file
 
+    def delete_object(self, object_id: str) -> None:
+        """Delete a mesh that no scenario needs."""
+        self._do(calls.delete_object(object_id))
+
+    def delete_scenario(self, scenario_id: str) -> None:
+        """Delete a scenario that no session is on."""
+        self._do(calls.delete_scenario(scenario_id))
+
     def stable_poses(self, object_id: str) -> StablePoses:
         """Return the poses in which an object can rest on the table, with their probabilities."""
         return self._do(calls.stable_poses(object_id))

@@ -7,6 +7,7 @@ behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mappin
 |-------------------|-----------------------------------------------------------------------------------------|
 | `serve`           | the command `voa serve`: options, sockets and signals of the process                    |
 | `console`         | the console beside the service, which the command `voa serve` starts                    |
+| `backup`, `restore` | the commands `voa backup` and `voa restore`; `backup_command` is what they share      |
 | `settings`        | settings from the command line, from `VOA_*` in the environment, and their defaults     |
 | `environment`     | finds variables `VOA_*` that are not settings, such as misspelt ones                    |
 | `bootstrap`       | the composition root: builds the use cases, their queues and caches from the settings   |

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial
+from typing import NamedTuple
 
 import structlog
 from threadpoolctl import threadpool_limits
@@ -24,6 +25,7 @@ from voa_service.runtime.changes import Changes
 from voa_service.runtime.feeds import Feeds
 from voa_service.runtime.memory import MemoryBudget, available_memory, budget, processors
 from voa_service.runtime.metrics import Metrics
+from voa_service.runtime.periodic import Periodic
 from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.services import Services
 from voa_service.settings import Settings
@@ -34,6 +36,7 @@ from voa_service.usecases.looks import AnnouncedLooks
 from voa_service.usecases.objects import Objects
 from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.rankings import Rankings
+from voa_service.usecases.retention import Retention
 from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
@@ -41,6 +44,7 @@ from voa_service.usecases.updates import Updates
 from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
+_RETENTION_SECONDS = 3_600.0
 _PROBES_WAITING = 32
 _END_SECONDS = 4.0
 """Time that the end of the process waits for threads; one that still works then is abandoned."""
@@ -89,12 +93,13 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     rests = WorkQueue("stable-poses", 1, settings.queue)
     reading = WorkQueue("large", settings.readers, settings.reader_queue)
     queues = (reads, writes, probes, follows, heavy, meshes, rests, reading)
-    metrics.gauge("voa_large_requests", "Large request bodies being parsed or waiting.", lambda: reading.inside)
     presets = {name: LidarPreset.model_validate(preset) for name, preset in lidar_presets().items()}
     changes = Changes()
     changes.at_close(lambda: heavy.end_in(_DRAIN_SECONDS))
     store.listen(changes.changed)
+    store.measure(metrics.store)
     robots = Robots(now, store.robot_session)
+    metrics.robots(robots.ages)
     claims = Claims(store, robots)
     sessions = Sessions(
         store,
@@ -113,19 +118,17 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         lambda id_, seen: follows.run(partial(guarded()(versions_since), sessions, id_, seen)),
         settings.followers,
     )
-    _gauges(metrics, cache, feeds)
-    metrics.gauge("voa_read_requests", "Reading requests under way or waiting.", lambda: reads.inside)
-    metrics.gauge("voa_write_requests", "Scans and other writes under way or waiting.", lambda: writes.inside)
-    metrics.gauge("voa_heavy_requests", "Rankings and other heavy requests under way or waiting.", lambda: heavy.inside)
-    metrics.gauge("voa_mesh_requests", "Mesh files being read or waiting to be read.", lambda: meshes.inside)
-    metrics.gauge("voa_rest_requests", "Computations of stable poses under way or waiting.", lambda: rests.inside)
+    retention = Retention(store, sessions.delete_version, now, settings.retention_days, settings.response_days)
+    caretaker = Periodic("voa-retention", retention.apply, _RETENTION_SECONDS)
+    caretaker.start()
+    _gauges(metrics, cache, feeds, _Depths(reads, writes, heavy, meshes, rests, reading))
     try:
         with threadpool_limits(1, user_api="blas"):  # the work is spread over `threads`
             yield Services(
                 objects=Objects(store, reader, cache, now, limits),
                 scenarios=Scenarios(store, models, presets, limits, now),
                 sessions=sessions,
-                updates=Updates(sessions, places, metrics.observation),
+                updates=Updates(sessions, places, metrics.observation, metrics.attempt),
                 looks=AnnouncedLooks(sessions),
                 rankings=Rankings(sessions, models, places, threads, Cache(_RANKINGS_BYTES), limits),
                 robots=robots,
@@ -145,6 +148,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 rests=rests,
             )
     finally:
+        caretaker.close()
         changes.close()
         reader.close()
         until = time.monotonic() + _END_SECONDS
@@ -163,7 +167,26 @@ def _report(memory: MemoryBudget) -> None:
         log.info("memory of the service's parts", **figures)
 
 
-def _gauges(metrics: Metrics, cache: Cache, feeds: Feeds) -> None:
+class _Depths(NamedTuple):
+    """Queues whose length is a gauge."""
+
+    reads: WorkQueue
+    writes: WorkQueue
+    heavy: WorkQueue
+    meshes: WorkQueue
+    rests: WorkQueue
+    reading: WorkQueue
+
+
+def _gauges(metrics: Metrics, cache: Cache, feeds: Feeds, queues: _Depths) -> None:
+    metrics.gauge("voa_large_requests", "Large request bodies being parsed or waiting.", lambda: queues.reading.inside)
+    metrics.gauge("voa_read_requests", "Reading requests under way or waiting.", lambda: queues.reads.inside)
+    metrics.gauge("voa_write_requests", "Scans and other writes under way or waiting.", lambda: queues.writes.inside)
+    heavy = "Rankings and other heavy requests under way or waiting."
+    metrics.gauge("voa_heavy_requests", heavy, lambda: queues.heavy.inside)
+    metrics.gauge("voa_mesh_requests", "Mesh files being read or waiting to be read.", lambda: queues.meshes.inside)
+    rests = "Computations of stable poses under way or waiting."
+    metrics.gauge("voa_rest_requests", rests, lambda: queues.rests.inside)
     metrics.gauge("voa_cache_bytes", "Bytes of cuts, predictions and weights in the cache.", lambda: cache.held)
     metrics.gauge("voa_followers", "Open event streams.", lambda: feeds.followers)
     metrics.gauge("voa_watched_sessions", "Sessions that have a follower.", lambda: feeds.watched)

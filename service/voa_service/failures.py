@@ -77,6 +77,12 @@ class ClaimConflict(Failure):
     kind, status, title = "claim-conflict", 409, "The robot's mapping does not allow the claim"
 
 
+class InUse(Failure):
+    """A deletion of content that something needs."""
+
+    kind, status, title = "in-use", 409, "Something needs it"
+
+
 class StaleVersion(Failure):
     """An `If-Match` that does not name the session's version."""
 

@@ -96,6 +96,8 @@ def _of_store(error: StoreError) -> Failure:
 
 _STORE_FAILURES: dict[type[StoreError], type[Failure]] = {
     store.SessionMissing: failures.NotFound,
+    store.ContentMissing: failures.UnknownReference,
+    store.InUse: failures.InUse,
     store.KeyReused: failures.IdempotencyKeyReused,
     store.LookRepeated: failures.LookCounted,
     store.DamagedData: failures.Damaged,

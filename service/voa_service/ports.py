@@ -56,6 +56,9 @@ class Store(Protocol):
     def ping(self) -> None:
         """Return if the store can be read and written, at the cost of a small commit; raise the error if not."""
 
+    def measure(self, observe: Callable[[float], None]) -> None:
+        """Call `observe` with the wall time of each transaction and each single statement, seconds."""
+
     def close(self) -> None:
         """Close all connections and end all threads."""
 
@@ -81,7 +84,25 @@ class Store(Protocol):
         """Find the mesh that a file became when it was uploaded; None: it was never uploaded."""
 
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
-        """Store a scenario unless an equal one is stored; returns the stored one, and True if it is new."""
+        """Store a scenario unless an equal one is stored; returns the stored one, and True if it is new.
+
+        Raises:
+            ContentMissing: its object is not stored.
+        """
+
+    def delete_scenario(self, id_: str) -> bool:
+        """Delete a scenario; False: there is none.
+
+        Raises:
+            InUse: a session is on it.
+        """
+
+    def delete_object(self, id_: str) -> bool:
+        """Delete a mesh, and the records of the files that it was read from; False: there is none.
+
+        Raises:
+            InUse: a scenario needs it.
+        """
 
     def get_scenario(self, id_: str) -> StoredScenario | None:
         """Read the scenario with a digest; None: there is none."""
@@ -94,6 +115,12 @@ class Store(Protocol):
 
         Raises:
             KeyReused: the key was used for another request.
+        """
+
+    def forget_responses(self, keep_s: float, pause: Callable[[float], object]) -> None:
+        """Remove the responses that were stored more than `keep_s` seconds ago, a few at a time.
+
+        `pause` sleeps for so many seconds between two transactions, and returns true to end early.
         """
 
     def create_session(

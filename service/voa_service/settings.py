@@ -140,6 +140,11 @@ class Settings(BaseSettings):
     """Most time to read a mesh file."""
     mesh_mebibytes: PositiveInt | None = None
     """Address space to read a mesh file; None: 2 048, or less (at least 320) where the service's memory is small."""
+    retention_days: PositiveFloat | None = None
+    """Age of a session's newest version, in days, from which the session is removed; None: sessions stay."""
+    response_days: PositiveFloat = 7.0
+    """Age of a response stored under an idempotency key, in days, from which it is removed; a client may repeat a call
+    until then."""
     log_level: str = "INFO"
     wait_for_database: NonNegativeFloat = 0.0
     """Time for which the start is tried again while the database cannot be reached."""

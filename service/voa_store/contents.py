@@ -1,21 +1,30 @@
-"""Stores meshes, uploaded files and scenarios: content that is named by its digest and never changes."""
+"""Stores meshes, uploaded files and scenarios: content that is named by its digest and never changes.
 
+Content can be deleted as long as nothing needs it. Whoever deletes locks its row, and whoever comes to need it locks it
+too, so that neither overlooks the other.
+"""
+
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, Table, bindparam, insert, select
+from sqlalchemy import Connection, Row, Select, Table, bindparam, delete, insert, select
 from sqlalchemy.exc import IntegrityError
 
 from voa_store.engines import Engines, statement, transaction
+from voa_store.errors import ContentMissing
 from voa_store.records import Listed, ListedObject, ListedScenario, StoredObject, StoredScenario, Upload
 from voa_store.rows import object_of, scenario_of
 from voa_store.summaries import list_objects, list_scenarios, object_summary
 from voa_store.tables import objects, scenarios, summaries, uploads
+from voa_store.usage import check_object, check_scenario
 
 # Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (objects, scenarios, summaries, uploads)}
 _BY_ID = {table: select(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios)}
+_DELETE = {table: delete(table).where(table.c.id == bindparam("by_id")) for table in (objects, scenarios, summaries)}
+_KEPT_OBJECT = select(objects.c.id).where(objects.c.id == bindparam("by_id")).with_for_update(read=True)
 _UPLOADED = (
     select(objects)
     .join(uploads, uploads.c.object == objects.c.id)
@@ -71,9 +80,13 @@ class Contents:
         return None if row is None else object_of(row)
 
     def put_scenario(self, stored: StoredScenario) -> tuple[StoredScenario, bool]:
-        """Store a scenario unless an equal one is stored; returns the stored one, and True if it is new."""
+        """Store a scenario unless an equal one is stored; returns the stored one, and True if it is new.
+
+        Raises:
+            ContentMissing: its object is not stored.
+        """
         row = {"id": stored.id, "name": stored.name, "created_at": stored.created_at.isoformat(), "body": stored.body}
-        there, new = self._put(scenarios, row, stored.summary)
+        there, new = self._put(scenarios, row, stored.summary, stored.object)
         return scenario_of(there), new
 
     def get_scenario(self, id_: str) -> StoredScenario | None:
@@ -81,19 +94,56 @@ class Contents:
         row = self._get(scenarios, id_)
         return None if row is None else scenario_of(row)
 
+    def delete_scenario(self, id_: str) -> bool:
+        """Delete a scenario; False: there is none.
+
+        Raises:
+            InUse: a session is on it.
+        """
+        return self._delete(scenarios, id_, check_scenario)
+
+    def delete_object(self, id_: str) -> bool:
+        """Delete a mesh, and the records of the files that it was read from; False: there is none.
+
+        Raises:
+            InUse: a scenario needs it.
+        """
+        return self._delete(objects, id_, check_object)
+
     def list_scenarios(self, limit: int, after: str | None) -> Listed[ListedScenario]:
         """List at most `limit` scenarios after a cursor, oldest first."""
         with statement(self._single) as connection:
             return list_scenarios(connection, limit, after)
 
-    def _put(self, table: Table, row: dict[str, Any], summary: str) -> tuple[Row[Any], bool]:
-        """Insert a row that is named by its content unless it exists; returns the stored row, and True if it is new."""
+    def _delete(self, table: Table, id_: str, check: Callable[[Connection, str], None]) -> bool:
+        """Delete content that is locked and not in use; False: there is none."""
+        with transaction(self._writer) as connection:
+            if named_row(connection, _BY_ID[table].with_for_update(), id_) is None:
+                return False
+            check(connection, id_)
+            for each in (summaries, table):
+                connection.execute(_DELETE[each], {"by_id": id_})
+        return True
+
+    def _put(
+        self, table: Table, row: dict[str, Any], summary: str, object_: str | None = None
+    ) -> tuple[Row[Any], bool]:
+        """Insert a row that is named by its content unless it exists; returns the stored row, and True if it is new.
+
+        Args:
+            table: objects or scenarios.
+            row: to be inserted.
+            summary: of the row.
+            object_: digest of a mesh that must be stored, and stays until the end of the transaction; None: none.
+        """
         named = {"by_id": row["id"]}
         try:
             with transaction(self._writer) as connection:
                 there = connection.execute(_BY_ID[table], named).one_or_none()
                 if there is not None:
                     return there, False
+                if object_ is not None and connection.execute(_KEPT_OBJECT, {"by_id": object_}).one_or_none() is None:
+                    raise ContentMissing("object", object_)
                 connection.execute(_INSERT[table], row)
                 connection.execute(_INSERT[summaries], {"id": row["id"], "summary": summary})
                 return connection.execute(_BY_ID[table], named).one(), True

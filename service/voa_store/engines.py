@@ -1,7 +1,7 @@
 """Opens databases of each kind, and turns their errors into errors of the store."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -29,10 +29,16 @@ _MALFORMED = ("malformed", "not a database")
 
 
 @dataclass(eq=False)
-class Troubles:
-    """Counter of the calls that a database has failed."""
+class Calls:
+    """Record of the calls to a database.
 
-    count: int = 0
+    Attributes:
+        failed: number of calls that the database has failed.
+        observe: called with each transaction's or statement's wall time in seconds.
+    """
+
+    failed: int = 0
+    observe: Callable[[float], None] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +52,7 @@ class Engines:
             than the statement.
         parameters: of a PostgreSQL connection, as libpq takes them; empty for SQLite.
         held: resources that are released when the engines are disposed.
-        troubles: counter of failed calls.
+        calls: record of the calls to the database.
     """
 
     writer: Engine
@@ -54,7 +60,7 @@ class Engines:
     single: Engine
     parameters: dict[str, Any] = field(default_factory=dict)
     held: ExitStack = field(default_factory=ExitStack)
-    troubles: Troubles = field(default_factory=Troubles)
+    calls: Calls = field(default_factory=Calls)
 
     @property
     def software(self) -> str:
@@ -130,16 +136,19 @@ def _database_errors(engine: Engine) -> Iterator[None]:
         DamagedData: its file is damaged, which does not pass.
         Busy: all connections are in use.
     """
-    outage: patience.Outage | None = engine.get_execution_options().get("outage")
+    options = engine.get_execution_options()
+    outage: patience.Outage | None = options.get("outage")
+    calls: Calls = options["calls"]
     if outage is not None and outage.present:
         raise Unavailable("the database does not answer: try again")
+    began = time.perf_counter()
     try:
         yield
     except _STATEMENT_ERRORS:
         raise
     except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error
-        engine.get_execution_options()["troubles"].count += 1
+        calls.failed += 1
         structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
         if engine.dialect.name == "sqlite" and any(sign in str(cause) for sign in _MALFORMED):
             raise DamagedData(f"the database's file is damaged ({cause}): restore a backup") from error
@@ -151,6 +160,9 @@ def _database_errors(engine: Engine) -> Iterator[None]:
     except NoConnection as error:
         structlog.get_logger().error("the database is too slow", waited_seconds=_WAIT_SECONDS)
         raise Busy("too many requests wait for the database: try again") from error
+    finally:
+        if calls.observe is not None:
+            calls.observe(time.perf_counter() - began)
 
 
 def diagnosis(cause: BaseException | None) -> str:
@@ -189,26 +201,24 @@ def _postgres(url: URL, patience_s: float) -> Engines:
     outage = patience.Outage(partial(patience.try_to_connect, parameters))
     impatient = patience.connection_type(patience_s, outage)
     event.listen(engine, "do_connect", lambda _dialect, _record, _args, own: patience.connected(impatient, own, outage))
-    troubles = Troubles()
-    engine = engine.execution_options(outage=outage, troubles=troubles)
+    calls = Calls()
+    engine = engine.execution_options(outage=outage, calls=calls)
     held = ExitStack()
     held.callback(outage.close)
     single = engine.execution_options(isolation_level="AUTOCOMMIT")
-    return Engines(
-        engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, parameters, held, troubles
-    )
+    return Engines(engine, engine.execution_options(isolation_level="REPEATABLE READ"), single, parameters, held, calls)
 
 
 def _sqlite(url: URL) -> Engines:
     driver, held = sqlite_driver(), ExitStack()
-    version, file, troubles = version_of(driver), database_file(url), Troubles()
+    version, file, calls = version_of(driver), database_file(url), Calls()
     if file is not None and loses_commits(version):
         held.enter_context(alone(file, version))
 
     def engine(begin: str | None, connections: int) -> Engine:
-        return _sqlite_engine(url, driver, begin, connections).execution_options(troubles=troubles)
+        return _sqlite_engine(url, driver, begin, connections).execution_options(calls=calls)
 
-    return Engines(engine("BEGIN IMMEDIATE", 1), engine("BEGIN", _READERS), engine(None, _READERS), {}, held, troubles)
+    return Engines(engine("BEGIN IMMEDIATE", 1), engine("BEGIN", _READERS), engine(None, _READERS), {}, held, calls)
 
 
 def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:
@@ -218,7 +228,8 @@ def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # transactions are begun by the event below, not by the driver
         connection.text_factory = _text
-        for pragma in (f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
+        # The first has an effect on a new file alone: its pages can be given back (`space`).
+        for pragma in ("auto_vacuum=INCREMENTAL", f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
         _write_ahead(connection)
 

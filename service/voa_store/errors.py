@@ -5,6 +5,8 @@ StoreError
 |-- VersionMismatch     a write was meant for another version of the session; has `version`
 |-- KeyReused           an idempotency key was used for another request before
 |-- LookRepeated        the session has accepted a look of this robot under this number
+|-- ContentMissing      a scenario or an object that a write needs is not stored
+|-- InUse               a scenario or an object cannot be deleted, because something needs it
 |-- DamagedData         stored data differs from what was written; has `version`
 |-- Unavailable         the database does not work at the moment
 |-- Busy                too many calls wait for the database
@@ -54,6 +56,22 @@ class KeyReused(StoreError):
 
     def __init__(self, key: str) -> None:
         super().__init__(f"Idempotency-Key {key!r} was used for another request: use a new key for each new request")
+
+
+class ContentMissing(StoreError):
+    """A scenario or an object that a write needs, and that was deleted at that moment.
+
+    Args:
+        kind: "scenario" or "object".
+        id_: of it.
+    """
+
+    def __init__(self, kind: str, id_: str) -> None:
+        super().__init__(f"there is no {kind} {id_!r}: store it again")
+
+
+class InUse(StoreError):
+    """A scenario or an object that cannot be deleted, because something needs it."""
 
 
 class LookRepeated(StoreError):

@@ -47,6 +47,8 @@ class StoredScenario:
     created_at: datetime
     summary: str = "{}"
     """Facts that lists show beside the name, as JSON; written once, with the scenario, and read by lists alone."""
+    object: str | None = None
+    """Digest of the mesh that the scenario needs; None: it needs none."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,8 @@ from sqlalchemy import Connection, bindparam, delete, func, select
 
 from voa_store.engines import Engines, statement, transaction
 from voa_store.errors import StoreError
+from voa_store.responses import remove_responses
+from voa_store.space import give_back
 from voa_store.tables import GONE, history, robot_looks, sessions
 
 _GOAL_SECONDS = 0.02  # longest time that one transaction should keep others from writing
@@ -104,6 +106,7 @@ class Remover:
             if took > _GOAL_SECONDS:
                 rows = max(1, int(rows * _GOAL_SECONDS / took))
             self._closed.wait(time.monotonic() - began)  # leaves other writers as much time as this took
+        give_back(self._engines.writer, self._closed.wait)
 
 
 def remove_some(connection: Connection, rows: int) -> bool:
@@ -126,4 +129,5 @@ def remove_rows(connection: Connection, id_: str, rows: int) -> None:
     if look is not None:
         connection.execute(_DELETE_LOOKS, named | {"by_robot": look.robot, "by_number": look.number + rows})
         return
-    connection.execute(_DELETE_SESSION, named)
+    if not remove_responses(connection, id_, rows):
+        connection.execute(_DELETE_SESSION, named)

@@ -1,13 +1,34 @@
-"""Idempotency keys, and the responses that are stored under them."""
+"""Idempotency keys, and the responses that are stored under them until they are too old or their session is deleted."""
 
-from sqlalchemy import Connection, bindparam, insert, select
+from collections.abc import Iterable
+from typing import Any
+
+from sqlalchemy import Connection, and_, bindparam, delete, func, insert, select, update
 
 from voa_store.errors import KeyReused
 from voa_store.records import IdempotencyKey, StoredResponse
-from voa_store.tables import responses
+from voa_store.tables import responses, sessions
 
+_SESSION = "session:"
 _INSERT = insert(responses)
 _STORED = select(responses).where(responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
+_KEY = (responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
+_DELETE = delete(responses).where(*_KEY)
+_DATE = update(responses).where(*_KEY)
+_OF_SESSION = and_(responses.c.scope == bindparam("by_scope"), responses.c.body != "")
+_KEYS = select(responses.c.scope, responses.c.key).where(_OF_SESSION).limit(bindparam("by_limit"))
+_OLD = (
+    select(responses.c.scope, responses.c.key)
+    .where(responses.c.at < bindparam("by_at"))
+    .order_by(responses.c.at)
+    .limit(bindparam("by_limit"))
+)
+_UNDATED = (
+    select(responses.c.scope, responses.c.key, sessions.c.id, responses.c.body == "")
+    .select_from(responses.outerjoin(sessions, responses.c.scope == _SESSION + sessions.c.id))
+    .where(responses.c.at.is_(None))
+    .limit(bindparam("by_limit"))
+)
 
 
 def stored_response(connection: Connection, key: IdempotencyKey | None) -> StoredResponse | None:
@@ -26,8 +47,62 @@ def stored_response(connection: Connection, key: IdempotencyKey | None) -> Store
     return StoredResponse(row.body, row.version)
 
 
-def keep_response(connection: Connection, key: IdempotencyKey | None, response: StoredResponse) -> None:
-    """Store a response under its key, if the write has one."""
+def keep_response(connection: Connection, key: IdempotencyKey | None, response: StoredResponse, at: int) -> None:
+    """Store a response under its key, if the write has one.
+
+    Args:
+        connection: of the write's transaction.
+        key: of the write.
+        response: to it.
+        at: time of the write, seconds since 1970.
+    """
     if key is not None:
-        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint}
+        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
         connection.execute(_INSERT, named | {"body": response.body, "version": response.version})
+
+
+def has_more_responses(connection: Connection, session: str, rows: int) -> bool:
+    """True if more than so many responses are stored for the calls of a session."""
+    limited = _KEYS.subquery()
+    named = {"by_scope": _SESSION + session, "by_limit": rows + 1}
+    return bool(connection.execute(select(func.count()).select_from(limited), named).scalar_one() > rows)
+
+
+def remove_responses(connection: Connection, session: str, rows: int) -> bool:
+    """Remove at most so many responses to the calls of a deleted session; False: there was none.
+
+    The response to its deletion, which has no body, stays until it is too old: the call may be repeated.
+    """
+    named = {"by_scope": _SESSION + session, "by_limit": rows}
+    return _removed(connection, connection.execute(_KEYS, named).all())
+
+
+def remove_old(connection: Connection, before: int, rows: int) -> bool:
+    """Remove at most so many responses from before a time, seconds since 1970; False: there was none."""
+    return _removed(connection, connection.execute(_OLD, {"by_at": before, "by_limit": rows}).all())
+
+
+def date_some(connection: Connection, at: int, rows: int) -> bool:
+    """Date at most so many responses that have no time, and remove those of deleted sessions; False: there was none.
+
+    Args:
+        connection: of a transaction.
+        at: present time, seconds since 1970.
+        rows: bound on the responses.
+    """
+    undated = connection.execute(_UNDATED, {"by_limit": rows}).all()
+    orphans = [
+        (scope, key) for scope, key, session, empty in undated if scope.startswith(_SESSION) and not (session or empty)
+    ]
+    _removed(connection, orphans)
+    kept = [(scope, key) for scope, key, *_ in undated if (scope, key) not in set(orphans)]
+    if kept:
+        connection.execute(_DATE, [{"by_scope": scope, "by_key": key, "at": at} for scope, key in kept])
+    return bool(undated)
+
+
+def _removed(connection: Connection, keys: Iterable[Any]) -> bool:
+    named = [{"by_scope": scope, "by_key": key} for scope, key in keys]
+    if named:
+        connection.execute(_DELETE, named)
+    return bool(named)

@@ -5,8 +5,11 @@ idempotency key, verify the checksum, check the version, apply, append to the hi
 for each other and never retry. A response is sent only after its transaction is committed and on the disk.
 """
 
+import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 from sqlalchemy import Connection, bindparam, delete, insert, literal_column, select, text, update
 from sqlalchemy.exc import IntegrityError
@@ -14,7 +17,7 @@ from sqlalchemy.exc import IntegrityError
 from voa_store import checksums, claims
 from voa_store.contents import Contents, named_row
 from voa_store.engines import connect, first, statement, transaction
-from voa_store.errors import SessionMissing, VersionMismatch
+from voa_store.errors import ContentMissing, SessionMissing, VersionMismatch
 from voa_store.histories import read_history
 from voa_store.listening import CHANNEL, Listener
 from voa_store.looks import count_look
@@ -32,14 +35,23 @@ from voa_store.records import (
     Write,
 )
 from voa_store.removal import Remover
-from voa_store.responses import keep_response, stored_response
+from voa_store.responses import (
+    date_some,
+    has_more_responses,
+    keep_response,
+    remove_old,
+    remove_responses,
+    stored_response,
+)
 from voa_store.robots import RobotRecords
 from voa_store.rows import blob, session_of, written
+from voa_store.space import give_back
 from voa_store.summaries import list_sessions
 from voa_store.tables import GONE, history, sessions
 
 PATIENCE_SECONDS = 4.0
-_AT_ONCE = 64  # versions of a session that are removed in the transaction that deletes it
+_AT_ONCE = 64  # versions, and stored responses, of a session that are removed in the transaction that deletes it
+_ROWS = 256  # stored responses that are dated or removed in one transaction
 
 # Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (sessions, history)}
@@ -59,12 +71,16 @@ class SqlStore(Contents, RobotRecords):
     Args:
         url: of the database.
         patience_s: seconds for which PostgreSQL may be silent before a call fails.
+        seconds: clock of stored responses, seconds since 1970.
 
     Raises:
         StoreError: the database cannot be used; `starting.open_store` explains errors of drivers too.
     """
 
-    def __init__(self, url: str, patience_s: float = PATIENCE_SECONDS) -> None:
+    def __init__(
+        self, url: str, patience_s: float = PATIENCE_SECONDS, seconds: Callable[[], float] = time.time
+    ) -> None:
+        self._seconds = seconds
         self._engines = connect(url, patience_s)
         Contents.__init__(self, self._engines)
         self._readers = self._engines.readers
@@ -88,7 +104,7 @@ class SqlStore(Contents, RobotRecords):
     @property
     def troubles(self) -> int:
         """Number of calls that the database has failed so far."""
-        return self._engines.troubles.count
+        return self._engines.calls.failed
 
     def ping(self) -> None:
         """Return if the tables are those of this version, and a row can be written.
@@ -101,6 +117,10 @@ class SqlStore(Contents, RobotRecords):
             if not is_current(connection):
                 raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
+
+    def measure(self, observe: Callable[[float], None]) -> None:
+        """Call `observe` with the wall time of each transaction and each single statement, seconds."""
+        self._engines.calls.observe = observe
 
     def close(self) -> None:
         """Close all connections and end all threads."""
@@ -134,6 +154,7 @@ class SqlStore(Contents, RobotRecords):
 
         Raises:
             KeyReused: the key was used for another request.
+            ContentMissing: the scenario was deleted at this moment.
         """
         prior = blob(state.prior)
         columns, entry = written(state, write, None, checksums.NOTHING, checksums.of_blob(prior))
@@ -148,14 +169,16 @@ class SqlStore(Contents, RobotRecords):
                 connection.execute(_INSERT[history], entry)
                 for robot in sorted(robots):  # in one order, so that two calls cannot wait for each other
                     claims.put(connection, robot, state.id)
-                keep_response(connection, write.key, response)
+                keep_response(connection, write.key, response, self._now())
             return response
         except IntegrityError:  # another process used the same key at the same instant, and was first
             with statement(self._single) as connection:
                 before = stored_response(connection, write.key)
-            if before is None:
-                raise
-            return before
+            if before is not None:
+                return before
+            if self.get_scenario(state.scenario) is None:
+                raise ContentMissing("scenario", state.scenario) from None
+            raise
 
     def get_session(self, id_: str) -> SessionState | None:
         """Read the newest version of a session; None: there is no such session."""
@@ -212,7 +235,7 @@ class SqlStore(Contents, RobotRecords):
                 if write.look is not None:
                     count_look(connection, id_, write.look)
                 self._notify(connection, id_)
-            keep_response(connection, write.key, change.response)
+            keep_response(connection, write.key, change.response, self._now())
 
     def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
         """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
@@ -244,16 +267,40 @@ class SqlStore(Contents, RobotRecords):
             if row is None:
                 return False
             _check_version(row.version, if_match)
-            is_long = row.version > _AT_ONCE
+            is_long = row.version > _AT_ONCE or has_more_responses(connection, id_, _AT_ONCE)
             if is_long:
                 connection.execute(_UPDATE, {"by_id": id_, "version": GONE})
             else:
+                remove_responses(connection, id_, _AT_ONCE)
                 connection.execute(_DELETE, {"by_id": id_})
             self._notify(connection, id_)
-            keep_response(connection, key, StoredResponse("", row.version))
+            keep_response(connection, key, StoredResponse("", row.version), self._now())
         if is_long:
             self._remover.wake()
         return True
+
+    def forget_responses(self, keep_s: float, pause: Callable[[float], object] = time.sleep) -> None:
+        """Remove the responses that were stored more than `keep_s` seconds ago, a few at a time.
+
+        Responses that an earlier version of the service stored without a time are dated first: they count from now.
+
+        Args:
+            keep_s: seconds for which a response is kept.
+            pause: sleeps for so many seconds between two transactions; returns true to end early.
+        """
+        now = self._now()
+        for some in (partial(date_some, at=now), partial(remove_old, before=now - math.ceil(keep_s))):
+            more = True
+            while more:
+                began = time.monotonic()
+                with transaction(self._writer) as connection:
+                    more = some(connection, rows=_ROWS)
+                if pause(time.monotonic() - began):
+                    return
+        give_back(self._writer, pause)
+
+    def _now(self) -> int:
+        return int(self._seconds())
 
     def _notify(self, connection: Connection, id_: str) -> None:
         """Notify other processes of a change when this transaction is committed."""

@@ -99,8 +99,10 @@ responses = Table(
     Column("fingerprint", String(64), nullable=False),
     Column("body", Text, nullable=False),
     Column("version", Integer, nullable=False),
+    Column("at", BigInteger, index=True),
 )
-"""Responses that are stored under an idempotency key."""
+"""Responses that are stored under an idempotency key. `at` is the time, in seconds since 1970; null in rows of a
+version of the service that did not store it, until they are dated."""
 
 claims = Table(
     "claims",

@@ -164,6 +164,7 @@ TOPICS = {
 }
 """Tests that are named after a topic and not after a module, with the topic."""
 TESTED_ELSEWHERE = {
+    "backup_command": "tests/voa_service/test_backup.py and test_restore.py",
     "bootstrap": "builds everything: every test with the fixture `service` does",
     "ports": "protocols and types alone; tests/voa_store/test_conformance.py holds the store to them",
     "services": "a record of what `bootstrap` builds",

@@ -85,13 +85,13 @@ def test_a_key_that_came_with_another_request_is_refused(world: World) -> None:
 
 METHODS = {
     "/v1/objects": {"GET", "POST"},
-    "/v1/objects/{object}": {"GET"},
+    "/v1/objects/{object}": {"GET", "DELETE"},
     "/v1/objects/{object}/stable-poses": {"GET"},
     "/v1/objects/{object}/mesh": {"GET"},
     "/v1/objects/{object}/mesh.stl": {"GET"},
     "/v1/lidars": {"GET"},
     "/v1/scenarios": {"GET", "POST"},
-    "/v1/scenarios/{data}": {"GET"},
+    "/v1/scenarios/{data}": {"GET", "DELETE"},
     "/v1/scenarios/{data}/warnings": {"GET"},
     "/v1/scenarios/{data}/predictions": {"POST"},
     "/v1/sessions": {"GET", "POST"},

@@ -24,6 +24,8 @@ CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
     (calls.get_object("o"), "object.get", "GET /v1/objects/o", {"id": "o"}),
     (calls.stable_poses("o"), "object.stable_poses", "GET /v1/objects/o/stable-poses", {"id": "o"}),
     (calls.object_mesh("o", 500), "object.mesh", "GET /v1/objects/o/mesh", {"id": "o", "most_faces": 500}),
+    (calls.delete_object("o"), "object.delete", "DELETE /v1/objects/o", {"id": "o"}),
+    (calls.delete_scenario("c"), "scenario.delete", "DELETE /v1/scenarios/c", {"id": "c"}),
     (calls.list_objects("c"), "object.list", "GET /v1/objects", {"after": "c"}),
     (calls.list_scenarios(None), "scenario.list", "GET /v1/scenarios", {}),
     (calls.get_scenario("c"), "scenario.get", "GET /v1/scenarios/c", {"id": "c"}),
@@ -149,7 +151,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 31
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 33
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply", "look.announce"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}

@@ -397,16 +397,16 @@ def test_delete_keeps_the_promises_of_keys_and_versions(store: Store) -> None:
     assert not store.delete_session("S", key("E"), None)
 
 
-def test_keys_are_remembered_after_delete(store: Store) -> None:
+def test_responses_go_with_their_session_but_for_those_that_made_and_deleted_it(store: Store) -> None:
     created = create(store, "S", key(scope="caller"))
     change(store, "S", write(key("K")), next_version)
     change(store, "S", write(key("R")), refuse)
-    store.delete_session("S", None, None)
-    assert change(store, "S", write(key("K")), never) == StoredResponse("v1", 1)
-    assert change(store, "S", write(key("R")), never) == StoredResponse("refused at v1", 1)
-    assert change(store, "S", write(key("N")), never) is None
+    store.delete_session("S", key("D"), None)
+    assert change(store, "S", write(key("K")), never) is None
+    assert change(store, "S", write(key("R")), never) is None
+    assert store.delete_session("S", key("D"), None)
     with pytest.raises(KeyReused, match="another request"):
-        change(store, "S", write(key("K", fingerprint="G")), never)
+        store.delete_session("S", key("D", fingerprint="G"), None)
     assert create(store, "T", key(scope="caller")) == created
     assert store.list_sessions(9, None).items == []
 

@@ -116,6 +116,10 @@ class Models:
         """Keep the model of a scenario that was just stored, so that it need not be built again."""
         self._cache.get(("model", id_), lambda: model)
 
+    def forget(self, id_: str) -> None:
+        """Drop the model of a scenario that was deleted."""
+        self._cache.drop(("model", id_))
+
     def build(self, id_: str, request: ScenarioRequest) -> Model:
         """Build the model of a filled-in scenario.
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from voa_core.errors import UnknownName
 from voa_core.evidence import Evidence
+from voa_core.filtering import Belief
 from voa_core.lidars import SensorUncertainty
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.places import Viewpoint
@@ -99,6 +100,10 @@ class OutcomeObservation:
     grasp: int
     success: bool
     object_moved: float
+
+    def promised(self, belief: Belief) -> float:
+        """Return the expected score of the grasp under a belief, 0 to 1."""
+        return float(self.scenario.table.scores[self.grasp] @ belief.p)
 
 
 def outcome_observation(scenario: Scenario, request: OutcomeRequest) -> OutcomeObservation:

@@ -47,12 +47,14 @@ def methods_of(services: Services) -> Mapping[str, Method]:
     return {
         "object.create": Method(_create_object, services.meshes),
         "object.get": Method(_one(objects.get), reads),
+        "object.delete": Method(_deleting(objects.delete), writes),
         "object.list": Method(_list_objects, reads),
         "object.mesh": Method(_object_mesh, services.rests),
         "object.stable_poses": Method(_one(objects.stable_poses), services.rests),
         "lidar.list": Method(_given(NoParameters, lambda _: scenarios.lidars()), reads),
         "scenario.create": Method(_given(ScenarioRequest, lambda request: scenarios.create(request)[0]), heavy),
         "scenario.get": Method(_one(scenarios.get), reads),
+        "scenario.delete": Method(_deleting(scenarios.delete), writes),
         "scenario.list": Method(_listing(scenarios.list), reads),
         "scenario.warnings": Method(_one(scenarios.warnings), heavy),
         "scenario.predict": Method(lambda call: scenarios.predict(call.id(), call.body(PredictionsRequest)), heavy),
@@ -99,6 +101,18 @@ def _one(get: Callable[[str], BaseModel]) -> Work:
         id_ = call.id()
         call.body(NoParameters)
         return get(id_)
+
+    return work
+
+
+def _deleting(delete: Callable[[str], None]) -> Work:
+    """Make the work of a method that deletes one object or scenario."""
+
+    def work(call: Call) -> BaseModel:
+        id_ = call.id()
+        call.body(NoParameters)
+        delete(id_)
+        return NoParameters()
 
     return work
 

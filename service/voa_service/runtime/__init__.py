@@ -7,6 +7,7 @@
 | `cache`    | results that can be computed again, the least recently used dropped first                   |
 | `changes`  | announces each commit to those who wait for a session to change                             |
 | `feeds`    | reads the new versions of each followed session once, for all its followers                 |
+| `periodic` | repeats work in the background                                                              |
 | `memory`   | divides the memory of the machine or container among the parts of the service               |
 | `metrics`  | counters and gauges for Prometheus                                                          |
 | `logs`     | structured logs on stderr                                                                   |

@@ -85,6 +85,13 @@ class Cache:
         with self._lock:
             return self._values.get(key)
 
+    def drop(self, key: Hashable) -> None:
+        """Drop the value of a key, if the cache holds it."""
+        with self._lock:
+            dropped = self._values.pop(key, None)
+            if dropped is not None:
+                self._held -= dropped.nbytes
+
     def _make(self, key: Hashable, make: Callable[[], S], mine: "Future[S]") -> S:
         try:
             value = make()

@@ -3,6 +3,7 @@
 import os
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -30,7 +31,8 @@ class Deadline:
 
     def begin(self) -> None:
         """Start the countdown; may be called by a signal handler, and more than once."""
-        os.write(self._write, b".")
+        with suppress(BrokenPipeError):  # the countdown has begun already
+            os.write(self._write, b".")
 
     def __enter__(self) -> Self:
         self._thread.start()

@@ -114,6 +114,16 @@ class Objects:
         """
         return object_message(self._stored(id_))
 
+    def delete(self, id_: str) -> None:
+        """Delete an object that no scenario needs.
+
+        Raises:
+            NotFound: there is no such object.
+            InUse: a scenario needs it.
+        """
+        if not self.store.delete_object(id_):
+            raise not_found("object", id_)
+
     def list(
         self,
         limit: int,

@@ -77,6 +77,13 @@ class Robots:
             mapped = self._mapped.get(robot)
         return None if mapped is None else mapped.to
 
+    def ages(self) -> dict[str, float]:
+        """Return the age of the newest scan of each mapped robot that has sent one, seconds."""
+        with self._lock:
+            seen = {robot: self._reports[robot, "ros2"].last_scan_at for robot in sorted(self._mapped)}
+        now = self._now()
+        return {robot: (now - at).total_seconds() for robot, at in seen.items() if at is not None}
+
     def names(self) -> list[str]:
         """List the names of the mapped robots, sorted."""
         with self._lock:

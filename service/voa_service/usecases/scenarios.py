@@ -63,7 +63,8 @@ class Scenarios:
         body, id_ = large_json.text(large_json.plain(filled)), _digest(filled)
         model = self.models.build(id_, filled)
         summary = json.dumps(_summary(filled))
-        stored, new = self.store.put_scenario(StoredScenario(id_, request.name, body, self.now(), summary))
+        content = StoredScenario(id_, request.name, body, self.now(), summary, filled.object)
+        stored, new = self.store.put_scenario(content)
         self.models.keep(id_, model)
         return self._message(filled, stored), new
 
@@ -77,6 +78,17 @@ class Scenarios:
         if stored is None:
             raise not_found("scenario", id_)
         return self._message(ScenarioRequest.model_validate(large_json.loads(stored.body)), stored)
+
+    def delete(self, id_: str) -> None:
+        """Delete a scenario that no session is on.
+
+        Raises:
+            NotFound: there is no such scenario.
+            InUse: a session is on it.
+        """
+        if not self.store.delete_scenario(id_):
+            raise not_found("scenario", id_)
+        self.models.forget(id_)
 
     def beam_grid(self, id_: str) -> BeamGrid:
         """Return the beams of a scenario's lidar, on which looks of ROS 2 robots are gathered.

@@ -117,6 +117,17 @@ class Sessions:
             raise not_found("session", id_)
         self.committed(id_, None)
 
+    def delete_version(self, id_: str, version: int) -> bool:
+        """Delete a session that has a version, with its history; False: there is no such session.
+
+        Raises:
+            VersionMismatch: it has another version.
+        """
+        deleted = self.store.delete_session(id_, None, frozenset({version}))
+        if deleted:
+            self.committed(id_, None)
+        return deleted
+
     def history(self, id_: str, limit: int, after: str | None, *, beliefs: bool = False) -> HistoryPage:
         """List the versions of a session with the requests that made them, the prior first, in pages.
 
@@ -187,7 +198,7 @@ class Sessions:
         return state
 
     def model_of(self, state: SessionState) -> Model:
-        """Return the model of a session's scenario; scenarios are never removed."""
+        """Return the model of a session's scenario; a scenario with sessions is never removed."""
         return model_in_body(self.models, state.scenario)
 
     def _cached_response(self, id_: str) -> _CachedResponse:

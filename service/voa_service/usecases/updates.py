@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Protocol
 
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdatedEstimate, UpdateRequest
 from voa_service.failures import not_found
@@ -13,6 +14,13 @@ from voa_service.mapping.updates import Updated, next_version, replaced_belief, 
 from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.sessions import Sessions, model_in_body
 from voa_store.records import SessionChange, SessionState, StoredResponse, Write
+
+
+class AttemptCounter(Protocol):
+    """Port to the counter of grasp attempts."""
+
+    def __call__(self, promised: float, *, success: bool) -> None:
+        """Count an attempt by its expected score before the outcome, 0 to 1, and by success."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +34,13 @@ class Updates:
         sessions: use cases about whole sessions.
         places: use cases about the places that sessions were looked from.
         observed: called with the kind of each observation and its result: "accepted", or the reason of its refusal.
+        attempted: called for each outcome that is not a repetition.
     """
 
     sessions: Sessions
     places: LookedFrom
     observed: Callable[[str, str], None]
+    attempted: AttemptCounter
 
     def apply_scan(self, id_: str, request: ScanRequest, write: Write) -> StoredResponse:
         """Update a session's belief by a raw scan.
@@ -62,7 +72,10 @@ class Updates:
         if state is None:
             return self._response_of_deleted(id_, write)
         outcome = outcome_observation(self.sessions.model_of(state).scenario, request)
-        return self._change(state, write, partial(updated_by_outcome, outcome=outcome))[0]
+        response, updated = self._change(state, write, partial(updated_by_outcome, outcome=outcome))
+        if updated is not None:
+            self.attempted(outcome.promised(state.belief), success=outcome.success)
+        return response
 
     def put_belief(self, id_: str, request: BeliefRequest, write: Write) -> StoredResponse:
         """Replace a session's belief by the one in the request; null: by the session's prior.
@@ -132,10 +145,11 @@ class Updates:
         return change.response
 
     def _response_of_deleted(self, id_: str, write: Write) -> StoredResponse:
-        """Return the stored response to a write that was answered before its session was deleted.
+        """Return the stored response to a write of a session that is deleted; responses are removed with the session.
 
         Raises:
-            NotFound: there is no such session, and the write was not answered before.
+            NotFound: there is no such session, and no response is left.
+            KeyReused: the key is that of the deletion.
         """
         response = None if write.key is None else self.sessions.store.get_response(write.key)
         if response is None:

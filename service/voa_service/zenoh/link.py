@@ -40,6 +40,7 @@ class ZenohLink:
         self._metrics = metrics
         self._parts = parts
         self._transports = 0
+        metrics.gauge("voa_zenoh_connected", "1 if a Zenoh router is connected, else 0.", self._is_connected)
         self._ended = threading.Event()
         link.state = "connecting"
         self._thread = threading.Thread(target=self._run, name="voa-zenoh", daemon=True)
@@ -51,6 +52,9 @@ class ZenohLink:
         # An endpoint that accepts connections and stays silent is not waited for.
         self._thread.join(_END_SECONDS if self._link.state == "connected" else _OPEN_SECONDS)
         self._link.state = "off"
+
+    def _is_connected(self) -> float:
+        return float(self._link.state == "connected")
 
     def _run(self) -> None:
         while (session := self._open()) is not None:

@@ -7,6 +7,8 @@ PATHS = [
     Case("no such resource", "/v1/nothing", None, 404, "not-found", "/docs", "GET"),
     Case("no such resource to post to", "/v2/scenarios", {}, 404, "not-found", "/docs"),
     Case("an unknown object", "/v1/objects/nothing", None, 404, "not-found", "'nothing'", "GET"),
+    Case("deleting no object", "/v1/objects/nothing", None, 404, "not-found", "'nothing'", "DELETE"),
+    Case("deleting no scenario", "/v1/scenarios/nothing", None, 404, "not-found", "'nothing'", "DELETE"),
     Case("mesh of one", "/v1/objects/nothing/mesh", None, 404, "not-found", "'nothing'", "GET"),
     Case("file of one", "/v1/objects/nothing/mesh.stl", None, 404, "not-found", "'nothing'", "GET"),
     Case("too thin a mesh", "/v1/objects/nothing/mesh?most_faces=3", None, 422, "invalid-request", "100", "GET"),

@@ -14,6 +14,8 @@ WRITES = {
     "scan.apply",
     "session.create",
     "session.delete",
+    "object.delete",
+    "scenario.delete",
 }
 HEAVY = {"ranking.compute", "scenario.create", "scenario.predict", "scenario.warnings", "voa.rank"}
 RESTS = {"object.stable_poses", "object.mesh"}

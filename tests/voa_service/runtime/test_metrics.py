@@ -28,6 +28,17 @@ from voa_service.runtime.metrics import Metrics
         ),
         (lambda own: own.rpc("scan.apply", 200, 0.5), 'voa_rpc_request_seconds_sum{method="scan.apply"} 0.5'),
         (lambda own: own.zenoh("scan received"), 'voa_zenoh_samples_total{event="scan received"} 1.0'),
+        (lambda own: own.store(0.002), 'voa_store_seconds_bucket{le="0.0025"} 1.0'),
+        (
+            lambda own: own.attempt(1.0, success=True),
+            'voa_grasp_attempts_total{promised="0.8-1.0",success="true"} 1.0',
+        ),
+        (
+            lambda own: own.attempt(0.0, success=False),
+            'voa_grasp_attempts_total{promised="0.0-0.2",success="false"} 1.0',
+        ),
+        (lambda own: own.attempt(0.625, success=False), "voa_grasp_promised_total 0.625"),
+        (lambda own: own.robots(lambda: {"tb3": 0.5}), 'voa_robot_scan_age_seconds{robot="tb3"} 0.5'),
         (
             lambda own: own.connection("idle-closed"),
             'voa_http_connections_refused_total{reason="idle-closed"} 1.0',

@@ -59,14 +59,26 @@ def test_a_scan_that_is_not_accepted_changes_and_publishes_nothing(
 
 def test_every_observation_is_counted_by_kind_and_result(service: Service, session: str) -> None:
     counted: list[tuple[str, str]] = []
+    attempts: list[tuple[float, bool]] = []
+
+    def attempted(promised: float, *, success: bool) -> None:
+        attempts.append((round(promised, 6), success))
+
     updates = Updates(
-        service.inside.sessions, service.inside.updates.places, lambda kind, result: counted.append((kind, result))
+        service.inside.sessions,
+        service.inside.updates.places,
+        lambda kind, result: counted.append((kind, result)),
+        attempted,
     )
     updates.apply_scan(session, GOOD, write())
     updates.apply_scan(session, EMPTY, write())
-    updates.report_outcome(session, OutcomeRequest(grasp="G1", success=True), write("outcome"))
+    promised = service.get(f"/v1/sessions/{session}/grasps?grasps=G1")["grasps"][0]["expected_score"]
+    outcome = OutcomeRequest(grasp="G1", success=True)
+    for _ in range(2):
+        updates.report_outcome(session, outcome, write("outcome", "K", session))
     updates.put_belief(session, BeliefRequest(belief=None), write("belief"))
     assert counted == [("scan", "accepted"), ("scan", "no_beams"), ("outcome", "accepted")]
+    assert attempts == [(round(promised, 6), True)], "a repetition is no further attempt"
 
 
 def test_an_outcome_keeps_the_fit_of_the_last_scan(updates: Updates, session: str) -> None:
@@ -85,7 +97,7 @@ def test_a_belief_is_replaced_by_the_stated_one_or_by_the_prior(
     assert (reset.version, json.loads(reset.body)["belief"]) == (2, [0.5, 0.25, 0.25])
 
 
-def test_a_repeated_write_is_answered_as_before_even_after_its_session_was_deleted(
+def test_a_repeated_write_is_answered_as_before_until_its_session_is_deleted(
     updates: Updates, service: Service, session: str
 ) -> None:
     own = write(key="k", session=session)
@@ -93,7 +105,8 @@ def test_a_repeated_write_is_answered_as_before_even_after_its_session_was_delet
     assert updates.apply_scan(session, GOOD, own) == first
     assert service.get(f"/v1/sessions/{session}")["version"] == 1
     service.inside.sessions.delete(session, None, None)
-    assert updates.apply_scan(session, GOOD, own) == first
+    with pytest.raises(NotFound):
+        updates.apply_scan(session, GOOD, own)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from fastapi import APIRouter, File, Form, Query, Request, Response, UploadFile
 
 from voa_msgs.base import Name
 from voa_msgs.objects import LEAST_FACES, MeshFile, MeshType, Object, ObjectPage, Sha256, StablePoses, UpAxis
-from voa_service.failures import InvalidMesh, InvalidRequest, NotFound, UnsupportedMeshType
+from voa_service.failures import InUse, InvalidMesh, InvalidRequest, NotFound, UnsupportedMeshType
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, ObjectId, PageLimit, answer, created
@@ -87,6 +87,17 @@ def routes(services: Services) -> APIRouter:
     async def get_object(id: ObjectId) -> Response:
         """Read the description of a stored mesh."""
         return await answer(services.reads, lambda: objects.get(id))
+
+    @router.delete(
+        "/{id}",
+        status_code=204,
+        responses=problems(NotFound, InUse),
+        response_description="The mesh was deleted.",
+    )
+    async def delete_object(id: ObjectId) -> Response:
+        """Delete a mesh that no scenario needs."""
+        await services.writes.run(lambda: objects.delete(id))
+        return Response(status_code=204)
 
     @router.get(
         "/{id}/mesh",

@@ -5,7 +5,7 @@ from fastapi import APIRouter, Response
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioPage, ScenarioRequest
 from voa_msgs.warnings import Warnings
-from voa_service.failures import MeshRequired, NotFound, TooLarge, UnknownReference
+from voa_service.failures import InUse, MeshRequired, NotFound, TooLarge, UnknownReference
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, ScenarioId, answer, created
@@ -54,6 +54,17 @@ def routes(services: Services) -> APIRouter:
     async def get_scenario(id: ScenarioId) -> Response:
         """Read a stored scenario with every default filled in."""
         return await answer(services.reads, lambda: scenarios.get(id))
+
+    @router.delete(
+        "/scenarios/{id}",
+        status_code=204,
+        responses=problems(NotFound, InUse),
+        response_description="The scenario was deleted.",
+    )
+    async def delete_scenario(id: ScenarioId) -> Response:
+        """Delete a scenario that no session is on."""
+        await services.writes.run(lambda: scenarios.delete(id))
+        return Response(status_code=204)
 
     @router.get(
         "/scenarios/{id}/warnings",

@@ -1,0 +1,45 @@
+"""Work that a process repeats in the background."""
+
+import threading
+from collections.abc import Callable
+
+import structlog
+
+from voa_store.errors import StoreError
+
+_END_SECONDS = 5.0
+
+
+class Periodic:
+    """Thread that does some work at once and then at intervals, until it is closed.
+
+    Args:
+        name: of the thread.
+        work: to be done; its argument sleeps for so many seconds, and returns true to end early.
+        interval_s: from the end of one round to the next, seconds.
+    """
+
+    def __init__(self, name: str, work: Callable[[Callable[[float], object]], object], interval_s: float) -> None:
+        self._work, self._interval_s = work, interval_s
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop the thread, and wait some seconds for the end of its round."""
+        self._closed.set()
+        if self._thread.ident is not None:
+            self._thread.join(_END_SECONDS)
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            try:
+                self._work(self._closed.wait)
+            except StoreError as error:
+                structlog.get_logger("voa").warning(
+                    "background work has to wait", work=self._thread.name, error=str(error)
+                )
+            self._closed.wait(self._interval_s)

@@ -1,0 +1,55 @@
+"""Old sessions are removed whole, and only those that have not moved."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+from tests.support.serving import Service, data_scenario, serving
+from voa_service.bootstrap import utc_now
+from voa_service.usecases.retention import Retention
+
+UNIFORM = {"belief": [0.2, 0.3, 0.5]}
+
+
+def retention_of(service: Service, at: Callable[[], datetime], days: float | None) -> Retention:
+    sessions = service.inside.sessions
+    return Retention(sessions.store, sessions.delete_version, at, days, 7.0)
+
+
+def after_days(days: float) -> Callable[[], datetime]:
+    return lambda: utc_now() + timedelta(days=days)
+
+
+def test_sessions_are_removed_once_their_newest_version_is_too_old(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        old, other = (service.open(service.create(data_scenario())) for _ in range(2))
+        assert retention_of(service, after_days(29), 30.0).apply(lambda _: False) == 0
+        assert retention_of(service, after_days(31), None).apply(lambda _: False) == 0
+        assert len(service.get("/v1/sessions")["items"]) == 2
+        assert retention_of(service, after_days(31), 30.0).apply(lambda _: False) == 2
+        assert service.get("/v1/sessions")["items"] == []
+        assert {service.http.get(f"/v1/sessions/{id_}").status_code for id_ in (old, other)} == {404}
+
+
+def test_a_session_that_moves_meanwhile_stays(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        session = service.open(service.create(data_scenario()))
+        sessions = service.inside.sessions
+
+        def delete(id_: str, version: int) -> bool:
+            assert service.http.put(f"/v1/sessions/{id_}/belief", json=UNIFORM).status_code == 200
+            return sessions.delete_version(id_, version)
+
+        retention = Retention(sessions.store, delete, after_days(31), 30.0, 7.0)
+        assert retention.apply(lambda _: False) == 0
+        assert service.get(f"/v1/sessions/{session}")["version"] == 1
+
+
+def test_whoever_waits_for_the_session_is_notified(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        session = service.open(service.create(data_scenario()))
+        notified: list[tuple[str, object]] = []
+        own = replace(service.inside.sessions, committed=lambda id_, state: notified.append((id_, state)))
+        assert own.delete_version(session, 0)
+        assert notified == [(session, None)]
