@@ -20,6 +20,7 @@ _CONNECT_S = 5.0
 _SILENCE_S = 20.0  # the service sends a sign of life every 15 s
 _MOST_EVENT_BYTES = 64_000_000
 _MOST_DIGITS = 18
+_UNTRUSTED = "CERTIFICATE_VERIFY_FAILED"
 _JSON = {"Content-Type": "application/json"}
 
 
@@ -257,4 +258,6 @@ def _error(url: str, error: httpx2.RequestError) -> VoaClientError:
         return TimedOutError(text)
     if isinstance(error, httpx2.UnsupportedProtocol | httpx2.LocalProtocolError):
         return UsageError(f"{url}: {error}")
+    if _UNTRUSTED in text:
+        return UnreachableError(f"{text}; for a private authority, name the file of its certificate in SSL_CERT_FILE")
     return UnreachableError(text)

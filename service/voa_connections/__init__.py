@@ -4,6 +4,7 @@
 |--------------|-------------------------------------------------------------------------------------|
 | `settings`   | the bounds, with their defaults                                                     |
 | `connection` | the protocol of a connection, uvicorn's: parses its bytes and times its stages      |
+| `handshake`  | TLS: the handshake before the first request, and the certificate                    |
 | `supervisor` | bounds the number of connections, and ends those that make no progress              |
 | `in_flight`  | ASGI middleware that bounds the bytes of request bodies in memory                   |
 | `refusals`   | the reasons for which a connection or a request is refused or ended                 |

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 import struct
+from collections.abc import Callable
 from contextlib import suppress
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,8 @@ class Connection(HttpToolsProtocol):
         self._most_unsent = 0
         self.sent_at = self.since
         """Time of the event loop at which the peer last read bytes, or had none to read."""
+        self.on_made: Callable[[], None] | None = None
+        """Called when the connection is open, before it is registered."""
 
     @property
     def unsent(self) -> int:
@@ -72,6 +75,8 @@ class Connection(HttpToolsProtocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as uvicorn's
         """Register a new connection."""
         super().connection_made(transport)
+        if self.on_made is not None:
+            self.on_made()
         self._supervisor.opened(self)
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -181,7 +186,10 @@ class Connection(HttpToolsProtocol):
         self._enter(Stage.CLOSING)
         # The peer may still be sending: if its bytes were not read, the response could be lost with the connection.
         self.flow.resume_reading()
-        self.transport.write_eof()
+        if self.transport.can_write_eof():
+            self.transport.write_eof()
+        else:  # TLS has no half-closed connections
+            self.loop.call_later(_LINGER_SECONDS / 2, self.transport.close)
 
     def close(self) -> None:
         """End a connection that has no request under way."""

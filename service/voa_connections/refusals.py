@@ -61,6 +61,7 @@ EVICTED = Refusal(
     "idle-closed", "there are as many connections as allowed: the one that was idle the longest was closed"
 )
 SILENT = Refusal("silent", "a connection was opened and no request sent: it was closed")
+HANDSHAKE = Refusal("tls-handshake", "a connection was opened and its TLS handshake not finished: it was closed")
 STALLED = Refusal("reader-stalled", "a peer stopped reading its response: its connection was ended")
 UNREAD = Refusal("answers-unread", "responses that wait for slow readers take too much memory: the oldest was ended")
 STOPPING = Refusal("stopping", "the service is stopping: try again", "not-ready", tuple(_RETRY.items()))

@@ -1,13 +1,17 @@
 """Supervision of all HTTP connections: bounds their number, closes idle ones, and ends those that make no progress."""
 
 import asyncio
+import socket
+import ssl
 from collections.abc import Callable
 from functools import partial
+from typing import Protocol
 
 import structlog
 
 from voa_connections import refusals
 from voa_connections.connection import Connection, Stage
+from voa_connections.handshake import Handshake
 from voa_connections.in_flight import ByteBudget
 from voa_connections.refusals import Refusal
 from voa_connections.responses import Respond
@@ -27,6 +31,32 @@ def most_connections(settings: ConnectionSettings, files: int) -> int:
     return min(settings.most, max(files - RESERVED_FILES, files // 2))
 
 
+class Supervised(Protocol):
+    """A connection, with or without TLS, that may be ended."""
+
+    stage: Stage
+    is_probe: bool
+    sent_at: float
+    loop: asyncio.AbstractEventLoop
+
+    @property
+    def unsent(self) -> int:
+        """Bytes of responses that the peer has not read yet."""
+        ...
+
+    def overdue(self, now: float) -> Refusal | None:
+        """Return the reason to end the connection, or None."""
+        ...
+
+    def refuse(self, refusal: Refusal) -> None:
+        """Refuse the request under way, and end the connection."""
+        ...
+
+    def close(self) -> None:
+        """End the connection, which has no request under way."""
+        ...
+
+
 class ConnectionSupervisor:
     """Supervises connections, which its `protocol` makes.
 
@@ -38,7 +68,11 @@ class ConnectionSupervisor:
     """
 
     def __init__(
-        self, settings: ConnectionSettings, files: int, respond: Respond, on_refusal: Callable[[str], None]
+        self,
+        settings: ConnectionSettings,
+        files: int,
+        respond: Respond,
+        on_refusal: Callable[[str], None],
     ) -> None:
         self._settings = settings
         self._on_refusal = on_refusal
@@ -46,9 +80,9 @@ class ConnectionSupervisor:
         self._most = most_connections(settings, files)
         self._unsent = settings.in_flight_mebibytes * MEBIBYTE
         self.budget = ByteBudget(self._unsent, self.count)
-        self._open: set[Connection] = set()
-        self._idle: dict[Connection, None] = {}  # without a request under way, the longest idle first
-        self._probes: dict[Connection, None] = {}  # beyond the limit, the oldest first
+        self._open: set[Supervised] = set()
+        self._idle: dict[Supervised, None] = {}  # without a request under way, the longest idle first
+        self._probes: dict[Supervised, None] = {}  # beyond the limit, the oldest first
         self._seen: dict[str, float] = {}
         self._next_check: asyncio.TimerHandle | None = None
         self.too_many = refusals.too_many_connections(self._most)
@@ -63,7 +97,11 @@ class ConnectionSupervisor:
         """Factory of the protocol of a connection, for uvicorn."""
         return partial(Connection, self, self._settings)
 
-    def opened(self, connection: Connection) -> None:
+    def shake(self, accepted: socket.socket, context: ssl.SSLContext, connect: Callable[[], Connection]) -> None:
+        """Begin the TLS handshake of a connection, whose protocol `connect` makes."""
+        Handshake(self, self._settings.header_seconds, accepted, context, connect)
+
+    def opened(self, connection: Supervised) -> None:
         """Register a new connection; where there are too many, close the one that has been idle the longest."""
         self._open.add(connection)
         if self._next_check is None:
@@ -79,13 +117,13 @@ class ConnectionSupervisor:
                 self._evict(next(iter(self._probes)))
             self._probes[connection] = None
 
-    def closed(self, connection: Connection) -> None:
+    def closed(self, connection: Supervised) -> None:
         """Unregister a connection that has ended."""
         self._open.discard(connection)
         self._idle.pop(connection, None)
         self._probes.pop(connection, None)
 
-    def moved(self, connection: Connection) -> None:
+    def moved(self, connection: Supervised) -> None:
         """Note that a connection has entered another stage."""
         self._idle.pop(connection, None)
         if connection.stage in _IDLE and connection in self._open and not connection.is_probe:
@@ -106,7 +144,7 @@ class ConnectionSupervisor:
         for connection in list(self._open):
             connection.refuse(refusals.STOPPING)
 
-    def _evict(self, connection: Connection) -> None:
+    def _evict(self, connection: Supervised) -> None:
         self.count(refusals.EVICTED)
         self.closed(connection)
         connection.close()

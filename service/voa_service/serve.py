@@ -16,6 +16,7 @@ import uvicorn
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
+from voa_connections.handshake import ServerCertificate, UnusableCertificate
 from voa_msgs.keys import ROOT
 from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
@@ -53,7 +54,8 @@ def main(arguments: Sequence[str] | None = None, console: StartConsole | None = 
             settings = settings.model_copy(
                 update={"zenoh": ZenohSettings.model_validate(settings.zenoh.model_dump() | bus)}
             )
-    except (ValidationError, SettingsError) as error:
+        certificate = _certificate(settings)
+    except (ValidationError, SettingsError, UnusableCertificate) as error:
         print(f"voa serve: {error}", file=sys.stderr)
         return 2
     wrong = _wrong_mapping(settings) or missing_console(settings, console)
@@ -77,28 +79,50 @@ def main(arguments: Sequence[str] | None = None, console: StartConsole | None = 
     settings = listening_at(settings, listening)
     # uvicorn raises the signal again when it has stopped, which by default would end the process at once.
     signal.signal(signal.SIGTERM, _leave)
-    return _run(settings, listening, console)
+    return _run(settings, listening, console, certificate)
 
 
-def _run(settings: Settings, listening: socket.socket, console: StartConsole | None) -> int:
+def _run(
+    settings: Settings, listening: socket.socket, console: StartConsole | None, certificate: ServerCertificate | None
+) -> int:
     """Serve on a socket, with a console beside where the settings say so, and return the exit code."""
     with ExitStack() as stack:
         stack.enter_context(listening)
         try:
-            port = stack.enter_context(console_beside(settings, _url_of(listening), console))
+            port = stack.enter_context(console_beside(settings, _url_of(listening, certificate), console))
         except OSError as error:
             where = f"{settings.host}:{settings.console_port}"
             print(f"voa serve: the console cannot listen on {where}: {error.strerror}", file=sys.stderr)
             return 1
         try:
-            _serve(settings, listening, port)
+            _serve(settings, listening, port, certificate)
         except CannotOpen as error:
             print(f"voa serve: {error}", file=sys.stderr)
             return 1
     return 0
 
 
-def _serve(settings: Settings, listening: socket.socket, console: ConsolePort) -> None:
+def _certificate(settings: Settings) -> ServerCertificate | None:
+    """Read the certificate for HTTPS, or return None where none is set; raises UnusableCertificate."""
+    if settings.tls_cert is None or settings.tls_key is None:
+        return None
+    return ServerCertificate(settings.tls_cert, settings.tls_key)
+
+
+def _renew(certificate: ServerCertificate) -> None:
+    """Read the certificate again, after SIGHUP; one that cannot be used leaves the previous one in force."""
+    log = structlog.get_logger("voa")
+    try:
+        certificate.reload()
+    except UnusableCertificate as error:
+        log.error("the certificate was not renewed, the previous one stays in use", error=str(error))
+    else:
+        log.info("the certificate was read again")
+
+
+def _serve(
+    settings: Settings, listening: socket.socket, console: ConsolePort, certificate: ServerCertificate | None
+) -> None:
     """Serve on a socket until a signal stops the process.
 
     Raises:
@@ -117,7 +141,7 @@ def _serve(settings: Settings, listening: socket.socket, console: ConsolePort) -
             access_log=False,
             server_header=False,
         )
-        url = _url_of(listening)
+        url = _url_of(listening, certificate)
         structlog.get_logger("voa").info(
             "listening",
             url=url,
@@ -128,13 +152,16 @@ def _serve(settings: Settings, listening: socket.socket, console: ConsolePort) -
             zenoh=settings.zenoh.connect,
         )
         _collect_seldom()
-        Server(config, services.changes, connections, deadline, settings.stop_seconds).run([listening])
+        if certificate is not None:
+            signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))
+        Server(config, services.changes, connections, deadline, settings.stop_seconds, certificate).run([listening])
 
 
-def _url_of(listening: socket.socket) -> str:
-    """Return the URL of a socket."""
+def _url_of(listening: socket.socket, certificate: ServerCertificate | None) -> str:
+    """Return the URL of a socket; with a certificate it is one of HTTPS."""
     host, port = listening.getsockname()[:2]
-    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+    scheme = "http" if certificate is None else "https"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}"
 
 
 def _leave(*_: object) -> None:
@@ -237,5 +264,7 @@ def _parser() -> argparse.ArgumentParser:
         const=True,
         help="allow addresses that other machines can reach, without any authentication",
     )
+    option("--tls-cert", metavar="FILE", help="certificate (PEM) for HTTPS without a proxy; read again on SIGHUP")
+    option("--tls-key", metavar="FILE", help="private key (PEM) of that certificate")
     option("--fd", type=int, help="file descriptor of a socket to listen on, instead of host and port")
     return parser

@@ -113,6 +113,10 @@ class Settings(BaseSettings):
     console: bool = False
     """True runs the console beside the service, which then redirects `/` to it; started by the command `voa serve`."""
     console_port: int = Field(default=8080, ge=0, le=65535)
+    tls_cert: Path | None = None
+    """PEM file with the certificate of the service, for HTTPS without a proxy; needs `tls_key`."""
+    tls_key: Path | None = None
+    """PEM file with the private key of that certificate, not encrypted."""
     limits: Limits = Limits()
     connections: ConnectionSettings = ConnectionSettings()
     zenoh: ZenohSettings = ZenohSettings()
@@ -159,6 +163,12 @@ class Settings(BaseSettings):
                 f"a body of {largest} bytes, which the limits allow, would always be refused: "
                 f"expected connections.in_flight_mebibytes of at least {-(-largest // MEBIBYTE)}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _certificate_is_whole(self) -> Self:
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise ValueError("TLS needs a certificate and its private key: expected 'tls_cert' and 'tls_key'")
         return self
 
     @property

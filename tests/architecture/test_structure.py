@@ -173,7 +173,6 @@ TESTED_ELSEWHERE = {
     "http/openapi": "tests/contract/test_openapi.py",
     "http/problems": "tests/contract/test_bad_input.py",
     "http/routes": "thin, one call of a use case each: tests/contract",
-    "http/server": "tests/voa_service/test_serve.py, in a process of its own",
     "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
     "zenoh/applying": "tests/voa_service/zenoh/test_ledger.py",
     "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",

@@ -96,6 +96,32 @@ def test_the_balancer_checks_the_readiness_of_every_replica() -> None:
     assert "uri /readyz" in configuration
 
 
+def test_clients_reach_the_balancer_by_https_alone() -> None:
+    content = compose("compose.postgres.yml")
+    balancer = content["services"]["balancer"]
+    configuration = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
+    frontends = re.split(r"^(?=frontend )", configuration.partition("\nbackend ")[0], flags=re.MULTILINE)[1:]
+    secured, redirected = frontends
+    assert {port.split(":", 1)[1] for port in balancer["ports"]} == {"8443:8443", "8000:8000"}
+    assert re.search(r"^  bind :8443 ssl crt /run/secrets/voa\.pem\b", secured, flags=re.MULTILINE)
+    assert "default_backend" not in redirected
+    assert re.search(
+        r"^  http-request redirect code 308 location https://.*:8443%\[capture\.req\.uri\]$", redirected, re.M
+    )
+    assert "ssl-min-ver TLSv1.2" in configuration
+
+
+def test_the_balancer_gets_its_certificate_and_key_as_secrets_that_must_be_named() -> None:
+    content = compose("compose.postgres.yml")
+    mounted = {secret["source"]: secret["target"] for secret in content["services"]["balancer"]["secrets"]}
+    assert mounted == {"certificate": "voa.pem", "private-key": "voa.pem.key"}  # haproxy reads the key beside it
+    files = {name: secret["file"] for name, secret in content["secrets"].items()}
+    assert set(files) == set(mounted)
+    assert files["certificate"].startswith("${TLS_CERT:?")
+    assert files["private-key"].startswith("${TLS_KEY:?")
+    assert not any("secrets" in service for name, service in content["services"].items() if name != "balancer")
+
+
 def test_the_image_has_an_unprivileged_user_version_and_license() -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert "USER 10001:10001" in FINAL_STAGE

@@ -26,11 +26,11 @@ STOP_SECONDS = 10.0
 class Router:
     """Router on an endpoint of its own, which it keeps over restarts."""
 
-    def __init__(self, more: dict[str, Any] | None = None) -> None:
+    def __init__(self, more: dict[str, Any] | None = None, protocol: str = "tcp") -> None:
         self._more = more or {}
         with socket.create_server(("127.0.0.1", 0)) as listening:
             self.port: int = listening.getsockname()[1]
-        self.endpoint = f"tcp/127.0.0.1:{self.port}"
+        self.endpoint = f"{protocol}/127.0.0.1:{self.port}"
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:
@@ -58,9 +58,9 @@ class Router:
 
 
 @contextmanager
-def router(more: dict[str, Any] | None = None) -> Iterator[Router]:
+def router(more: dict[str, Any] | None = None, protocol: str = "tcp") -> Iterator[Router]:
     """Run a router for the duration of a `with`; `more` are entries of its configuration, by path."""
-    own = Router(more)
+    own = Router(more, protocol)
     own.start()
     try:
         yield own

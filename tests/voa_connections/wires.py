@@ -32,6 +32,9 @@ class Wire(asyncio.Transport):
     def write(self, data: Any) -> None:
         self.written += bytes(data)
 
+    def can_write_eof(self) -> bool:
+        return True
+
     def write_eof(self) -> None:
         self.half_closed = True
 
@@ -111,9 +114,14 @@ class Host:
             log_config=None,
         )
 
+    @property
+    def uvicorns(self) -> dict[str, Any]:
+        """Arguments that uvicorn passes to its protocols."""
+        return {"config": self._config, "server_state": self._state, "app_state": {}}
+
     def connect(self) -> tuple[Connection, Wire]:
         """Open a connection."""
-        connection = self.supervisor.protocol(config=self._config, server_state=self._state, app_state={})
+        connection = self.supervisor.protocol(**self.uvicorns)
         wire = Wire()
         connection.connection_made(wire)
         return connection, wire

@@ -3,10 +3,12 @@
 import asyncio
 import resource
 import socket
+from functools import partial
 from types import FrameType
 
 import uvicorn
 
+from voa_connections.handshake import ServerCertificate, accept
 from voa_connections.settings import ConnectionSettings
 from voa_connections.supervisor import ConnectionSupervisor
 from voa_service.http.refusals import refusal_response
@@ -39,6 +41,7 @@ class Server(uvicorn.Server):
         connections: of the server.
         deadline: starts when the process receives a signal to stop.
         stop_seconds: from that signal to the end of the process.
+        certificate: for HTTPS; None: HTTP.
     """
 
     def __init__(
@@ -48,6 +51,7 @@ class Server(uvicorn.Server):
         connections: ConnectionSupervisor,
         deadline: Deadline,
         stop_seconds: float,
+        certificate: ServerCertificate | None = None,
     ) -> None:
         config.timeout_graceful_shutdown = max(1, round(stop_seconds * _DRAINED_BY))
         super().__init__(config)
@@ -55,6 +59,8 @@ class Server(uvicorn.Server):
         self._connections = connections
         self._deadline = deadline
         self._answered_by = stop_seconds * _ANSWERED_BY
+        self._certificate = certificate
+        self._accepting: list[asyncio.Task[None]] = []
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Begin to stop, in the handler of a signal."""
@@ -62,8 +68,25 @@ class Server(uvicorn.Server):
         self._changes.close()
         super().handle_exit(sig, frame)
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start to accept connections; those with TLS are supervised from their first byte, unlike uvicorn's."""
+        if self._certificate is None:
+            await super().startup(sockets)
+            return
+        await super().startup([])
+        for listening in sockets or []:
+            listening.listen(self.config.backlog)
+            listening.setblocking(False)
+            self._accepting.append(asyncio.create_task(accept(listening, partial(self._shake, self._certificate))))
+
+    def _shake(self, certificate: ServerCertificate, accepted: socket.socket) -> None:
+        uvicorns = {"config": self.config, "server_state": self.server_state, "app_state": self.lifespan.state}
+        self._connections.shake(accepted, certificate.context, partial(self._connections.protocol, **uvicorns))
+
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Wait for requests to end, then answer those still under way that the service is stopping."""
+        for task in self._accepting:
+            task.cancel()
         late = asyncio.get_running_loop().call_later(self._answered_by, self._connections.end)
         try:
             await super().shutdown(sockets)
