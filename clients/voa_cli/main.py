@@ -3,8 +3,10 @@
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -16,9 +18,12 @@ class Command(NamedTuple):
     extra: str
 
 
+_KEY_FILE = "--key-file"
+
 COMMANDS = {
     "serve": Command("voa_cli.serve", "run the service", "service"),
     "console": Command("voa_cli.console", "serve the laboratory's web page beside a service", "console"),
+    "keys": Command("voa_service.access.command", "make, list and revoke the API keys of a service", "service"),
     "demo": Command("voa_cli.demo", "watch a lidar robot help an arm, in simulation", "fleet"),
     "replay": Command(
         "voa_cli.replay.command", "send recorded experiments, sessions or scans through the service", "cli"
@@ -57,10 +62,51 @@ def _main(arguments: Sequence[str] | None) -> int:
     if words[0] in ("-h", "--help", "--version"):
         print(version("voa") if words[0] == "--version" else _usage())
         return 0
+    try:
+        words, file = _without_key_file(words)
+    except ValueError as error:
+        print(f"voa {words[0]}: {error}", file=sys.stderr)
+        return 2
     if words[0] not in COMMANDS:
         print(f"voa: there is no command {words[0]!r}\n\n{_usage()}", file=sys.stderr)
         return 2
-    return _run(words[0], words[1:])
+    with _in_environment(file):
+        return _run(words[0], words[1:])
+
+
+def _without_key_file(words: list[str]) -> tuple[list[str], str | None]:
+    """Take the option `--key-file`, which all commands that call a service have, out of the command line.
+
+    Raises:
+        ValueError: it names no file.
+    """
+    rest: list[str] = []
+    file: str | None = None
+    given = iter(words)
+    for word in given:
+        name, _, value = word.partition("=")
+        if name == _KEY_FILE and COMMANDS.get(words[0], COMMANDS["serve"]).extra != "service":
+            file = value or next(given, "")
+            if not Path(file).is_file():
+                raise ValueError(f"{_KEY_FILE}: expected a file with the key of the service, got {file!r}")
+        else:
+            rest.append(word)
+    return rest, file
+
+
+@contextmanager
+def _in_environment(file: str | None) -> Iterator[None]:
+    """Let clients of this process, and of those that it starts, read their key from a file; None: change nothing."""
+    if file is None:
+        yield
+        return
+    before = {name: os.environ.pop(name, None) for name in ("VOA_KEY", "VOA_KEY_FILE")}
+    os.environ["VOA_KEY_FILE"] = str(Path(file).absolute())
+    try:
+        yield
+    finally:
+        del os.environ["VOA_KEY_FILE"]
+        os.environ.update({name: value for name, value in before.items() if value is not None})
 
 
 def _run(name: str, rest: list[str]) -> int:
@@ -81,7 +127,9 @@ def _run(name: str, rest: list[str]) -> int:
 def _usage() -> str:
     width = max(map(len, COMMANDS))
     lines = [f"  {name:{width}}  {command.help}" for name, command in COMMANDS.items()]
-    return "\n".join(["usage: voa COMMAND [OPTIONS]", "", *lines, "", "voa COMMAND --help describes a command."])
+    key = "Commands that call a service take --key-file FILE, else VOA_KEY_FILE or VOA_KEY: the caller's API key."
+    end = [key, "voa COMMAND --help describes a command."]
+    return "\n".join(["usage: voa COMMAND [OPTIONS]", "", *lines, "", *end])
 
 
 if __name__ == "__main__":

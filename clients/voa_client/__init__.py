@@ -9,6 +9,7 @@ Zenoh's library where it speaks Zenoh); never numpy. Everything that a program o
   the lidar, and the arm that grasps;
 - `next_look`, the rule by which a robot that carries the lidar follows a ranking, and `poses_of`, the places of a
   scenario as a robot ranks them that states the uncertainty of its pose, for loops of your own;
+- `ApiKey`, the key by which a service knows its caller, for programs that make a transport themselves;
 - the messages that these take and return;
 - the errors that they raise, all of them a `VoaClientError`;
 - the transports, for programs that choose or replace one.
@@ -27,6 +28,7 @@ Public modules beside that, each imported by its own name:
 Modules whose names begin with an underscore are private and may change in any release.
 """
 
+from voa_client._api_key import ApiKey
 from voa_client._arm import ArmClient, AsyncArmClient, Waited
 from voa_client._async_client import AsyncClient
 from voa_client._async_sensor import AsyncSensorClient
@@ -55,6 +57,7 @@ from voa_client._tour import TakenLook, Tour, next_look, poses_of
 from voa_client._transport import AsyncTransport, Transport
 from voa_client._zenoh import AsyncZenohTransport, ZenohTransport
 from voa_client._zenoh_address import ZenohAddress
+from voa_msgs.callers import Caller
 from voa_msgs.geometry import CandidateSensor, Location, PoseUncertainty, SensorPose, Spread, UncertainSensorPose
 from voa_msgs.grasp_geometry import GraspGeometry
 from voa_msgs.lidars import LidarPresets
@@ -90,6 +93,7 @@ from voa_msgs.warnings import Warnings
 
 __all__ = [
     "AnnouncedLook",
+    "ApiKey",
     "ArmClient",
     "AsyncArmClient",
     "AsyncClient",
@@ -99,6 +103,7 @@ __all__ = [
     "AsyncTransport",
     "AsyncZenohTransport",
     "BeliefRequest",
+    "Caller",
     "CandidateSensor",
     "Client",
     "ConflictError",

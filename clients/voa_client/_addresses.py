@@ -8,7 +8,9 @@ tcp/127.0.0.1:7447                             an endpoint as Zenoh writes it
 """
 
 import re
+from pathlib import Path
 
+from voa_client._api_key import ApiKey
 from voa_client._errors import UsageError
 from voa_client._http import AsyncHttpTransport, HttpTransport
 from voa_client._transport import AsyncTransport, Transport
@@ -18,18 +20,28 @@ from voa_client._zenoh_address import ENDPOINTS, SCHEMES, ZenohAddress
 _HTTP = ("http", "https")
 
 
-def transport_to(address: str) -> Transport:
-    """Make the transport for an address; raises UsageError if the address is not valid."""
-    if _is_http(address):
-        return HttpTransport(address)
-    return ZenohTransport(ZenohAddress.parse(address))
+def transport_to(to: str | Transport, key: str | None, key_file: Path | str | None) -> Transport:
+    """Make the transport for an address, or return the given one; raises UsageError for an invalid address or key."""
+    if not isinstance(to, str):
+        _check_no_key(key, key_file)
+        return to
+    own = ApiKey.given(key, key_file)
+    return HttpTransport(to, key=own) if _is_http(to) else ZenohTransport(ZenohAddress.parse(to), own)
 
 
-def async_transport_to(address: str) -> AsyncTransport:
-    """Make the transport for an address, for asyncio; raises UsageError if the address is not valid."""
-    if _is_http(address):
-        return AsyncHttpTransport(address)
-    return AsyncZenohTransport(ZenohAddress.parse(address))
+def async_transport_to(to: str | AsyncTransport, key: str | None, key_file: Path | str | None) -> AsyncTransport:
+    """Make the transport for an address, or return the given one; raises UsageError for an invalid address or key."""
+    if not isinstance(to, str):
+        _check_no_key(key, key_file)
+        return to
+    own = ApiKey.given(key, key_file)
+    return AsyncHttpTransport(to, key=own) if _is_http(to) else AsyncZenohTransport(ZenohAddress.parse(to), own)
+
+
+def _check_no_key(key: str | None, key_file: Path | str | None) -> None:
+    """Return if there is neither a key nor a file with one: a transport has its own; raises UsageError otherwise."""
+    if key is not None or key_file is not None:
+        raise UsageError("expected a key or a key file with an address only: give it to the transport instead")
 
 
 def _is_http(address: str) -> bool:

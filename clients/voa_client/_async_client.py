@@ -4,6 +4,7 @@ import asyncio
 import random
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -15,8 +16,9 @@ from voa_client._calls import Call, M
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import AsyncMailbox
-from voa_client._responses import Response, read
+from voa_client._responses import read
 from voa_client._transport import AsyncTransport
+from voa_msgs.callers import Caller
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
@@ -39,11 +41,9 @@ class AsyncClient(AsyncContents):
     """Client of one service; use as an asynchronous context manager.
 
     A call is tried again until `timeout_s` is over if the service cannot be reached or is overloaded. All attempts of
-    one write share an idempotency key, so that it takes effect once, however often it was sent; with a `key` of your
-    own, another process can repeat it, too.
+    one write share an idempotency key, so that it takes effect once; another process can repeat it by the same `key`.
 
-    Every method raises `UnreachableError` if there is no response in time, and `ProblemError` if the service refuses;
-    all errors are a `VoaClientError`.
+    Methods raise `VoaClientError`: `UnreachableError` without a response in time, `ProblemError` after a refusal.
 
     Args:
         to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
@@ -52,6 +52,8 @@ class AsyncClient(AsyncContents):
         attempt_s: longest duration of an attempt, seconds; rankings, predictions, uploads and scenarios may use all of
             `timeout_s` for one.
         retries: waits between attempts.
+        key: API key of the caller; without it and `key_file`, that of the environment: `VOA_KEY`, `VOA_KEY_FILE`.
+        key_file: file with the API key, which is read again when it changes.
         clock: returns seconds that never go back.
         sleep: waits for a number of seconds.
         chance: returns random numbers, uniform in [0, 1).
@@ -65,6 +67,8 @@ class AsyncClient(AsyncContents):
         attempt_s: float = ATTEMPT_S,
         retries: Retries = RETRIES,
         *,
+        key: str | None = None,
+        key_file: Path | str | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         chance: Callable[[], float] = random.random,
@@ -72,7 +76,7 @@ class AsyncClient(AsyncContents):
     ) -> None:
         self._patience = Patience(timeout_s, attempt_s, retries, clock, chance, keys)
         self._sleep = sleep
-        self._transport = async_transport_to(to) if isinstance(to, str) else to
+        self._transport = async_transport_to(to, key, key_file)
 
     async def __aenter__(self) -> Self:
         return self
@@ -94,6 +98,10 @@ class AsyncClient(AsyncContents):
     async def ready(self) -> Health:
         """Wait until the service is ready to answer, and return its state."""
         return await self._do(calls.health())
+
+    async def caller(self) -> Caller:
+        """Return who the service takes this client for by its key, and the calls that it may make."""
+        return await self._do(calls.caller())
 
     async def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
@@ -235,14 +243,11 @@ class AsyncClient(AsyncContents):
             case Pause():
                 await self._sleep(step.seconds)
             case Send():
-                return await self._attempt(step)
+                try:
+                    return await self._transport.send(step.call, None, step.seconds)
+                except VoaClientError as error:
+                    return error
         return None
-
-    async def _attempt(self, step: Send) -> Response | VoaClientError:
-        try:
-            return await self._transport.send(step.call, None, step.seconds)
-        except VoaClientError as error:
-            return error
 
     async def _do(self, call: Call[M], key: str | None = None) -> M:
         key = self._patience.key(call, key)

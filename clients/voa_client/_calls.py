@@ -17,6 +17,7 @@ from pydantic_core import to_json
 
 from voa_client._errors import UsageError
 from voa_msgs.base import Message
+from voa_msgs.callers import Caller
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.objects import MeshFile, Object, ObjectPage, StablePoses, UpAxis
@@ -147,6 +148,11 @@ def _quoted(id_: str) -> str:
 def health() -> Call[Health]:
     """Read the state of the service."""
     return Call("service.health", "GET", "/readyz", Health)
+
+
+def caller() -> Call[Caller]:
+    """Read who the caller is, and what it may do."""
+    return Call("caller.get", "GET", "/v1/caller", Caller)
 
 
 def create_object(

@@ -3,6 +3,7 @@
 import random
 import time
 from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,8 +15,9 @@ from voa_client._contents import Contents
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step
 from voa_client._mailbox import Mailbox
-from voa_client._responses import Response, read
+from voa_client._responses import read
 from voa_client._transport import Transport
+from voa_msgs.callers import Caller
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_msgs.problems import Health
 from voa_msgs.rankings import RankedGrasps, Ranking, RankingRequest, VoaRequest
@@ -38,11 +40,9 @@ class Client(Contents):
     """Client of one service; use as a context manager.
 
     A call is tried again until `timeout_s` is over if the service cannot be reached or is overloaded. All attempts of
-    one write share an idempotency key, so that it takes effect once, however often it was sent; with a `key` of your
-    own, another process can repeat it, too.
+    one write share an idempotency key, so that it takes effect once; another process can repeat it by the same `key`.
 
-    Every method raises `UnreachableError` if there is no response in time, and `ProblemError` if the service refuses;
-    all errors are a `VoaClientError`.
+    Methods raise `VoaClientError`: `UnreachableError` without a response in time, `ProblemError` after a refusal.
 
     Args:
         to: an address (`http://`, `https://`, `zenoh://`, `zenoh+tls://`, or an endpoint like `tcp/127.0.0.1:7447`;
@@ -51,6 +51,8 @@ class Client(Contents):
         attempt_s: longest duration of an attempt, seconds; rankings, predictions, uploads and scenarios may use all of
             `timeout_s` for one.
         retries: waits between attempts.
+        key: API key of the caller; without it and `key_file`, that of the environment: `VOA_KEY`, `VOA_KEY_FILE`.
+        key_file: file with the API key, which is read again when it changes.
         clock: returns seconds that never go back.
         sleep: waits for a number of seconds.
         chance: returns random numbers, uniform in [0, 1).
@@ -64,6 +66,8 @@ class Client(Contents):
         attempt_s: float = ATTEMPT_S,
         retries: Retries = RETRIES,
         *,
+        key: str | None = None,
+        key_file: Path | str | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
         chance: Callable[[], float] = random.random,
@@ -71,7 +75,7 @@ class Client(Contents):
     ) -> None:
         self._patience = Patience(timeout_s, attempt_s, retries, clock, chance, keys)
         self._sleep = sleep
-        self._transport = transport_to(to) if isinstance(to, str) else to
+        self._transport = transport_to(to, key, key_file)
 
     def __enter__(self) -> Self:
         return self
@@ -93,6 +97,10 @@ class Client(Contents):
     def ready(self) -> Health:
         """Wait until the service is ready to answer, and return its state."""
         return self._do(calls.health())
+
+    def caller(self) -> Caller:
+        """Return who the service takes this client for by its key, and the calls that it may make."""
+        return self._do(calls.caller())
 
     def create_session(self, request: SessionRequest, *, key: str | None = None) -> Session:
         """Open a session; the scans of the mapped robots in `request.robots` go to it from now on.
@@ -232,14 +240,11 @@ class Client(Contents):
             case Pause():
                 self._sleep(step.seconds)
             case Send():
-                return self._attempt(step)
+                try:
+                    return self._transport.send(step.call, None, step.seconds)
+                except VoaClientError as error:
+                    return error
         return None
-
-    def _attempt(self, step: Send) -> Response | VoaClientError:
-        try:
-            return self._transport.send(step.call, None, step.seconds)
-        except VoaClientError as error:
-            return error
 
     def _do(self, call: Call[M], key: str | None = None) -> M:
         key = self._patience.key(call, key)

@@ -8,18 +8,21 @@ VoaClientError
 |-- UnexpectedResponseError   the response is of another kind: another program listens there
 `-- ProblemError              the service answered with a problem document
     |-- InvalidRequestError   400, 413, 415, 422: repeating the same request is of no use
-    |-- DeniedError           401, 403
+    |-- DeniedError           401, 403: there is no valid key, or its role may not make the call
     |-- NotFoundError         404
     |-- ConflictError         409: the request contradicts the state of the service
     |-- StaleVersionError     412: the session has another version
-    `-- UnavailableError      502, 503, 504: may succeed after a while
-        `-- OverloadedError   the service is overloaded at the moment
+    `-- UnavailableError      429, 502, 503, 504: may succeed after a while
+        `-- OverloadedError   the service is overloaded at the moment, or the key has made too many calls
 """
 
 from voa_msgs.problems import Problem
 
 PROXY_PROBLEM = "http-error"
 """Kind of the problem that stands for an HTTP error that a proxy sent instead of the service."""
+
+
+_GIVE_KEY = "name a file with a key in VOA_KEY_FILE, or put the key into VOA_KEY (commands: --key-file)"
 
 
 class VoaClientError(Exception):
@@ -64,7 +67,12 @@ class InvalidRequestError(ProblemError):
 
 
 class DeniedError(ProblemError):
-    """The service does not allow the request, such as one that comes from a web page of another site."""
+    """The service does not allow the request: it needs a key, or the role of the key does not allow the call."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        if self.kind == "unauthenticated":
+            self.args = (f"{problem.detail}; {_GIVE_KEY}",)
 
 
 class NotFoundError(ProblemError):
@@ -98,7 +106,7 @@ class UnavailableError(ProblemError):
 
 
 class OverloadedError(UnavailableError):
-    """The service is overloaded at the moment."""
+    """The service is overloaded at the moment, or this client's key has made too many calls."""
 
 
 _BY_STATUS: dict[int, type[ProblemError]] = {
@@ -121,7 +129,8 @@ def refusal(problem: Problem, retry_after_s: float | None = None) -> ProblemErro
         problem: the document.
         retry_after_s: seconds after which to try again; None: not stated.
     """
-    if problem.status in (502, 503, 504):
-        kind = OverloadedError if problem.type.endswith(":overloaded") else UnavailableError
+    if problem.status in (429, 502, 503, 504):
+        is_overload = problem.type.endswith((":overloaded", ":too-many-requests"))
+        kind = OverloadedError if is_overload else UnavailableError
         return kind(problem, retry_after_s)
     return _BY_STATUS.get(problem.status, ProblemError)(problem)

@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx2
 
+from voa_client._api_key import ApiKey
 from voa_client._calls import Call, get_session
 from voa_client._errors import TimedOutError, UnexpectedResponseError, UnreachableError, UsageError, VoaClientError
 from voa_client._responses import Response, check, synthetic_problem
@@ -30,26 +31,28 @@ class HttpTransport:
     Args:
         url: `http://host:port`, with a path if the service is behind a proxy's path.
         network: carries the requests; None: sockets.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = None
 
-    def __init__(self, url: str, network: httpx2.BaseTransport | None = None) -> None:
+    def __init__(self, url: str, network: httpx2.BaseTransport | None = None, key: ApiKey | None = None) -> None:
         self._url = url
+        self._key = ApiKey.given() if key is None else key
         self._http = httpx2.Client(base_url=checked(url), transport=network)
         self._readers: set[_Reader] = set()
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Send a call as one request, and return the response; raises UnreachableError or UsageError."""
         try:
-            return _response(self._http.request(timeout=seconds, **_request(call, key)))
+            return _response(self._http.request(timeout=seconds, **_request(call, key, self._key)))
         except httpx2.RequestError as error:
             raise _error(self._url, error) from error
 
     @contextmanager
     def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:
         """Pass a session's events on to `receive`, for the length of a `with`; a thread reads the stream."""
-        reader = _Reader(self._http, self._url, _stream(session_id, seen), receive)
+        reader = _Reader(self._http, self._url, _stream(session_id, seen, self._key), receive)
         self._readers.add(reader)
         reader.start()
         try:
@@ -124,19 +127,21 @@ class AsyncHttpTransport:
     Args:
         url: `http://host:port`, with a path if the service is behind a proxy's path.
         network: carries the requests; None: sockets.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = None
 
-    def __init__(self, url: str, network: httpx2.AsyncBaseTransport | None = None) -> None:
+    def __init__(self, url: str, network: httpx2.AsyncBaseTransport | None = None, key: ApiKey | None = None) -> None:
         self._url = url
+        self._key = ApiKey.given() if key is None else key
         self._http = httpx2.AsyncClient(base_url=checked(url), transport=network)
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Send a call as one request, and return the response; raises UnreachableError or UsageError."""
         try:
             async with asyncio.timeout(seconds):
-                return _response(await self._http.request(timeout=seconds, **_request(call, key)))
+                return _response(await self._http.request(timeout=seconds, **_request(call, key, self._key)))
         except httpx2.RequestError as error:
             raise _error(self._url, error) from error
         except TimeoutError as error:
@@ -145,7 +150,7 @@ class AsyncHttpTransport:
     @asynccontextmanager
     async def watch(self, session_id: str, seen: int | None, receive: Receive) -> AsyncIterator[None]:
         """Pass a session's events on to `receive`, for the length of a `with`; a thread reads the stream."""
-        reading = asyncio.create_task(self._read(_stream(session_id, seen), receive))
+        reading = asyncio.create_task(self._read(_stream(session_id, seen, self._key), receive))
         try:
             yield
         finally:
@@ -189,9 +194,9 @@ def checked(url: str) -> str:
     return url
 
 
-def _request(call: Call[Any], key: str | None) -> dict[str, Any]:
+def _request(call: Call[Any], key: str | None, own: ApiKey) -> dict[str, Any]:
     """Make the arguments of `request` for a call."""
-    headers = {_WIRE: str(WIRE_VERSION)}
+    headers = {_WIRE: str(WIRE_VERSION)} | own.headers()
     if key is not None:
         headers["Idempotency-Key"] = key
     if call.if_match is not None:
@@ -204,9 +209,9 @@ def _request(call: Call[Any], key: str | None) -> dict[str, Any]:
     return arguments if content is None else arguments | {"content": content, "headers": headers | _JSON}
 
 
-def _stream(session_id: str, seen: int | None) -> dict[str, Any]:
+def _stream(session_id: str, seen: int | None, own: ApiKey) -> dict[str, Any]:
     """Make the arguments of `stream` for a session's events."""
-    headers = {_WIRE: str(WIRE_VERSION), "Accept": "text/event-stream", "Cache-Control": "no-store"}
+    headers = {_WIRE: str(WIRE_VERSION), "Accept": "text/event-stream", "Cache-Control": "no-store"} | own.headers()
     last = {} if seen is None else {"Last-Event-ID": str(seen)}
     url = f"{get_session(session_id).url}/events"
     timeout = httpx2.Timeout(_CONNECT_S, read=_SILENCE_S)

@@ -5,12 +5,11 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import Any, Protocol
 
+from voa_client._api_key import ApiKey, attachment
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError
 from voa_client._responses import Response
 from voa_client._transport import Receive
-from voa_msgs import WIRE_VERSION
-from voa_msgs.keys import Attachment
 
 _POLL_S = 0.05
 
@@ -39,16 +38,18 @@ class InProcessTransport:
 
     Args:
         service: the dispatcher; the caller closes it.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = _POLL_S
 
-    def __init__(self, service: Dispatcher) -> None:
+    def __init__(self, service: Dispatcher, key: ApiKey | None = None) -> None:
         self._service = service
+        self._key = ApiKey.given() if key is None else key
 
     def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:  # noqa: ARG002 - of the protocol
         """Call the dispatcher, and return its response."""
-        return _send(self._service, call, key)
+        return _send(self._service, call, attachment(key, self._key))
 
     @contextmanager
     def watch(self, session_id: str, seen: int | None, receive: Receive) -> Iterator[None]:  # noqa: ARG002 - of the protocol
@@ -64,18 +65,20 @@ class AsyncInProcessTransport:
 
     Args:
         service: the dispatcher; the caller closes it.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = _POLL_S
 
-    def __init__(self, service: Dispatcher) -> None:
+    def __init__(self, service: Dispatcher, key: ApiKey | None = None) -> None:
         self._service = service
+        self._key = ApiKey.given() if key is None else key
 
     async def send(self, call: Call[Any], key: str | None, seconds: float) -> Response:
         """Call the dispatcher; raises TimedOutError if it takes too long, and then the call continues in its thread."""
         try:
             async with asyncio.timeout(seconds):
-                return await asyncio.to_thread(_send, self._service, call, key)
+                return await asyncio.to_thread(_send, self._service, call, attachment(key, self._key))
         except TimeoutError as error:
             raise TimedOutError(f"{call.rpc}: no answer within {seconds:.3g} s") from error
 
@@ -88,8 +91,7 @@ class AsyncInProcessTransport:
         """Do nothing: the caller closes the dispatcher."""
 
 
-def _send(service: Dispatcher, call: Call[Any], key: str | None) -> Response:
+def _send(service: Dispatcher, call: Call[Any], beside: str) -> Response:
     call.check_has_rpc()
-    attachment = Attachment(id=key, wire=WIRE_VERSION).model_dump_json(exclude_none=True).encode()
-    response = service.answer(call.rpc, call.payload(), attachment)
+    response = service.answer(call.rpc, call.payload(), beside.encode())
     return Response(response.body, refused=response.is_problem)

@@ -13,14 +13,14 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from voa_client._api_key import ApiKey, attachment
 from voa_client._calls import Call
 from voa_client._errors import TimedOutError, UnreachableError
 from voa_client._responses import Response
 from voa_client._transport import Hint, Lost, Receive
 from voa_client._zenoh_address import ZenohAddress
 from voa_client._zenoh_link import CHECK_S, Links, joined, zenoh_library
-from voa_msgs import WIRE_VERSION
-from voa_msgs.keys import CHUNK, Attachment, Keys
+from voa_msgs.keys import CHUNK, Keys
 
 if TYPE_CHECKING:
     import zenoh
@@ -42,11 +42,13 @@ class ZenohTransport:
 
     Args:
         address: of the router.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = _POLL_S
 
-    def __init__(self, address: ZenohAddress) -> None:
+    def __init__(self, address: ZenohAddress, key: ApiKey | None = None) -> None:
+        self._key = ApiKey.given() if key is None else key
         self._keys = Keys(address.root)
         self._links = Links(address)
 
@@ -59,7 +61,8 @@ class ZenohTransport:
         replies: list[zenoh.Reply] = []
         complete = threading.Event()
         left = max(CHECK_S, until - time.monotonic())
-        _query(session, target, call, key, left, replies.append, complete.set)
+        beside = attachment(key, self._key)
+        _query(session, target, call, beside, left, replies.append, complete.set)
         if not complete.wait(left + _GRACE_S):
             raise TimedOutError(_silence(target, seconds))
         return _response(target, replies)
@@ -89,11 +92,13 @@ class AsyncZenohTransport:
 
     Args:
         address: of the router.
+        key: of the caller; None: that of the environment, if there is one.
     """
 
     poll_s = _POLL_S
 
-    def __init__(self, address: ZenohAddress) -> None:
+    def __init__(self, address: ZenohAddress, key: ApiKey | None = None) -> None:
+        self._key = ApiKey.given() if key is None else key
         self._keys = Keys(address.root)
         self._links = Links(address)
 
@@ -107,7 +112,8 @@ class AsyncZenohTransport:
         replies: list[zenoh.Reply] = []
         complete = asyncio.Event()
         left = max(CHECK_S, until - time.monotonic())
-        _query(session, target, call, key, left, _into(loop, replies.append), _into(loop, complete.set))
+        beside = attachment(key, self._key)
+        _query(session, target, call, beside, left, _into(loop, replies.append), _into(loop, complete.set))
         try:
             async with asyncio.timeout(left + _GRACE_S):
                 await complete.wait()
@@ -139,7 +145,7 @@ def _query(
     session: "zenoh.Session",
     target: str,
     call: Call[Any],
-    key: str | None,
+    beside: str,
     seconds: float,
     reply: "Callable[[zenoh.Reply], object]",
     done: Callable[[], object],
@@ -152,7 +158,7 @@ def _query(
             library.handlers.Callback(reply, done, indirect=False),
             payload=call.payload(),
             encoding=library.Encoding.APPLICATION_JSON,
-            attachment=Attachment(id=key, wire=WIRE_VERSION).model_dump_json(exclude_none=True),
+            attachment=beside,
             timeout=seconds,
         )
     except library.ZError as error:

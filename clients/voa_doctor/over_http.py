@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 import httpx2
 from pydantic import ValidationError
 
+from voa_client import ApiKey, Caller
 from voa_doctor.findings import Budget, Finding
 from voa_doctor.memory import check_memory
 from voa_doctor.reaching import reach
@@ -47,12 +48,13 @@ def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Findi
     yield reached
     if reached.state != "ok":
         return
-    with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
+    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=ApiKey.given().headers()) as http:
         alive = _alive(http, budget)
         yield alive
         if alive.state != "ok":
             return
         yield from _ready(http, budget, responses)
+        yield from _key(http, budget)
         responses.robots = _robots(http, budget)
         if responses.robots is not None:
             responses.sessions = sessions_of(http, responses.robots, budget)
@@ -61,7 +63,7 @@ def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Findi
 def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
     """Return the service's report on robots after a number of seconds; None: it no longer responds."""
     time.sleep(budget.step(seconds))
-    with httpx2.Client(base_url=url, timeout=_SECONDS) as http:
+    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=ApiKey.given().headers()) as http:
         return _robots(http, budget)
 
 
@@ -114,6 +116,21 @@ def _ready(http: httpx2.Client, budget: Budget, responses: Responses) -> Iterato
         unsure, offset = min(offsets)
         responses.ahead = timedelta(seconds=offset)
         yield clocks("clock", offset, unsure)
+
+
+def _key(http: httpx2.Client, budget: Budget) -> Iterator[Finding]:
+    """Check the caller's key; without a finding where the service has no keys, or is older than keys."""
+    try:
+        response = http.get("/v1/caller", timeout=budget.step(_SECONDS))
+        if response.status_code == 401:
+            seen = Problem.model_validate_json(response.content, extra="ignore").detail
+            yield Finding("key", "wrong", seen, "name a file with a key: --key-file FILE, or VOA_KEY_FILE")
+        elif response.is_success:
+            caller = Caller.model_validate_json(response.content, extra="ignore")
+            if caller.key is not None:
+                yield Finding("key", "ok", f"{caller.name}, {caller.role}")
+    except (httpx2.HTTPError, ValidationError) as error:
+        yield Finding("key", "warning", f"/v1/caller: {error}", "look at the service's log")
 
 
 def _not_ready(response: httpx2.Response) -> Finding:

@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Self
 
-from pydantic import StringConstraints, model_validator
+from pydantic import Field, StringConstraints, model_validator
 
 from voa_msgs.base import Message, Name
 from voa_msgs.geometry import UncertainSensorPose
@@ -77,7 +77,7 @@ class Attachment(Message):
     """Sensor configuration at which a scan was taken, if the payload does not state it."""
     sensor_pose: UncertainSensorPose | None = None
     """Pose of the lidar at which a scan was taken, if the payload does not state it."""
-    key: str | None = None
+    key: str | None = Field(default=None, repr=False)
     """API key of the caller."""
     wire: int | None = None
     """Version of the messages that the caller uses."""

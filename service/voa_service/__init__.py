@@ -14,6 +14,7 @@ behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mappin
 | `services`        | the use cases and queues, as `bootstrap` hands them to every entrypoint                 |
 | `http/`           | HTTP: resources, problem documents, limits, connections                                 |
 | `zenoh/`          | Zenoh: queries, raw scans, ROS 2 topics of mapped robots; publishes beliefs             |
+| `access/`         | API keys and roles: who may make which call, how often, and the record of writes        |
 | `ros_tools/`      | outputs and inputs of mapped robots for RViz, Foxglove, PlotJuggler, MoveIt and Nav2    |
 | `rpc/`            | remote calls: methods by name, for Zenoh queries and for callers in this process        |
 | `requests/`       | reads requests for every entrypoint: bodies, limits, attachments, idempotency keys      |

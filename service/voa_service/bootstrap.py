@@ -14,6 +14,9 @@ from threadpoolctl import threadpool_limits
 from voa_assets import lidar_presets
 from voa_connections.settings import MEBIBYTE
 from voa_msgs.lidars import LidarPreset
+from voa_service.access.gate import Gate
+from voa_service.access.keyring import Keyring
+from voa_service.access.rates import Rates
 from voa_service.guard import guarded
 from voa_service.mapping.models import Models
 from voa_service.mapping.rules import load_installed_rules
@@ -41,6 +44,8 @@ from voa_service.usecases.robots import Robots
 from voa_service.usecases.scenarios import Scenarios
 from voa_service.usecases.sessions import Sessions
 from voa_service.usecases.updates import Updates
+from voa_store.errors import CannotOpen, StoreError
+from voa_store.sql import SqlStore
 from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
@@ -78,6 +83,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     """
     limits = settings.limits
     store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database)
+    keyring = _keyring(store, now)
     memory = budget(settings, available_memory(settings), processors())
     _report(memory)
     threads = Threads(memory.workers)
@@ -142,6 +148,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 probes=probes,
                 feeds=feeds,
                 reader=Reader(limits, reading),
+                gate=Gate(keyring, Rates(settings.rates.calls, settings.rates.heavy)),
                 names=settings.names,
                 heavy=heavy,
                 meshes=meshes,
@@ -150,11 +157,27 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     finally:
         caretaker.close()
         changes.close()
+        keyring.close()
         reader.close()
         until = time.monotonic() + _END_SECONDS
         for each in (*queues, threads):
             each.close(max(0.0, until - time.monotonic()))
         store.close()
+
+
+def _keyring(store: SqlStore, now: Clock) -> Keyring:
+    """Read the keys for the first time.
+
+    Raises:
+        CannotOpen: the database cannot be used.
+    """
+    try:
+        return Keyring(store, now)
+    except BaseException as error:
+        store.close()
+        if isinstance(error, StoreError):
+            raise CannotOpen(str(error)) from error
+        raise
 
 
 def _report(memory: MemoryBudget) -> None:

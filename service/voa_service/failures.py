@@ -52,6 +52,22 @@ class MalformedForm(Failure):
     kind, status, title = "malformed-form", 400, "The body is not a multipart form"
 
 
+class Unauthenticated(Failure):
+    """A call without a valid key, to a service that needs one."""
+
+    kind, status, title = "unauthenticated", 401, "A valid key is required"
+
+    def __init__(self, detail: str, headers: dict[str, str] | None = None) -> None:
+        super().__init__(detail, {"WWW-Authenticate": "Bearer"} | (headers or {}))
+
+
+class TooManyRequests(Failure):
+    """More calls than a key may make in that time."""
+
+    kind, status, title = "too-many-requests", 429, "Too many calls with this key"
+    members = ("retry_after_s",)
+
+
 class Forbidden(Failure):
     """A call that is not allowed."""
 

@@ -1,6 +1,6 @@
 """Ports of the use cases: the store, the clock, the source of ids and the mesh reader that they are built with."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from datetime import datetime
 from typing import Protocol
@@ -17,6 +17,7 @@ from voa_store.records import (
     SessionChange,
     SessionMark,
     SessionState,
+    StoredKey,
     StoredObject,
     StoredResponse,
     StoredScenario,
@@ -158,6 +159,18 @@ class Store(Protocol):
 
     def claim_robot(self, robot: str, session: str | None) -> bool:
         """Claim a robot for a session, or release it from every session (None); False: there is no such session."""
+
+    def put_key(self, key: StoredKey) -> None:
+        """Store a new API key; its id must be new."""
+
+    def list_keys(self) -> list[StoredKey]:
+        """List every API key that was ever made, revoked and expired ones too, oldest first."""
+
+    def revoke_key(self, id_: str, at: datetime) -> bool:
+        """Revoke an API key for good; False where there is none of this id, or it was revoked before."""
+
+    def keys_used(self, used: Mapping[str, datetime]) -> None:
+        """Store when API keys were last used, by their ids; of several processes, the newest time stays."""
 
     def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
         """List at most `limit` sessions after a cursor, oldest first."""

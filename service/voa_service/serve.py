@@ -35,6 +35,10 @@ _COLLECT_AFTER = 50_000
 """Container objects (lists, dicts, instances) allocated since the last garbage collection that start another."""
 
 
+class OpenToOthers(Exception):
+    """A service without keys would listen on an address that other machines can reach."""
+
+
 def main(arguments: Sequence[str] | None = None, console: StartConsole | None = None) -> int:
     """Run the service until a signal stops it.
 
@@ -61,13 +65,6 @@ def main(arguments: Sequence[str] | None = None, console: StartConsole | None = 
     wrong = _wrong_mapping(settings) or missing_console(settings, console)
     if wrong is not None:
         print(f"voa serve: {wrong}", file=sys.stderr)
-        return 2
-    if inherited is None and not settings.is_loopback and not settings.insecure:
-        print(
-            f"voa serve: {settings.host} can be reached from other machines, and anyone there could change beliefs.\n"
-            "Serve 127.0.0.1 behind a proxy with authentication, or add --insecure if the network is trusted.",
-            file=sys.stderr,
-        )
         return 2
     logs.configure(settings.log_level)
     _report_unknown(os.environ)
@@ -99,6 +96,9 @@ def _run(
         except CannotOpen as error:
             print(f"voa serve: {error}", file=sys.stderr)
             return 1
+        except OpenToOthers as error:
+            print(f"voa serve: {error}", file=sys.stderr)
+            return 2
     return 0
 
 
@@ -127,10 +127,18 @@ def _serve(
 
     Raises:
         CannotOpen: the database cannot be used.
+        OpenToOthers: other machines can reach the service, and it has no keys.
     """
     with ExitStack() as stack:
         deadline = stack.enter_context(Deadline(settings.stop_seconds))
         services = stack.enter_context(bootstrap.services(settings))
+        if not (settings.is_loopback or settings.insecure or services.gate.keyring.is_closed):
+            raise OpenToOthers(
+                f"{settings.host} can be reached from other machines, and anyone there could change beliefs: "
+                "make a key first, as in\n"
+                "    voa keys create anna --role operator\n"
+                "with the same --database-url, or add --insecure if the network is trusted."
+            )
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         connections = supervised(settings.connections, services.metrics)
         config = uvicorn.Config(
@@ -262,7 +270,7 @@ def _parser() -> argparse.ArgumentParser:
         "--insecure",
         action="store_const",
         const=True,
-        help="allow addresses that other machines can reach, without any authentication",
+        help="allow addresses that other machines can reach, though there are no keys (`voa keys create`)",
     )
     option("--tls-cert", metavar="FILE", help="certificate (PEM) for HTTPS without a proxy; read again on SIGHUP")
     option("--tls-key", metavar="FILE", help="private key (PEM) of that certificate")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from voa_service.access.gate import Gate
 from voa_service.requests.bodies import Reader
 from voa_service.runtime.changes import Changes
 from voa_service.runtime.feeds import Feeds
@@ -42,6 +43,7 @@ class Services:
         probes: queue of readiness checks.
         feeds: followers of sessions, whose reads have a queue of their own.
         reader: reads messages from bytes.
+        gate: identifies callers by their keys, and admits calls.
         names: host names under which the service may be called, besides those of the loopback; None: any name.
         heavy: queue of rankings, predictions and new scenarios.
         meshes: queue of mesh files, as many at a time as the memory allows.
@@ -65,6 +67,7 @@ class Services:
     probes: WorkQueue
     feeds: Feeds
     reader: Reader
+    gate: Gate
     names: frozenset[str] | None
     heavy: WorkQueue
     meshes: WorkQueue

@@ -4,6 +4,7 @@ import ipaddress
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+from limits import parse
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -65,6 +66,29 @@ def _names(given: Any) -> Any:
     return [name.strip() for name in given.split(",") if name.strip()] if isinstance(given, str) else given
 
 
+def _rate(rate: str) -> str:
+    """Return a rate unchanged; raises ValueError unless it has the form "200/second" or "300 per 2 minutes"."""
+    try:
+        parse(rate)
+    except ValueError as error:
+        raise ValueError(f"expected a number of calls and a time, as in 200/second, got {rate!r}") from error
+    return rate
+
+
+Rate = Annotated[str, AfterValidator(_rate)]
+
+
+class RateSettings(BaseModel):
+    """Calls per key and time, in each process: `VOA_RATES__CALLS=200/second` and so on."""
+
+    model_config = ConfigDict(frozen=True)
+
+    calls: Rate = "200/second"
+    """Calls of a key; 40 lidars of 5 Hz that share a key stay within it."""
+    heavy: Rate = "600/minute"
+    """Rankings, predictions, uploads and other calls of a key that may take long."""
+
+
 class ZenohSettings(BaseModel):
     """Zenoh router and credentials: `VOA_ZENOH__CONNECT='["tcp/192.168.0.2:7447"]'` and so on."""
 
@@ -109,7 +133,7 @@ class Settings(BaseSettings):
     this is set.
     """
     insecure: bool = False
-    """True allows addresses other than loopback, where anyone who reaches the service can change beliefs."""
+    """True allows addresses other than loopback without keys, where anyone can change beliefs."""
     console: bool = False
     """True runs the console beside the service, which then redirects `/` to it; started by the command `voa serve`."""
     console_port: int = Field(default=8080, ge=0, le=65535)
@@ -118,6 +142,7 @@ class Settings(BaseSettings):
     tls_key: Path | None = None
     """PEM file with the private key of that certificate, not encrypted."""
     limits: Limits = Limits()
+    rates: RateSettings = RateSettings()
     connections: ConnectionSettings = ConnectionSettings()
     zenoh: ZenohSettings = ZenohSettings()
     robots: Path | None = None

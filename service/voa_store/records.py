@@ -230,3 +230,32 @@ class SessionChange:
             report: JSON for the history.
         """
         self._response, self.after, self.report = response, after, report
+
+
+@dataclass(frozen=True)
+class StoredKey:
+    """An API key as it is stored: its digest, never the key itself."""
+
+    id: str
+    """Part of the key's text by which it is looked up; not secret."""
+    digest: bytes = field(repr=False)
+    """SHA-256 of the key's whole text."""
+    name: str
+    """Name of the caller; several active keys of a name let a key be replaced without a gap."""
+    role: str
+    """Role of the caller, which says what calls it may make."""
+    created_at: datetime
+    sessions: tuple[str, ...] | None = None
+    """Ids of the only sessions that the key is for; None: any."""
+    robots: tuple[str, ...] | None = None
+    """Names of the only robots that the key is for; None: any."""
+    expires_at: datetime | None = None
+    """Time from which the key is no longer valid; None: never."""
+    revoked_at: datetime | None = None
+    """Time at which a person revoked the key; None: it is not revoked."""
+    last_used_at: datetime | None = None
+    """Time of a recent use, exact to about a minute; None: never used."""
+
+    def is_active(self, now: datetime) -> bool:
+        """True if the key is neither revoked nor expired."""
+        return self.revoked_at is None and (self.expires_at is None or now < self.expires_at)

@@ -19,6 +19,7 @@ from voa_store.contents import Contents, named_row
 from voa_store.engines import connect, first, statement, transaction
 from voa_store.errors import ContentMissing, SessionMissing, VersionMismatch
 from voa_store.histories import read_history
+from voa_store.keys import KeyRecords
 from voa_store.listening import CHANNEL, Listener
 from voa_store.looks import count_look
 from voa_store.migrate import is_current, migrate
@@ -65,7 +66,7 @@ _MARK = select(sessions.c.version, sessions.c.updated_at, sessions.c.under_way).
 _NOTIFY = text("SELECT pg_notify(:channel, :session)")
 
 
-class SqlStore(Contents, RobotRecords):
+class SqlStore(Contents, RobotRecords, KeyRecords):
     """Store on a database URL, `sqlite:///voa.db` or `postgresql://user@host/voa`.
 
     Args:

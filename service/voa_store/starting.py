@@ -1,7 +1,8 @@
 """Opens the store when the service starts; an error is one line that says what to do."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 import structlog
 from sqlalchemy import URL, make_url
@@ -10,6 +11,7 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
 from voa_store.drivers import database_file
 from voa_store.engines import diagnosis
 from voa_store.errors import CannotOpen, FileInUse, NewerTables, StoreError
+from voa_store.keys import KeyStore
 from voa_store.sql import PATIENCE_SECONDS, SqlStore
 
 _EXPECTED = "expected sqlite:///FILE or postgresql://USER@HOST/DATABASE"
@@ -49,9 +51,30 @@ def open_store(
             pause(min(_RETRY_SECONDS, left))
 
 
+def open_keys(url: str, patience_s: float = PATIENCE_SECONDS) -> KeyStore:
+    """Open the storage of API keys alone; creates or migrates the tables of the database.
+
+    Args:
+        url: of the database.
+        patience_s: seconds for which PostgreSQL may be silent before a call fails.
+
+    Raises:
+        CannotOpen: the database cannot be used.
+    """
+    with _explained(url):
+        return KeyStore(url, patience_s)
+
+
 def _opened(url: str, patience_s: float) -> SqlStore:
-    try:
+    with _explained(url):
         return SqlStore(url, patience_s)
+
+
+@contextmanager
+def _explained(url: str) -> Iterator[None]:
+    """Explain the errors of opening a database; raises CannotOpen."""
+    try:
+        yield
     except (SQLAlchemyError, OSError, ImportError, StoreError, ValueError) as error:
         raise CannotOpen(explain(error, url), may_pass=_may_pass(error)) from error
 

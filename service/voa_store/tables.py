@@ -142,3 +142,20 @@ probes = Table(
     Column("filler", LargeBinary, nullable=False),
 )
 """Rows that each process writes and removes to test that the database can be written."""
+
+api_keys = Table(
+    "api_keys",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("digest", LargeBinary, nullable=False),
+    Column("name", String(64), nullable=False),
+    Column("role", String(16), nullable=False),
+    Column("sessions", Text),
+    Column("robots", Text),
+    Column("created_at", String(32), nullable=False),
+    Column("expires_at", String(32)),
+    Column("revoked_at", String(32)),
+    Column("last_used_at", String(32)),
+)
+"""API keys by the id in their text, with the SHA-256 of the whole text. `sessions` and `robots` are JSON lists, null
+for any. A revoked key keeps its row: a service for which a key was ever made stays closed to callers without one."""

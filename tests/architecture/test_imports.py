@@ -211,6 +211,7 @@ PACKAGES = {
         "voa_assets",
         "fastapi",
         "fastapi_offline",
+        "limits",
         "numpy",
         "prometheus_client",
         *PYDANTIC,

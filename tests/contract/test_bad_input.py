@@ -90,6 +90,7 @@ METHODS = {
     "/v1/objects/{object}/mesh": {"GET"},
     "/v1/objects/{object}/mesh.stl": {"GET"},
     "/v1/lidars": {"GET"},
+    "/v1/caller": {"GET"},
     "/v1/scenarios": {"GET", "POST"},
     "/v1/scenarios/{data}": {"GET", "DELETE"},
     "/v1/scenarios/{data}/warnings": {"GET"},

@@ -10,7 +10,7 @@ from tests.support.serving import Json, Service, data_scenario, serving
 from voa_client import Client, ConflictError, HttpTransport, InvalidRequestError
 from voa_msgs.robots import RobotReport
 from voa_msgs.sessions import SessionRequest
-from voa_service.requests.idempotency import ANYONE, idempotency_key
+from voa_service.requests.idempotency import idempotency_key, scope_of_caller
 
 ROBOT = "tb3_1"
 
@@ -124,10 +124,12 @@ def test_a_creation_sent_again_claims_nothing_again_whatever_the_mapping_says_by
     ],
 )
 def test_keys_from_before_there_were_claims_mean_the_same_request(request_: SessionRequest, fingerprint: str) -> None:
-    key = idempotency_key("k", ANYONE, "create session", request_)
+    key = idempotency_key("k", scope_of_caller("anonymous"), "create session", request_)
     assert key is not None
     assert key.fingerprint == fingerprint
-    claiming = idempotency_key("k", ANYONE, "create session", request_.model_copy(update={"robots": ["r"]}))
+    claiming = idempotency_key(
+        "k", scope_of_caller("anonymous"), "create session", request_.model_copy(update={"robots": ["r"]})
+    )
     assert claiming is not None
     assert claiming.fingerprint != fingerprint
 

@@ -11,7 +11,7 @@ from tests.support.serving import Json, Service, data_scenario, json_of, scan_of
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, Session, SessionRequest
 from voa_service.bootstrap import services
-from voa_service.requests.idempotency import ANYONE, idempotency_key, write_of
+from voa_service.requests.idempotency import idempotency_key, scope_of_caller, write_of
 from voa_service.services import Services
 from voa_service.settings import Settings
 
@@ -125,7 +125,7 @@ def test_an_update_of_nobodys_belief_has_a_fit_where_it_is_accepted(service: Ser
 def test_a_session_that_is_opened_again_under_its_key_is_no_news(lab: Lab) -> None:
     published: list[str] = []
     request = SessionRequest(scenario=lab.session.scenario)
-    write = write_of("prior", b"{}", idempotency_key("K", ANYONE, "session", request))
+    write = write_of("prior", b"{}", idempotency_key("K", scope_of_caller("anonymous"), "session", request))
     with lab.inside.changes.listening(lambda session, _: published.append(session)):
         first, again = (lab.inside.sessions.create(request, write) for _ in range(2))
     assert first == again

@@ -32,10 +32,12 @@ def test_every_part_of_a_command_is_listed(capsys: pytest.CaptureFixture[str]) -
     listed = {tuple(words) for row in ROWS if len(words := words_of(row)) == 2}
     evaluations = re.findall(r"(?m)^  ([a-z-]+)  ", printed_help(["evaluate"], capsys))
     (sessions,) = set(re.findall(r"(?m)^  ([a-z]+(?: \| [a-z]+)+)$", printed_help(["sessions"], capsys)))
+    (keys,) = set(re.findall(r"(?m)^  ([a-z]+(?: \| [a-z]+)+)$", printed_help(["keys"], capsys)))
     parts = re.findall(r"(?m)^    ([a-z-]+)(?:  |$)", printed_help(["experiment"], capsys).partition("PART\n")[2])
     assert listed == {
         *(("evaluate", each) for each in evaluations),
         *(("sessions", each) for each in sessions.split(" | ")),
+        *(("keys", each) for each in keys.split(" | ")),
         *(("experiment", each) for each in parts),
     }
 

@@ -12,6 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.mutants.access import MUTANTS as ACCESS
 from tests.mutants.bus import MUTANTS as BUS
 from tests.mutants.core import MUTANTS as CORE
 from tests.mutants.mutant import judge, tests_fail
@@ -34,7 +35,9 @@ def copied(to: Path) -> Path:
 def main(words: list[str]) -> int:
     """Print a line per mutant; the number of those that no test noticed."""
     wanted = [
-        each for each in CORE + SERVICE + BUS if not words or any(word in each.name + each.file for word in words)
+        each
+        for each in CORE + SERVICE + BUS + ACCESS
+        if not words or any(word in each.name + each.file for word in words)
     ]
     left = 0
     with tempfile.TemporaryDirectory() as folder:

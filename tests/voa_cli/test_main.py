@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.api_keys import make_key
 from tests.support.recorded import write
 from voa_cli import main
 from voa_client import local as local_service
@@ -102,3 +103,34 @@ def test_the_service_is_gone_afterwards(tmp_path: Path) -> None:
     lines = [json.loads(line) for line in (tmp_path / "service.log").read_text().splitlines()]
     assert "listening" in [line["event"] for line in lines]
     assert not list(tmp_path.glob("voa.db-wal"))  # it ended in order
+
+
+@pytest.mark.parametrize("words", [["--key-file", "{}", "--json"], ["--json", "--key-file={}"]])
+def test_commands_send_the_key_of_a_file(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "anna.key"
+    monkeypatch.setenv("VOA_KEY", "another")
+    monkeypatch.setenv("VOA_KEY_FILE", "nowhere")
+    file.write_text(make_key(f"sqlite:///{tmp_path}/voa.db", "viewer"))
+    with local_service.local_service(tmp_path) as url:
+        given = [word.format(file) for word in words]
+        assert main.main(["sessions", "list", "--url", url, *given]) == 0
+        assert json.loads(capsys.readouterr().out) == []
+        assert main.main(["sessions", "list", "--url", url]) == 1
+        assert "key" in capsys.readouterr().err
+        assert (os.environ["VOA_KEY"], os.environ["VOA_KEY_FILE"]) == ("another", "nowhere")
+
+
+@pytest.mark.parametrize("words", [["--key-file"], ["--key-file", "/nowhere/a.key"], ["--key-file="]])
+def test_a_key_file_that_is_not_there_is_2(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["sessions", "list", *words]) == 2
+    assert "expected a file with the key" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["serve", "keys"])
+def test_commands_that_call_no_service_take_no_key_file(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main.main([name, *(["list"] if name == "keys" else []), "--key-file", "a"])
+    assert ended.value.code == 2
+    assert "--key-file" in capsys.readouterr().err

@@ -21,6 +21,7 @@ SCAN = ScanRequest(sensor="Q1", scan=Scan(ranges=[0.5, None]))
 NAMED = {"session": "s"}
 CASES: list[tuple[Call[Any], str, str, dict[str, Any]]] = [
     (calls.health(), "service.health", "GET /readyz", {}),
+    (calls.caller(), "caller.get", "GET /v1/caller", {}),
     (calls.get_object("o"), "object.get", "GET /v1/objects/o", {"id": "o"}),
     (calls.stable_poses("o"), "object.stable_poses", "GET /v1/objects/o/stable-poses", {"id": "o"}),
     (calls.object_mesh("o", 500), "object.mesh", "GET /v1/objects/o/mesh", {"id": "o", "most_faces": 500}),
@@ -151,7 +152,7 @@ def test_a_call_is_the_same_by_path_and_by_name(call: Call[Any], rpc: str, http:
 
 def test_what_changes_a_session_takes_a_key_and_what_takes_long_is_heavy() -> None:
     hints = {name: get_type_hints(made).get("return") for name, made in vars(calls).items() if inspect.isfunction(made)}
-    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 33
+    assert len([hint for hint in hints.values() if getattr(hint, "__origin__", None) is Call]) == 34
     writes = {call.rpc for call, *_ in CASES if call.writes}
     assert writes == {"session.create", "session.delete", "belief.put", "outcome.report", "scan.apply", "look.announce"}
     heavy = {call.rpc for call, *_ in CASES if call.heavy}

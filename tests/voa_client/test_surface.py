@@ -82,7 +82,7 @@ def test_everything_imports_without_zenoh_and_says_how_to_get_it() -> None:
 
 PUBLIC_MODULES = {"formatting", "installing", "local", "message_files", "scenario_files", "zenoh_session"}
 CLIENTS = {"ArmClient", "AsyncArmClient", "AsyncClient", "AsyncSensorClient", "Client", "SensorClient"}
-OF_CLIENTS = {"next_look", "poses_of", "Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
+OF_CLIENTS = {"ApiKey", "next_look", "poses_of", "Retries", "TakenLook", "Tour", "Waited", "ZenohAddress"}
 TRANSPORTS = {f"{twin}{kind}Transport" for twin in ("", "Async") for kind in ("", "Http", "InProcess", "Zenoh")}
 MESSAGES = {
     *(
@@ -107,7 +107,7 @@ MESSAGES = {
         "RankedSensor",
         "Ranking",
     ),
-    *("AnnouncedLook", "GraspGeometry", "Location", "LookAnnouncement", "Place", "Spread"),
+    *("AnnouncedLook", "Caller", "GraspGeometry", "Location", "LookAnnouncement", "Place", "Spread"),
     *("RankingRequest", "RobotReport", "RobotScan", "Robots", "Scan", "ScanRequest", "Scenario", "ScenarioRequest"),
     *("ScenarioSummary", "SensorPose", "Session", "SessionRequest", "SessionSummary", "StablePoses"),
     *("UncertainSensorPose", "UpdateRequest", "UpdatedEstimate", "UpdatedSession", "VoaRequest", "Warnings"),

@@ -50,6 +50,23 @@ def health(**changes: Any) -> bytes:
     [
         ("/livez", 502, b"no upstream", "service", "wrong", "/livez answers 502"),
         ("/livez", 200, b"<html>", "service", "wrong", "not the service's"),
+        (
+            "/v1/caller",
+            401,
+            b'{"type": "urn:voa:problem:unauthenticated", "title": "t", "status": 401, "detail": "needs a key"}',
+            "key",
+            "wrong",
+            "needs a key",
+        ),
+        (
+            "/v1/caller",
+            200,
+            b'{"name": "anna", "role": "arm", "key": "1", "sessions": null, "robots": null, "expires_at": null,'
+            b' "calls": []}',
+            "key",
+            "ok",
+            "anna, arm",
+        ),
         ("/readyz", 503, b"{}", "ready", "wrong", "/readyz answers 503"),
         (
             "/readyz",

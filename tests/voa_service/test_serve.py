@@ -9,18 +9,57 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.api_keys import make_key, revoke_key
 from voa_client.local import local_service
 from voa_service.serve import main
 from voa_service.settings import Limits, Settings
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.lab", "10.0.0.1"])  # noqa: S104
-def test_other_addresses_than_loopback_are_refused_unless_insecure(
-    host: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["--host", host]) == 2
-    assert host in (said := capsys.readouterr().err)
-    assert "--insecure" in said
+def test_other_addresses_are_not_loopback(host: str) -> None:
+    assert not Settings(host=host).is_loopback
+
+
+def serve_anywhere(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run `voa serve` on every address, and let it stop by itself as soon as it listens."""
+    program = (
+        "import sys, voa_service.serve as serve\n"
+        "serve.Server.run = lambda self, sockets: print('listening')\n"
+        f"sys.exit(serve.main({['--host', '0.0.0.0', '--port', '0', *options]!r}))\n"  # noqa: S104
+    )
+    command = [sys.executable, "-c", program]
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, timeout=120)
+
+
+def test_other_addresses_than_loopback_need_a_key_or_insecure(tmp_path: Path) -> None:
+    refused = serve_anywhere(tmp_path)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert "0.0.0.0 can be reached from other machines" in refused.stderr
+    assert "voa keys create" in refused.stderr
+    assert "--insecure" in refused.stderr
+    assert "Traceback" not in refused.stderr
+    assert serve_anywhere(tmp_path, "--insecure").stdout == "listening\n"
+    url = f"sqlite:///{tmp_path}/voa.db"
+    key = make_key(url, "operator")
+    assert serve_anywhere(tmp_path).stdout == "listening\n"
+    revoke_key(url, key)
+    assert serve_anywhere(tmp_path).stdout == "listening\n", "it stays closed, and so needs no --insecure"
+
+
+def test_an_inherited_socket_that_others_reach_needs_a_key_too(tmp_path: Path) -> None:
+    with socket.create_server(("0.0.0.0", 0)) as listening:  # noqa: S104 - for a moment, and nothing is answered
+        command = [sys.executable, "-m", "voa_service", "--fd", str(listening.fileno())]
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            timeout=120,
+            pass_fds=[listening.fileno()],
+        )
+    assert done.returncode == 2
+    assert "voa keys create" in done.stderr
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost"])

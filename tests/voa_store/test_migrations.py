@@ -14,7 +14,7 @@ from tests.voa_core.worlds import box
 from tests.voa_store.samples import change, engine_of, looking, next_version, write
 from voa_core.objects import Object
 from voa_store import migrate
-from voa_store.records import RobotLook, StoredResponse, Upload, Write
+from voa_store.records import RobotLook, StoredKey, StoredResponse, Upload, Write
 from voa_store.sql import SqlStore
 from voa_store.verify import main
 
@@ -208,4 +208,16 @@ def test_sessions_from_before_looks_were_recorded_keep_their_checksums_and_go_on
     change(store, "S", write(), looking('{"since":2}'))
     assert [entry.state.looks for entry in store.history("S", -1, 9)] == [None, None, None, '{"since":2}']
     assert main([database_url]) == 0
+    store.close()
+
+
+def test_a_service_from_before_keys_stays_open_until_the_first_one(database_url: str) -> None:
+    engine = at_revision(database_url, "0007")
+    insert_history(engine)
+    engine.dispose()
+    store = SqlStore(database_url)
+    assert store.list_keys() == []
+    store.put_key(StoredKey("id", b"digest", "anna", "operator", datetime(2026, 11, 28, tzinfo=UTC)))
+    assert [key.name for key in store.list_keys()] == ["anna"]
+    assert change(store, "S", write(), next_version) == StoredResponse("v3", 3)
     store.close()

@@ -10,9 +10,11 @@ from voa_connections.settings import MEBIBYTE, ConnectionSettings
 from voa_service.console import ConsolePort, no_console
 from voa_service.http import openapi, problems
 from voa_service.http.access import Access
+from voa_service.http.authentication import Authentication
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.refusals import refusal_response
 from voa_service.http.routes import (
+    caller,
     events,
     health,
     looks,
@@ -51,14 +53,27 @@ def create_app(services: Services, budget: ByteBudget | None = None, console: Co
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (objects, scenarios, sessions, observations, looks, events, rankings, stateless, robots, health):
+    for module in (
+        objects,
+        scenarios,
+        sessions,
+        observations,
+        looks,
+        events,
+        rankings,
+        stateless,
+        robots,
+        caller,
+        health,
+    ):
         app.include_router(module.routes(services))
     root.install(app, console)
     problems.install(app)
-    openapi.install(app, services.limits)
+    openapi.install(app, services.limits, lambda: services.gate.keyring.is_closed)
     app.add_middleware(WireVersion)
     app.add_middleware(BodyLimit, limits=services.limits)
     app.add_middleware(BytesInFlight, budget=budget, respond=refusal_response)
+    app.add_middleware(Authentication, gate=services.gate)
     app.add_middleware(Access, names=services.names)
     app.add_middleware(RequestLog, metrics=services.metrics)
     return app

@@ -1,11 +1,13 @@
 """OpenAPI document: summaries, tags, the problems of each operation by status, and the limits of the service."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from voa_service.access.roles import CALLS, ROLES, Call
+from voa_service.access.routing import Routes
 from voa_service.failures import (
     Failure,
     Forbidden,
@@ -16,6 +18,8 @@ from voa_service.failures import (
     NotReady,
     Overloaded,
     TooLarge,
+    TooManyRequests,
+    Unauthenticated,
     UnsupportedMediaType,
     WireVersionMismatch,
 )
@@ -40,6 +44,7 @@ TAGS = [
         "description": "Update a belief and rank looks with the belief in the request, so that nothing is stored.",
     },
     {"name": "robots", "description": "List the robots that send scans, request looks, and claim robots for sessions."},
+    {"name": "caller", "description": "Read who the caller is by its key, and what it may do."},
     {"name": "health", "description": "Probe whether a process is alive and ready, and read its metrics."},
 ]
 """Tags of the operations, in the order of the document; each operation has exactly one."""
@@ -47,6 +52,14 @@ TAGS = [
 _KINDS: dict[str, type[Failure]] = {kind.kind: kind for kind in Failure.__subclasses__()}
 _WORDS = {"integer": "maximum", "array": "maxItems", "object": "maxProperties"}
 _PROBLEMS = "x-problems"
+_SCHEME = "key"
+_KEY = {
+    "type": "http",
+    "scheme": "bearer",
+    "description": "API key, which `voa keys create` makes. Without any key, the service answers everybody; once the "
+    "first key was made, it needs one for every call but those about health. `x-roles` lists the roles of each call.",
+}
+_OF_KEYS: tuple[type[Failure], ...] = (Unauthenticated, Forbidden, TooManyRequests)
 _ANY_CALL: tuple[type[Failure], ...] = (
     WireVersionMismatch,
     Forbidden,
@@ -80,25 +93,35 @@ def problems(*kinds: type[Failure]) -> dict[int | str, dict[str, Any]]:
     return responses
 
 
-def install(app: FastAPI, limits: Limits) -> None:
-    """Make `app` describe itself with its limits and problems."""
+def install(app: FastAPI, limits: Limits, needs_key: Callable[[], bool]) -> None:
+    """Make `app` describe itself with its limits and problems.
+
+    Args:
+        app: to describe.
+        limits: of requests.
+        needs_key: returns True once the service refuses callers without a key.
+    """
+    documents: dict[bool, dict[str, Any]] = {}
 
     def describe() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            app.openapi_schema = _document(app, limits)
-        return app.openapi_schema
+        closed = needs_key()
+        if closed not in documents:
+            documents[closed] = _document(app, limits, closed=closed)
+        return documents[closed]
 
     app.openapi = describe  # type: ignore[method-assign] # FastAPI's documented way to extend the document
 
 
-def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
+def _document(app: FastAPI, limits: Limits, *, closed: bool) -> dict[str, Any]:
     document = get_openapi(
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=TAGS
     )
-    schemas = document["components"]["schemas"]
+    schemas, table = document["components"]["schemas"], Routes(CALLS)
+    document["components"]["securitySchemes"] = {_SCHEME: _KEY}
     for path, operations in document["paths"].items():
-        for operation in operations.values():
+        for method, operation in operations.items():
             _summarise(operation)
+            _add_security(operation, table.match(method.upper(), path).call, closed=closed)
             if path.startswith("/v1/"):
                 _add_problems(operation["responses"], _of_any_call(operation))
             _describe_problems(operation["responses"], schemas)
@@ -106,6 +129,15 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
         schemas.pop(unused, None)
     _state_limits(schemas, limits)
     return document
+
+
+def _add_security(operation: dict[str, Any], call: Call, *, closed: bool) -> None:
+    """State whether an operation needs a key, and the roles that may call it."""
+    if call.public:
+        return
+    operation["security"] = [{_SCHEME: []}] if closed else [{}, {_SCHEME: []}]
+    operation["x-roles"] = [role for role in ROLES if role in call.roles]
+    _add_problems(operation["responses"], _OF_KEYS)
 
 
 def _summarise(operation: dict[str, Any]) -> None:

@@ -6,13 +6,19 @@ from pydantic import BaseModel
 
 from voa_store.records import IdempotencyKey, RobotLook, Write, WriteKind
 
-ANYONE = "caller:anonymous"
-"""Scope of the keys of calls that do not concern a session yet."""
-
 
 def scope_of(session: str) -> str:
     """Return the scope of the keys of calls to a session: a key is unique within its scope."""
     return f"session:{session}"
+
+
+def scope_of_caller(name: str) -> str:
+    """Return the scope of the keys of calls that do not concern a session yet: a key is unique for its caller.
+
+    Args:
+        name: of the caller, which stays when its API key is replaced.
+    """
+    return f"caller:{name}"
 
 
 def idempotency_key(key: str | None, scope: str, call: str, request: BaseModel | None) -> IdempotencyKey | None:

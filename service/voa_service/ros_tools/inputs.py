@@ -28,6 +28,8 @@ from voa_ros.topics import (
     expressions,
     match_key,
 )
+from voa_service.access.audit import record_write
+from voa_service.access.callers import MAPPING
 from voa_service.failures import Failure, IdempotencyKeyReused, InvalidRequest, NotAccepted, Overloaded, not_found
 from voa_service.guard import guarded
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
@@ -37,7 +39,7 @@ from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
 from voa_service.zenoh.scans import name_of
-from voa_store.records import IdempotencyKey
+from voa_store.records import IdempotencyKey, StoredResponse
 
 _MOST_WAITING = 256
 _MOST_BYTES = 4_096
@@ -162,7 +164,8 @@ class Inputs:
         key = idempotency_key(received.name, scope_of(session), "belief", request)
         if self._is_applied(received, key):
             return
-        self._services.updates.put_belief(session, request, write_of("belief", _body(request), key))
+        done = self._services.updates.put_belief(session, request, write_of("belief", _body(request), key))
+        self._record("belief.put", session, done)
         structlog.get_logger().info("the object was marked", robot=self._mapping.name, session=session)
 
     def _apply_outcome(self, session: str, received: Received) -> None:
@@ -176,8 +179,13 @@ class Inputs:
         key = idempotency_key(received.name, scope_of(session), "outcome", request)
         if self._is_applied(received, key):
             return
-        self._services.updates.report_outcome(session, request, write_of("outcome", _body(request), key))
+        done = self._services.updates.report_outcome(session, request, write_of("outcome", _body(request), key))
+        self._record("outcome.report", session, done)
         structlog.get_logger().info("an outcome was reported", robot=self._mapping.name, grasp=best, success=success)
+
+    def _record(self, call: str, session: str, done: StoredResponse) -> None:
+        """Record an input that was applied in the audit."""
+        record_write(MAPPING, call, 200, session=session, robot=self._mapping.name, version=done.version)
 
     def _is_applied(self, received: Received, key: IdempotencyKey | None) -> bool:
         """Return True for a deferred input that the responsible replica has applied."""

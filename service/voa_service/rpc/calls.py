@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from voa_msgs.base import Message
 from voa_msgs.keys import Attachment
+from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.requests.large_json import text
 from voa_service.rpc.parameters import Identified, InSession
 from voa_service.services import Services
@@ -20,6 +21,9 @@ class Call:
         fields: of the payload, without those that the method has taken.
         attachment: JSON that came beside the payload.
         services: the use cases.
+        caller: that makes the call.
+        subject: id of the session that the call concerns, once it was taken; for the audit.
+        robot: name of the robot that the call concerns, once it was taken; for the audit.
         size: bytes of the payload.
     """
 
@@ -27,6 +31,9 @@ class Call:
     attachment: Attachment
     services: Services
     size: int
+    caller: Caller = ANONYMOUS
+    subject: str | None = None
+    robot: str | None = None
 
     def take(self, kind: type[Message]) -> Any:
         """Take the fields of a message out of the payload, and check them; raises Failure."""
@@ -34,10 +41,16 @@ class Call:
         return self.services.reader.message(kind, own, self.size)
 
     def session(self) -> str:
-        """Take the id of the session that the call concerns, `session` or `id`, out of the payload; raises Failure."""
+        """Take the id of the session that the call concerns, `session` or `id`, out of the payload.
+
+        Raises:
+            Failure: there is none, or the caller's key is not for that session.
+        """
         if "session" not in self.fields and "id" in self.fields:
             self.fields["session"] = self.fields.pop("id")
         taken: InSession = self.take(InSession)
+        self.subject = taken.session
+        self.caller.check_session(taken.session)
         return taken.session
 
     def id(self) -> str:

@@ -1,5 +1,6 @@
 """The entry of remote calls: finds the method of a call, does its work in this thread, and writes the response."""
 
+import json
 import secrets
 import time
 from dataclasses import dataclass
@@ -7,6 +8,9 @@ from dataclasses import dataclass
 import structlog
 
 from voa_msgs import WIRE_VERSION
+from voa_service.access import roles as access
+from voa_service.access.audit import record_write
+from voa_service.access.callers import Caller
 from voa_service.failures import Failure, NotFound, document, wire_failure
 from voa_service.guard import guarded
 from voa_service.requests.attachments import read_attachment
@@ -34,6 +38,17 @@ class RpcAnswer:
     version: int | None = None
 
 
+@dataclass
+class _Record:
+    """Facts about a call for the audit, as far as they are known."""
+
+    call: access.Call
+    caller: Caller | None = None
+    made: Call | None = None
+    created: str | None = None
+    version: int | None = None
+
+
 class Rpc:
     """All methods of the service, by name.
 
@@ -56,34 +71,53 @@ class Rpc:
         Args:
             method: name, as in `scan.apply`.
             payload: JSON of the request; empty: no fields.
-            attachment: JSON beside it, or None.
+            attachment: JSON beside it, with the caller's API key where the service needs one; or None.
         """
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
         began = time.perf_counter()
         status = 200
+        record = _Record(access.BY_NAME.get(method, access.UNLISTED))
         try:
             with guarded():
-                return self._answer(method, payload, attachment)
+                return self._answer(method, payload, attachment, record)
         except Failure as failure:
             status = failure.status
             return RpcAnswer(document(failure), is_problem=True)
         finally:
             seconds = time.perf_counter() - began
             self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
+            if record.call.writes:
+                _audit(record, status)
             if is_wanted("INFO"):
                 structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))
 
-    def _answer(self, method: str, payload: bytes, attachment: bytes | None) -> RpcAnswer:
+    def _answer(self, method: str, payload: bytes, attachment: bytes | None, record: _Record) -> RpcAnswer:
+        beside = read_attachment(attachment)
+        record.caller = self._services.gate.identify(beside.key, record.call)
+        if record.caller.key is not None:
+            structlog.contextvars.bind_contextvars(caller=record.caller.name)
+        self._services.gate.admit(record.caller, record.call)
         known = self._methods.get(method)
         if known is None:
             raise NotFound(f"there is no method {method[:80]!r}", known=sorted(self._methods))
-        beside = read_attachment(attachment)
         if beside.wire not in (None, WIRE_VERSION):
             raise wire_failure(beside.wire)
-        response = known.work(Call(self._services.reader.fields(payload), beside, self._services, len(payload)))
+        fields = self._services.reader.fields(payload)
+        record.made = Call(fields, beside, self._services, len(payload), record.caller)
+        response = known.work(record.made)
         if isinstance(response, StoredResponse):
+            record.version = response.version
+            if record.call.on == "sessions":
+                record.created = json.loads(response.body)["id"]
             return RpcAnswer(response.body.encode(), is_problem=False, version=response.version)
         if isinstance(response, bytes):
             return RpcAnswer(response, is_problem=False)
         return RpcAnswer(dumped(response, exclude_unset=False), is_problem=False)
+
+
+def _audit(record: _Record, status: int) -> None:
+    """Record a write."""
+    session = record.created if record.made is None else record.made.subject or record.created
+    robot = None if record.made is None else record.made.robot
+    record_write(record.caller, record.call.name, status, session=session, robot=robot, version=record.version)

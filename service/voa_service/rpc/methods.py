@@ -19,7 +19,7 @@ from voa_msgs.robots import LookRequest
 from voa_msgs.scenarios import PredictionsRequest, ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, SessionRequest, UpdateRequest
 from voa_service.requests.attachments import add_place
-from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
+from voa_service.requests.idempotency import idempotency_key, scope_of, scope_of_caller, write_of
 from voa_service.rpc.calls import Call
 from voa_service.rpc.parameters import Announced, HistoryPage, NoParameters, ObjectPage, Page, Reachable, Thinning
 from voa_service.runtime.queues import WorkQueue
@@ -75,7 +75,8 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "service.health": Method(_given(NoParameters, lambda _: services.health.ready()), services.probes),
         "robot.list": Method(_given(NoParameters, lambda _: services.robots.reports()), reads),
         "robot.scan": Method(_given(LookRequest, lambda request: services.robots.scan(request.robot)), reads),
-        "robot.look": Method(_given(LookRequest, lambda request: services.robots.request_look(request.robot)), reads),
+        "robot.look": Method(_request_look, reads),
+        "caller.get": Method(_caller, reads),
     }
 
 
@@ -139,6 +140,8 @@ def _write(kind: WriteKind, body: type[Message], act: Callable[[str, Any, Any], 
             add_place(call.fields, call.attachment)
         received = call.received()
         request = call.body(body)
+        if isinstance(request, LookAnnouncement):
+            call.caller.check_robot(request.robot)
         key = idempotency_key(call.attachment.id, scope_of(id_), kind, request)
         return act(id_, request, write_of(kind, received, key))
 
@@ -172,7 +175,9 @@ def _object_mesh(call: Call) -> BaseModel:
 def _create_session(call: Call) -> StoredResponse:
     received = call.received()
     request = call.body(SessionRequest)
-    key = idempotency_key(call.attachment.id, ANYONE, "create session", request)
+    for robot in request.robots or ():
+        call.caller.check_robot(robot)
+    key = idempotency_key(call.attachment.id, scope_of_caller(call.caller.name), "create session", request)
     return call.services.sessions.create(request, write_of("prior", received, key))
 
 
@@ -193,6 +198,18 @@ def _history(call: Call) -> BaseModel:
     id_ = call.session()
     page: HistoryPage = call.body(HistoryPage)
     return call.services.sessions.history(id_, page.limit, page.after, beliefs=page.beliefs)
+
+
+def _request_look(call: Call) -> BaseModel:
+    request: LookRequest = call.body(LookRequest)
+    call.robot = request.robot
+    call.caller.check_robot(request.robot)
+    return call.services.robots.request_look(request.robot)
+
+
+def _caller(call: Call) -> BaseModel:
+    call.body(NoParameters)
+    return call.caller.message()
 
 
 def _rank_grasps(call: Call) -> BaseModel:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 from voa_ros.looks import GatheredLook, look_name
+from voa_service.access.audit import record_write
+from voa_service.access.callers import MAPPING
 from voa_service.failures import NotAccepted
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.robots import LookOutcome
@@ -49,6 +51,8 @@ def apply_look(updates: Updates, due: DueLook) -> LookOutcome | None:
             return None
         outcome = _applied(updates, due, number)
         if outcome is not None:
+            session, version = due.ledger.session, outcome.version
+            record_write(MAPPING, "look.apply", 200, session=session, robot=due.robot, version=version)
             if outcome.update.accepted:
                 due.ledger.accepted(number, outcome.version)
             return outcome

@@ -22,6 +22,9 @@ from voa_ros.cdr import InvalidCdr, decode_laser_scan
 from voa_ros.messages import header_contradiction
 from voa_ros.scans import scan_message
 from voa_ros.topics import LASER_SCAN, type_name
+from voa_service.access.audit import record_write
+from voa_service.access.callers import ANONYMOUS, Caller
+from voa_service.access.roles import SCAN_PUT
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge
 from voa_service.guard import guarded
 from voa_service.requests.attachments import add_place, read_attachment
@@ -51,6 +54,7 @@ class ReceivedScan:
         encoding: of the payload, as Zenoh states it.
         attachment: bytes beside the payload, if there are any.
         name: of the sample, unique to it; None: an equal sample could not be distinguished.
+        caller: that put it.
         is_deferred: True where another replica is responsible for it, and should have handled it before.
     """
 
@@ -61,6 +65,7 @@ class ReceivedScan:
     encoding: str
     attachment: bytes | None
     name: str | None
+    caller: Caller
     is_deferred: bool = False
 
 
@@ -120,9 +125,15 @@ class Scans:
             failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
             self._refuse(session, robot, key, failure)
             return
-        payload = sample.payload.to_bytes()
         attachment = None if sample.attachment is None else sample.attachment.to_bytes()
-        scan = ReceivedScan(session, robot, key, payload, str(sample.encoding), attachment, name_of(sample, payload))
+        try:
+            caller = self._admitted(attachment, session, robot)
+        except Failure as refusal:
+            self._refuse(session, robot, key, refusal)
+            return
+        payload = sample.payload.to_bytes()
+        named = name_of(sample, payload)
+        scan = ReceivedScan(session, robot, key, payload, str(sample.encoding), attachment, named, caller)
         if self._replicas.owns(f"{session}/{robot}"):
             self._hand_on(scan)
         elif scan.name is None:  # no replica could detect that another one has applied it
@@ -130,6 +141,25 @@ class Scans:
         else:
             for _ in range(self._deferred.put(replace(scan, is_deferred=True), size)):
                 self._services.metrics.zenoh("scan of another replica dropped")
+
+    def _admitted(self, attachment: bytes | None, session: str, robot: str) -> Caller:
+        """Return the caller that put a scan, by the key in its attachment, before the scan takes any room.
+
+        Raises:
+            Failure: it may not put scans for this session and robot, or not so many.
+        """
+        gate = self._services.gate
+        if not gate.keyring.is_closed:
+            return ANONYMOUS
+        caller: Caller | None = None
+        try:
+            caller = gate.identify(read_attachment(attachment).key, SCAN_PUT)
+            caller.check_robot(robot)
+            gate.admit(caller, SCAN_PUT, session)
+        except Failure as failure:
+            record_write(caller, SCAN_PUT.name, failure.status, session=session, robot=robot)
+            raise
+        return caller
 
     def _hand_on(self, scan: ReceivedScan) -> None:
         if not self._boxes.put(f"{scan.session}/{scan.robot}", scan, len(scan.payload)):
@@ -144,6 +174,7 @@ class Scans:
             with guarded():
                 self._apply(scan)
         except Failure as failure:
+            record_write(scan.caller, SCAN_PUT.name, failure.status, session=scan.session, robot=scan.robot)
             self._refuse(scan.session, scan.robot, scan.key, failure)
 
     def _apply(self, scan: ReceivedScan) -> None:
@@ -158,6 +189,8 @@ class Scans:
             return
         response = updates.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
         outcome = LookOutcome.model_validate_json(response.body)
+        version = outcome.version
+        record_write(scan.caller, SCAN_PUT.name, 200, session=scan.session, robot=scan.robot, version=version)
         self._services.robots.looked(scan.robot, "scan", scan.key, scan.session, request, outcome)
         if not outcome.update.accepted:
             self._refuse(scan.session, scan.robot, scan.key, not_accepted(outcome.update.reason))

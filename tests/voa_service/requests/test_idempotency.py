@@ -2,7 +2,7 @@
 
 from tests.support.serving import scan_of
 from voa_msgs.sessions import OutcomeRequest, ScanRequest
-from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
+from voa_service.requests.idempotency import idempotency_key, scope_of, scope_of_caller, write_of
 from voa_store.records import IdempotencyKey, RobotLook
 
 REQUEST = OutcomeRequest(grasp="G1", success=True)
@@ -15,7 +15,7 @@ def digest(call: str, request: OutcomeRequest | ScanRequest | None) -> str:
 
 
 def test_a_call_without_a_key_has_none() -> None:
-    assert idempotency_key(None, ANYONE, "outcome", REQUEST) is None
+    assert idempotency_key(None, scope_of_caller("anonymous"), "outcome", REQUEST) is None
 
 
 def test_a_key_names_its_scope() -> None:
@@ -45,7 +45,7 @@ def test_another_call_or_another_body_has_another_digest() -> None:
 
 def test_a_write_keeps_the_request_as_it_was_received_without_its_byte_order_mark() -> None:
     look = RobotLook("r", 1, "name")
-    key = idempotency_key("k", ANYONE, "scan", None)
+    key = idempotency_key("k", scope_of_caller("anonymous"), "scan", None)
     write = write_of("scan", b'\xef\xbb\xbf{ "sensor" : "Q1" }', key, frozenset({3}), look)
     assert (write.request, write.kind) == ('{ "sensor" : "Q1" }', "scan")
     assert (write.key, write.if_match, write.look) == (key, frozenset({3}), look)

@@ -47,7 +47,7 @@ class World:
     async def following(self, seen: int | None = None) -> AsyncIterator[Callable[[], Awaitable[str]]]:
         first = await self.feeds.first(SESSION, seen)
         assert first is not None
-        events = events_of(self.feeds, SESSION, seen, first)
+        events = events_of(self.feeds, SESSION, seen, first, lambda: True)
 
         async def following() -> str:
             async with asyncio.timeout(30):
@@ -173,7 +173,7 @@ def test_a_follower_that_takes_nothing_is_dropped(monkeypatch: pytest.MonkeyPatc
 
     async def story() -> int:
         world = World()
-        events = events_of(world.feeds, SESSION, None, await world.feeds.first(SESSION, None) or ())
+        events = events_of(world.feeds, SESSION, None, await world.feeds.first(SESSION, None) or (), lambda: True)
 
         async def stalled(message: object) -> None:
             await asyncio.Event().wait()

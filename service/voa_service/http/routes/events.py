@@ -1,16 +1,19 @@
 """Route /v1/sessions/{id}/events: the versions of a session as server-sent events."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+import time
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import suppress
 from typing import Annotated
 
 import structlog
-from fastapi import APIRouter, Header, Response
+from fastapi import APIRouter, Header, Request, Response
 from fastapi.sse import format_sse_event
 from starlette.responses import StreamingResponse
 from starlette.types import Message, Send
 
 from voa_service.failures import NotFound, not_found
+from voa_service.http.authentication import caller_of
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import SessionId
@@ -22,6 +25,8 @@ _ALIVE_SECONDS = 15.0
 _STALLED_SECONDS = 30.0
 """Seconds after which a follower that reads nothing is disconnected; it can reconnect with `Last-Event-ID`."""
 _AGAIN_SECONDS = 0.25
+_CHECK_SECONDS = 1.0
+"""Interval at which the key of a follower that waits is checked."""
 _HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 
 LastEventId = Annotated[
@@ -45,18 +50,19 @@ def routes(services: Services) -> APIRouter:
             **problems(NotFound),
         },
     )
-    async def follow_session(id: SessionId, last_event_id: LastEventId = None) -> Response:
+    async def follow_session(id: SessionId, http: Request, last_event_id: LastEventId = None) -> Response:
         """Follow the versions of a session as server-sent events.
 
         The current version is sent first, then each new version, whichever process stored it: `event: session`, with
         the version as `id` and the session as `data`. With `Last-Event-ID`, every version after that one is sent.
-        `event: deleted` ends the stream.
+        `event: deleted` ends the stream. The stream also ends when the caller's key is revoked or expires.
         """
         seen = None if last_event_id is None else position(last_event_id)
         first = await services.feeds.first(id, seen)
         if first is None:
             raise not_found("session", id)
-        events = events_of(services.feeds, id, seen, first)
+        caller = caller_of(http)
+        events = events_of(services.feeds, id, seen, first, lambda: services.gate.keyring.is_valid(caller))
         return EventStream(events, media_type="text/event-stream", headers=_HEADERS)
 
     return router
@@ -80,7 +86,9 @@ class EventStream(StreamingResponse):
             )
 
 
-async def events_of(feeds: Feeds, id_: str, seen: int | None, first: Sequence[Version]) -> AsyncIterator[bytes]:
+async def events_of(
+    feeds: Feeds, id_: str, seen: int | None, first: Sequence[Version], is_allowed: Callable[[], bool]
+) -> AsyncIterator[bytes]:
     """Write the versions of a session as events: those in `first`, then every newer one in order.
 
     Args:
@@ -88,11 +96,14 @@ async def events_of(feeds: Feeds, id_: str, seen: int | None, first: Sequence[Ve
         id_: identifier of the session.
         seen: newest version that the follower has; None: it has none, and `first` is the newest.
         first: versions that were read already.
+        is_allowed: returns False once the follower's key is no longer valid, which ends the events.
     """
     async with feeds.following(id_) as feed:
         news: Sequence[Version] | None = first
         while True:
             for version in news or ():
+                if not is_allowed():
+                    return
                 seen = version.number
                 yield format_sse_event(event="session", id=str(seen), data_str=version.body)
             turn = feed.turn
@@ -103,8 +114,10 @@ async def events_of(feeds: Feeds, id_: str, seen: int | None, first: Sequence[Ve
                 yield format_sse_event(event="deleted", data_str="{}")
             if feed.closed:
                 return
-            if not await _waited(turn):
+            if not await _waited(turn, is_allowed) and is_allowed():
                 yield format_sse_event(comment="alive")
+            if not is_allowed():
+                return
 
 
 async def _next(feed: Feed, seen: int | None) -> Sequence[Version]:
@@ -117,11 +130,12 @@ async def _next(feed: Feed, seen: int | None) -> Sequence[Version]:
     return news or ()
 
 
-async def _waited(turn: asyncio.Event) -> bool:
-    """True if the feed changed before a keep-alive comment was due."""
-    try:
-        async with asyncio.timeout(_ALIVE_SECONDS):
-            await turn.wait()
-    except TimeoutError:
-        return False
-    return True
+async def _waited(turn: asyncio.Event, is_allowed: Callable[[], bool]) -> bool:
+    """True if the feed changed before a keep-alive comment was due, or the follower's key was no longer valid."""
+    until = time.monotonic() + _ALIVE_SECONDS
+    while is_allowed() and (left := until - time.monotonic()) > 0.0:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(min(left, _CHECK_SECONDS)):
+                await turn.wait()
+                return True
+    return False

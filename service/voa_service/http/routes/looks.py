@@ -6,6 +6,7 @@ from fastapi import APIRouter, Path, Request, Response
 
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_service.failures import Damaged, IdempotencyKeyReused, MeshRequired, NotFound, UnknownReference
+from voa_service.http.authentication import caller_of
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import Key
 from voa_service.http.openapi import problems
@@ -34,6 +35,7 @@ def routes(services: Services) -> APIRouter:
         keeps the newest 64.
         """
         body = await http.body()
+        caller_of(http).check_robot(request.robot)
 
         def done() -> StoredResponse:
             named = idempotency_key(key, scope_of(id), "look", request)

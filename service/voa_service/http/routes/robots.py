@@ -1,9 +1,10 @@
 """Routes /v1/robots: reports about robots on Zenoh, requests for looks, and claims."""
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
 from voa_msgs.robots import ClaimRequest, RobotReport, Robots, RobotScan
 from voa_service.failures import ClaimConflict, NotFound, UnknownReference
+from voa_service.http.authentication import caller_of
 from voa_service.http.calls import strict_route
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import RobotName, answer
@@ -54,13 +55,16 @@ def routes(services: Services) -> APIRouter:
         responses=problems(NotFound, ClaimConflict, UnknownReference),
         response_description="The report about the robot.",
     )
-    async def claim_robot(robot: RobotName, request: ClaimRequest) -> Response:
+    async def claim_robot(robot: RobotName, request: ClaimRequest, http: Request) -> Response:
         """Claim a mapped robot for a session: its scans are applied to that session from now on.
 
         With null, its scans are applied to no session until the next claim. The first look of a robot that was never
         claimed claims it for the newest session on its scenario. A claim ends when the session is deleted, or when
         another session claims the robot.
         """
+
+        if request.session is not None:
+            caller_of(http).check_session(request.session)
 
         def claimed() -> RobotReport:
             services.claims.claim(robot, request.session)

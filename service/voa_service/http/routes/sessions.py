@@ -1,5 +1,6 @@
 """Routes /v1/sessions: open, list, read and delete sessions, and read their histories."""
 
+import json
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -18,11 +19,12 @@ from voa_service.failures import (
     StaleVersion,
     UnknownReference,
 )
+from voa_service.http.authentication import caller_of
 from voa_service.http.calls import strict_route
-from voa_service.http.headers import IfMatch, Key, versions
+from voa_service.http.headers import IfMatch, Key, location, versions
 from voa_service.http.openapi import problems
 from voa_service.http.routes.responses import DEFAULT_PAGE, After, PageLimit, SessionId, answer, versioned
-from voa_service.requests.idempotency import ANYONE, idempotency_key, scope_of, write_of
+from voa_service.requests.idempotency import idempotency_key, scope_of, scope_of_caller, write_of
 from voa_service.services import Services
 from voa_store.records import StoredResponse
 
@@ -45,13 +47,17 @@ def routes(services: Services) -> APIRouter:
         The session starts at version 0 with the prior as its belief. The scans of the mapped robots that `robots` names
         are applied to it from now on.
         """
-        body = await http.body()
+        body, caller = await http.body(), caller_of(http)
 
         def done() -> StoredResponse:
-            named = idempotency_key(key, ANYONE, "create session", request)
+            for robot in request.robots or ():
+                caller.check_robot(robot)
+            named = idempotency_key(key, scope_of_caller(caller.name), "create session", request)
             return sessions.create(request, write_of("prior", body, named))
 
-        return await versioned(services.writes, done, 201)
+        response = await versioned(services.writes, done, 201)
+        response.headers.update(location(json.loads(bytes(response.body))["id"]))
+        return response
 
     @router.get("/sessions", response_model=SessionPage, response_description="A page of sessions, oldest first.")
     async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:

@@ -1,0 +1,90 @@
+"""Callers: who makes a call, by which role, and for which sessions and robots."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from voa_msgs import callers as messages
+from voa_msgs.callers import Role
+from voa_service.access.roles import CALLS, Call
+from voa_service.failures import Forbidden
+
+
+@dataclass(frozen=True)
+class Caller:
+    """A caller whose key was accepted, or anybody where the service has no keys.
+
+    Attributes:
+        name: of the key.
+        role: of the key.
+        key: id of the key; None: the service has no keys.
+        sessions: ids of the only sessions that the key is for; None: any.
+        robots: names of the only robots that the key is for; None: any.
+        expires_at: time from which the key is no longer valid; None: never.
+    """
+
+    name: str
+    role: Role
+    key: str | None = None
+    sessions: frozenset[str] | None = None
+    robots: frozenset[str] | None = None
+    expires_at: datetime | None = None
+
+    def message(self) -> messages.Caller:
+        """Return the message about this caller, with the names of the calls that its role may make."""
+        return messages.Caller(
+            name=self.name,
+            role=self.role,
+            key=self.key,
+            sessions=None if self.sessions is None else sorted(self.sessions),
+            robots=None if self.robots is None else sorted(self.robots),
+            expires_at=self.expires_at,
+            calls=sorted(call.name for call in CALLS if self._may(call)),
+        )
+
+    def _may(self, call: Call) -> bool:
+        return self.role in call.roles and not (call.on == "sessions" and self.sessions is not None)
+
+    def check_role(self, call: Call) -> None:
+        """Return if the caller's role may make a call.
+
+        Raises:
+            Forbidden: it may not.
+        """
+        if self.role not in call.roles:
+            allowed = " or ".join(sorted(call.roles))
+            raise Forbidden(
+                f"{call.name}: the key {self.name!r} has the role {self.role}; this call needs the role {allowed}"
+            )
+
+    def check_subject(self, call: Call, subject: str | None) -> None:
+        """Return if the caller's key is for the session or robot that a call concerns.
+
+        Args:
+            call: that is made.
+            subject: id of the session, or name of the robot; None: not known, or there is none.
+
+        Raises:
+            Forbidden: the key is for others.
+        """
+        if call.on == "sessions" and self.sessions is not None:
+            raise Forbidden(f"{call.name}: the key {self.name!r} is for certain sessions only, not for their list")
+        if call.on == "session" and subject is not None:
+            self.check_session(subject)
+        if call.on == "robot" and subject is not None:
+            self.check_robot(subject)
+
+    def check_session(self, session: str) -> None:
+        """Return if the key is for a session; raises Forbidden if it is for others only."""
+        if self.sessions is not None and session not in self.sessions:
+            raise Forbidden(f"the key {self.name!r} is not for session {session[:80]!r}")
+
+    def check_robot(self, robot: str | None) -> None:
+        """Return if the key is for a robot, or none is named; raises Forbidden if it is for other robots only."""
+        if self.robots is not None and robot is not None and robot not in self.robots:
+            raise Forbidden(f"the key {self.name!r} is not for robot {robot[:80]!r}")
+
+
+MAPPING = Caller("mapping", "sensor")
+"""Sender of what arrives on the ROS 2 topics of mapped robots, whose messages carry no key."""
+ANONYMOUS = Caller("anonymous", "operator")
+"""Anybody, where the service has no keys."""

@@ -1,0 +1,47 @@
+"""The gate before every call: identifies the caller, checks its role, and counts the call."""
+
+from voa_service.access.callers import ANONYMOUS, Caller
+from voa_service.access.keyring import Keyring
+from voa_service.access.rates import Rates
+from voa_service.access.roles import Call
+
+
+class Gate:
+    """Admits calls; safe for use from several threads.
+
+    Args:
+        keyring: the known keys.
+        rates: counts the calls of each key.
+    """
+
+    def __init__(self, keyring: Keyring, rates: Rates) -> None:
+        self.keyring = keyring
+        self._rates = rates
+
+    def identify(self, key: str | None, call: Call) -> Caller:
+        """Return the caller of a call; `admit` says whether it may make the call.
+
+        Args:
+            key: text of the key that the caller sent; None: it sent none.
+            call: that is made; public ones may be made by anybody.
+
+        Raises:
+            Unauthenticated: there is no valid key, though the service needs one.
+        """
+        return ANONYMOUS if call.public else self.keyring.identify(key)
+
+    def admit(self, caller: Caller, call: Call, subject: str | None = None) -> None:
+        """Return if a caller may make a call now.
+
+        Args:
+            caller: that was identified.
+            call: that is made.
+            subject: id of the session, or name of the robot, that the call concerns; None: not known yet.
+
+        Raises:
+            Forbidden: the role of the key may not make the call, or the key is for other sessions or robots.
+            TooManyRequests: the key has made too many calls.
+        """
+        caller.check_role(call)
+        caller.check_subject(call, subject)
+        self._rates.count(caller, call)

@@ -1,0 +1,87 @@
+"""Admits requests by their keys, from their headers alone: nobody uploads a mesh to be refused afterwards.
+
+Writes are recorded in the audit when their response begins.
+"""
+
+from typing import Any
+
+import structlog
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection
+
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
+from voa_service.access.audit import record_write
+from voa_service.access.callers import ANONYMOUS, Caller
+from voa_service.access.gate import Gate
+from voa_service.access.roles import CALLS
+from voa_service.access.routing import Matched, Routes
+from voa_service.failures import Failure
+from voa_service.http.headers import created_id, version_of
+from voa_service.http.problems import problem_response
+
+_CALLER = "voa.caller"
+
+
+class Authentication:
+    """ASGI middleware that refuses requests without a valid key, or with a key whose role may not make them.
+
+    Args:
+        app: the application behind this middleware.
+        gate: identifies callers, and admits their calls.
+    """
+
+    def __init__(self, app: Asgi, gate: Gate) -> None:
+        self._app = app
+        self._gate = gate
+        self._routes = Routes(CALLS)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        matched = self._routes.match(scope["method"], scope["path"])
+        caller: Caller | None = None
+        try:
+            caller = self._gate.identify(key_of(Headers(scope=scope)), matched.call)
+            if caller.key is not None:
+                structlog.contextvars.bind_contextvars(caller=caller.name)
+            self._gate.admit(caller, matched.call, matched.subject)
+        except Failure as failure:
+            if matched.call.writes:
+                _record(caller, matched, failure.status, Headers())
+            await problem_response(failure)(scope, receive, send)
+            return
+        scope[_CALLER] = caller
+        if not matched.call.writes:
+            await self._app(scope, receive, send)
+            return
+
+        async def send_recorded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                _record(caller, matched, message["status"], Headers(raw=message.get("headers", [])))
+            await send(message)
+
+        await self._app(scope, receive, send_recorded)
+
+
+def key_of(headers: Headers) -> str | None:
+    """Return the key in the header `Authorization`; None: there is no such header, "": it has another form."""
+    given = headers.get("authorization")
+    if given is None:
+        return None
+    scheme, _, key = given.partition(" ")
+    return key.strip() if scheme.lower() == "bearer" else ""
+
+
+def caller_of(request: HTTPConnection) -> Caller:
+    """Return the caller of a request that was admitted."""
+    caller: Any = request.scope.get(_CALLER, ANONYMOUS)
+    return caller if isinstance(caller, Caller) else ANONYMOUS
+
+
+def _record(caller: Caller | None, matched: Matched, status: int, headers: Headers) -> None:
+    call = matched.call
+    session = created_id(headers) if call.on == "sessions" else matched.subject if call.on == "session" else None
+    robot = matched.subject if call.on == "robot" else None
+    record_write(caller, call.name, status, session=session, robot=robot, version=version_of(headers))

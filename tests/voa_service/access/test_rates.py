@@ -1,0 +1,77 @@
+"""Calls per key and time: counted for each key, heavy ones twice, and never for a service without keys."""
+
+import pytest
+
+from voa_service.access import rates
+from voa_service.access.callers import ANONYMOUS, Caller
+from voa_service.access.rates import Rates
+from voa_service.access.roles import BY_NAME
+from voa_service.failures import TooManyRequests
+from voa_service.settings import RateSettings
+
+ANNA, BEN = Caller("anna", "operator", "1"), Caller("ben", "viewer", "2")
+LIGHT, HEAVY = BY_NAME["session.get"], BY_NAME["voa.rank"]
+
+
+class Clock:
+    """Time that stands still until it is moved."""
+
+    def __init__(self) -> None:
+        self.at = 1_000.0
+
+    def time(self) -> float:
+        return self.at
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    own = Clock()
+    monkeypatch.setattr(rates, "time", own)
+    return own
+
+
+def test_a_call_too_many_is_refused_until_the_time_is_over(clock: Clock) -> None:
+    own = Rates("3/minute", "100/minute")
+    for _ in range(3):
+        own.count(ANNA, LIGHT)
+    clock.at += 10.5
+    with pytest.raises(TooManyRequests, match="'anna' may make 3 calls per minute: try again in 50 s") as refused:
+        own.count(ANNA, LIGHT)
+    assert refused.value.headers == {"Retry-After": "50"}
+    own.count(BEN, LIGHT)
+    clock.at += 49.5
+    own.count(ANNA, LIGHT)
+
+
+def test_heavy_calls_have_a_rate_of_their_own(clock: Clock) -> None:
+    own = Rates("10/second", "2/2 minutes")
+    own.count(ANNA, HEAVY)
+    own.count(ANNA, HEAVY)
+    with pytest.raises(TooManyRequests, match="2 rankings and other heavy calls per 2 minutes"):
+        own.count(ANNA, HEAVY)
+    own.count(ANNA, LIGHT)
+
+
+def test_callers_of_a_service_without_keys_are_not_counted() -> None:
+    own = Rates("1/hour", "1/hour")
+    for _ in range(5):
+        own.count(ANONYMOUS, HEAVY)
+
+
+def test_lidars_of_5_hz_stay_within_the_defaults(clock: Clock) -> None:
+    own = Rates(RateSettings().calls, RateSettings().heavy)
+    for _ in range(100):
+        for _ in range(40):  # as many lidars share a key
+            own.count(ANNA, BY_NAME["scan.put"])
+        clock.at += 0.2
+
+
+def test_counters_can_be_read_and_removed(clock: Clock) -> None:
+    own = rates._Counters()
+    assert (own.incr("a", 10), own.incr("a", 10, 2), own.get("a"), own.get("b")) == (1, 3, 3, 0)
+    assert (own.get_expiry("a"), own.get_expiry("b")) == (1_010.0, 1_000.0)
+    clock.at += 10
+    assert (own.get("a"), own.incr("a", 10)) == (0, 1)
+    own.clear("a")
+    assert (own.get("a"), own.check(), own.incr("c", 1), own.reset(), own.reset()) == (0, True, 1, 1, 0)
+    assert own.base_exceptions is ValueError
