@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._errors import UnavailableError, UnreachableError, UsageError, VoaClientError
 
 TIMEOUT_S = 120.0

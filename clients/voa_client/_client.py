@@ -10,7 +10,7 @@ from typing import Any, Self
 from voa_client import _calls as calls
 from voa_client._addresses import transport_to
 from voa_client._attempts import ATTEMPT_S, RETRIES, TIMEOUT_S, Attempts, Patience, Retries, new_key
-from voa_client._calls import Call, M
+from voa_client._call import Call, M
 from voa_client._contents import Contents
 from voa_client._errors import VoaClientError
 from voa_client._following import Following, Pause, Result, Send, Step, Wait, next_step

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from voa_client import _calls as calls
-from voa_client._calls import Call, M
+from voa_client._call import Call, M
 from voa_msgs.lidars import LidarPresets
 from voa_msgs.objects import Object, StablePoses, UpAxis
 from voa_msgs.scenarios import Predictions, PredictionsRequest, Scenario, ScenarioRequest, ScenarioSummary

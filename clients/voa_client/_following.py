@@ -15,7 +15,7 @@ from typing import Any
 
 from voa_client import _calls as calls
 from voa_client._attempts import Patience, worth_another
-from voa_client._calls import Call, M
+from voa_client._call import Call, M
 from voa_client._errors import NotFoundError, TimedOutError, UnexpectedResponseError, VoaClientError
 from voa_client._mailbox import MOST_VERSIONS, Batch
 from voa_client._responses import Response, read

@@ -10,7 +10,8 @@ from typing import Any
 import httpx2
 
 from voa_client._api_key import ApiKey
-from voa_client._calls import Call, get_session
+from voa_client._call import Call
+from voa_client._calls import get_session
 from voa_client._errors import TimedOutError, UnexpectedResponseError, UnreachableError, UsageError, VoaClientError
 from voa_client._responses import Response, check, synthetic_problem
 from voa_client._transport import Deleted, Lost, News, Receive, State

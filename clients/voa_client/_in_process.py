@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager, contextmanager
 from typing import Any, Protocol
 
 from voa_client._api_key import ApiKey, attachment
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._errors import TimedOutError
 from voa_client._responses import Response
 from voa_client._transport import Receive

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pydantic import ValidationError
 
-from voa_client._calls import Call, M
+from voa_client._call import Call, M
 from voa_client._errors import PROXY_PROBLEM, UnexpectedResponseError, WireVersionError, refusal
 from voa_client.installing import install_hint
 from voa_msgs import WIRE_VERSION

@@ -9,7 +9,7 @@ from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._errors import VoaClientError
 from voa_client._responses import Response
 

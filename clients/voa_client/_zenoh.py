@@ -14,7 +14,7 @@ from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from voa_client._api_key import ApiKey, attachment
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._errors import TimedOutError, UnreachableError
 from voa_client._responses import Response
 from voa_client._transport import Hint, Lost, Receive

@@ -9,7 +9,7 @@ from typing import Any
 from tests.voa_client.blocking import blocking, is_blocking, role_of
 from tests.voa_client.test_attempts import SESSION, problem
 from voa_client import Client, Retries
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._responses import Response
 from voa_client._transport import Receive, State
 from voa_msgs.rankings import GraspNow, Look, RankedSensor, Ranking

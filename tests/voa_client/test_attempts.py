@@ -26,7 +26,7 @@ from voa_client import (
     WireVersionError,
 )
 from voa_client._attempts import Patience
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_client._responses import Response
 from voa_client._transport import Receive
 from voa_msgs import WIRE_VERSION

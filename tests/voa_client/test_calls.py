@@ -9,7 +9,7 @@ import pytest
 
 from voa_client import UsageError
 from voa_client import _calls as calls
-from voa_client._calls import Call
+from voa_client._call import Call
 from voa_msgs.looks import LookAnnouncement
 from voa_msgs.objects import Object, ObjectPage, ObjectUpload
 from voa_msgs.rankings import RankingRequest, VoaRequest

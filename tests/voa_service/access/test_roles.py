@@ -13,7 +13,7 @@ from voa_service.access.roles import BY_NAME, CALLS, EVERYBODY, OPERATORS, ROLES
 from voa_service.access.routing import Routes
 from voa_service.rpc.methods import methods_of
 
-ONLY_HTTP = {"service.alive", "service.metrics", "service.describe", "session.follow", "robot.claim"}
+ONLY_HTTP = {"service.alive", "service.metrics", "service.describe", "service.open", "session.follow", "robot.claim"}
 ONLY_PUT = {"scan.put"}
 
 

@@ -25,7 +25,7 @@ ROUTES = Routes(CALLS)
         ("GET", "/v1//sessions", "unlisted", None),
         ("GET", "/v1/sessions/s1/scans/more", "unlisted", None),
         ("GET", "/v1", "unlisted", None),
-        ("GET", "/", "unlisted", None),
+        ("GET", "/", "service.open", None),
         ("GET", "", "unlisted", None),
         ("GET", "*", "unlisted", None),
         ("GET", "/livez/../v1/sessions", "unlisted", None),
