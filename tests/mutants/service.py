@@ -202,8 +202,8 @@ MUTANTS = (
     Mutant(
         name="a report lags behind its robot's claim",
         file="service/voa_service/usecases/robots.py",
-        old="            session = self._session_of(report.robot, mapped.to.scenario)",
-        new="            session = report.session or self._session_of(report.robot, mapped.to.scenario)",
+        old="            return self._session_of(report.robot, mapped.to.scenario)",
+        new="            return report.session or self._session_of(report.robot, mapped.to.scenario)",
         tests="tests/voa_service/usecases/test_robots.py",
     ),
     Mutant(

@@ -27,8 +27,16 @@ def test_a_port_that_is_taken_is_said_so(capsys: pytest.CaptureFixture[str]) -> 
     assert f"cannot listen on 127.0.0.1:{port}" in capsys.readouterr().err
 
 
+_IN_FRONT = """
+import signal, sys
+from voa_cli.main import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background ignores Ctrl-C
+sys.exit(main())
+"""
+
+
 def test_it_says_its_address_serves_without_a_service_and_ends_quietly_on_ctrl_c() -> None:
-    command = [sys.executable, "-m", "voa_cli.main", "console", "--port", "0", "--url", "http://127.0.0.1:1"]
+    command = [sys.executable, "-c", _IN_FRONT, "console", "--port", "0", "--url", "http://127.0.0.1:1"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         words = process.stdout.readline().split()

@@ -11,6 +11,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
+from tests.deploy.pages import page
 from tests.support.routers import router
 from tests.support.serving import data_scenario
 from tests.support.waiting import wait_for
@@ -105,6 +106,9 @@ def test_a_recording_shows_each_version_and_stock_readers_read_all_of_it(
     by_topic: dict[str, list[Any]] = {}
     for topic, message in decoded:
         by_topic.setdefault(topic, []).append(message)
+    entropies: dict[str, Any] = {}
+    exec(page("on-your-robots").program("def entropies").text, entropies)  # noqa: S102 - our own page
+    assert entropies["entropies"](path, session) == [entry.entropy_nats for entry in history]
     assert len(by_topic["/tb3_1/scan"][0].ranges) == 360
     scenes = [{entity.id: entity for entity in scene.entities} for scene in by_topic[f"/voa/{session}/scene"]]
     models = [bytes(scene["belief"].models[0].data) for scene in scenes]
@@ -171,17 +175,17 @@ def test_all_topics_of_a_robot_are_recorded_with_their_types(lab: Lab, tmp_path:
     topics = ["--topic", "/rb/**", "--topic", "/*/end"]
     with joined(address) as robot, recording(path, "--url", lab.zenoh, *topics) as own:
         token: Any = robot.liveliness().declare_token("@/a1/@ros2_lv/MP/rb§arm§joints/sensor_msgs§msg§JointState/:::")
-        robot.put("rb/scan", scan)
-        robot.put("rb/own", b"\0\1\0\0")
-        robot.put(rmw_key("rb/imu", imu), b"\0\1\0\0")
-        robot.put(rmw_key("rb/a/b/own", MessageType("lab/msg/Own", "TypeHashNotSupported")), b"\0\1\0\0")
-        robot.put("fleet/rb/other/thing", b"\0\1\0\0")
 
         def typed() -> bool:
             robot.put("rb/arm/joints", b"\0\1\0\0")
             return types_in(path).get("/rb/arm/joints") == "sensor_msgs/msg/JointState"
 
         wait_for(typed, "the type that the bridge announces is known")
+        robot.put("rb/scan", scan)
+        robot.put("rb/own", b"\0\1\0\0")
+        robot.put(rmw_key("rb/imu", imu), b"\0\1\0\0")
+        robot.put(rmw_key("rb/a/b/own", MessageType("lab/msg/Own", "TypeHashNotSupported")), b"\0\1\0\0")
+        robot.put("fleet/rb/other/thing", b"\0\1\0\0")
         robot.put("rb/end", scan)
         wait_for(lambda: "/rb/end" in types_in(path), "the last one is recorded")
         token.undeclare()
