@@ -12,6 +12,7 @@ import sys
 import webbrowser
 from collections.abc import Sequence
 
+from voa_client import VoaClientError
 from voa_console.serving import address_of, listen, serve
 from voa_console.settings import PORT, ConsoleSettings, names_of
 
@@ -43,7 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.browser and sys.stdout.isatty():
             webbrowser.open(page)
 
-    serve(settings, listening, ready)
+    try:
+        serve(settings, listening, ready)
+    except VoaClientError as error:
+        print(f"voa console: {error}", file=sys.stderr)
+        return 2
     return 0
 
 

@@ -72,6 +72,8 @@ def back_up(url: str, file: Path, *, replace: bool = False) -> BackedUp:
         ValueError: the tables are those of another version of the service.
     """
     database = _file_of(url)
+    if file.resolve() in (database.resolve(), *_beside(database.resolve())):
+        raise CannotBackUp(f"{file} is the database itself, or a file of it: name another file")
     if file.exists() and not replace:
         raise CannotBackUp(f"{file} exists: name another file, or add --replace")
     part = file.with_name(file.name + _PART)
@@ -102,7 +104,9 @@ def restore(file: Path, url: str, *, even_if_damaged: bool = False) -> Restored:
         CannotBackUp: the backup is damaged or is no database, the database is in use, or a file cannot be written.
         StoreError: the backup cannot be read.
     """
-    database = _file_of(url, must_exist=False)
+    database = _file_of(url, must_exist=False).resolve()
+    if file.resolve() == database:
+        raise CannotBackUp(f"{file} is the database itself: name a backup")
     if not file.is_file():
         raise CannotBackUp(f"there is no file {file}")
     part = database.with_name(database.name + _PART)
@@ -115,7 +119,8 @@ def restore(file: Path, url: str, *, even_if_damaged: bool = False) -> Restored:
                 "another backup, or add --even-if-damaged to keep what can still be read"
             )
         _sync(part)
-        kept = _set_aside(database)
+        kept = _kept(database)
+        _clear_beside(database, kept)
         part.replace(database)
         _sync(database.parent)
     except OSError as error:
@@ -168,8 +173,12 @@ def _verified(file: Path) -> Verified:
         engines.dispose()
 
 
-def _set_aside(database: Path) -> Path | None:
-    """Move a database away, if there is one; refuse if any process has it open."""
+def _kept(database: Path) -> Path | None:
+    """Give a database a second name, under which it stays when it is replaced; None: there is no database.
+
+    Raises:
+        CannotBackUp: a process has it open.
+    """
     if not database.exists():
         return None
     driver: Any = sqlite_driver()
@@ -177,12 +186,14 @@ def _set_aside(database: Path) -> Path | None:
         with closing(driver.connect(str(database), timeout=1.0)) as connection:
             # SQLite leaves WAL mode only for the last connection, and moves what is in the -wal file into the database.
             mode = connection.execute("PRAGMA journal_mode=DELETE").fetchone()[0]
-    except driver.Error as error:
-        mode = str(error)
+    except driver.OperationalError as error:
+        raise CannotBackUp(f"{database} is in use ({error}): stop the service, and restore again") from error
+    except driver.DatabaseError:  # it is too damaged to be opened, so no service has it open
+        mode = "delete"
     if mode != "delete":
-        raise CannotBackUp(f"{database} is in use ({mode}): stop the service, and restore again")
+        raise CannotBackUp(f"{database} is in use: stop the service, and restore again")
     kept = _unused(database)
-    database.rename(kept)
+    os.link(database, kept)
     return kept
 
 
@@ -191,6 +202,24 @@ def _unused(database: Path) -> Path:
     while (kept := database.with_name(f"{database.name}{_BEFORE}-{number}")).exists():
         number += 1
     return kept
+
+
+def _beside(database: Path) -> list[Path]:
+    """Files that SQLite and the store keep beside a database."""
+    return [database.with_name(database.name + suffix) for suffix in ("-wal", "-shm", "-journal", "-in-use", _PART)]
+
+
+def _clear_beside(database: Path, kept: Path | None) -> None:
+    """Take away the files that were left beside a database, or SQLite would apply them to the one that replaces it.
+
+    They stay with the database that is kept.
+    """
+    for suffix in ("-wal", "-shm", "-journal"):
+        file = database.with_name(database.name + suffix)
+        if kept is not None and file.exists():
+            file.rename(kept.with_name(kept.name + suffix))
+        else:
+            file.unlink(missing_ok=True)
 
 
 def _sync(path: Path) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, delete, func, insert, select, update
+from sqlalchemy import Connection, and_, bindparam, delete, insert, select, update
 
 from voa_store.errors import KeyReused
 from voa_store.records import IdempotencyKey, StoredResponse
@@ -16,18 +16,25 @@ _KEY = (responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam
 _DELETE = delete(responses).where(*_KEY)
 _DATE = update(responses).where(*_KEY)
 _OF_SESSION = and_(responses.c.scope == bindparam("by_scope"), responses.c.body != "")
-_KEYS = select(responses.c.scope, responses.c.key).where(_OF_SESSION).limit(bindparam("by_limit"))
+_KEYS = (
+    select(responses.c.scope, responses.c.key)
+    .where(_OF_SESSION)
+    .limit(bindparam("by_limit"))
+    .with_for_update(skip_locked=True)  # PostgreSQL: another replica may be removing the same rows
+)
 _OLD = (
     select(responses.c.scope, responses.c.key)
     .where(responses.c.at < bindparam("by_at"))
     .order_by(responses.c.at)
     .limit(bindparam("by_limit"))
+    .with_for_update(skip_locked=True)
 )
 _UNDATED = (
     select(responses.c.scope, responses.c.key, sessions.c.id, responses.c.body == "")
     .select_from(responses.outerjoin(sessions, responses.c.scope == _SESSION + sessions.c.id))
     .where(responses.c.at.is_(None))
     .limit(bindparam("by_limit"))
+    .with_for_update(of=responses, skip_locked=True)
 )
 
 
@@ -63,9 +70,8 @@ def keep_response(connection: Connection, key: IdempotencyKey | None, response: 
 
 def has_more_responses(connection: Connection, session: str, rows: int) -> bool:
     """True if more than so many responses are stored for the calls of a session."""
-    limited = _KEYS.subquery()
     named = {"by_scope": _SESSION + session, "by_limit": rows + 1}
-    return bool(connection.execute(select(func.count()).select_from(limited), named).scalar_one() > rows)
+    return len(connection.execute(_KEYS, named).all()) > rows
 
 
 def remove_responses(connection: Connection, session: str, rows: int) -> bool:

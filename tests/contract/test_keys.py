@@ -116,6 +116,27 @@ def test_a_key_for_a_robot_is_for_no_other(closed: Service, sessions: list[str])
     assert http.post("/v1/sessions", json=claim, headers=own).status_code == 403
 
 
+@pytest.mark.parametrize("end", ["%0A", "%0D", "%00", "/", "//"])
+def test_no_way_of_writing_a_path_passes_the_binding_of_a_key(
+    closed: Service, sessions: list[str], operator: dict[str, str], end: str
+) -> None:
+    own = bearer(key_for(closed, "operator", sessions=(sessions[0],)))
+    other = f"/v1/sessions/{sessions[1]}"
+    before = closed.http.get(other, headers=operator).json()["version"]
+    for method, path in (
+        ("PUT", f"{other}/belief"),
+        ("POST", f"{other}/scans"),
+        ("DELETE", other),
+        ("GET", "/v1/sessions"),
+        ("GET", other),
+    ):
+        answer = closed.http.request(method, path + end, headers=own, json={"belief": None}, follow_redirects=False)
+        assert answer.status_code == 403, (method, path + end)
+        answer = closed.http.request(method, path + end, headers=operator, json={}, follow_redirects=False)
+        assert answer.status_code in (307, 404), (method, path + end)
+    assert closed.http.get(other, headers=operator).json()["version"] == before
+
+
 def test_a_claim_is_for_a_session_that_the_key_is_for(closed: Service, sessions: list[str]) -> None:
     own = bearer(key_for(closed, "operator", sessions=(sessions[0],)))
     answers = [

@@ -90,6 +90,8 @@ def test_a_bound_key_is_for_its_session_and_robot(bus: Stranger, service: Servic
     assert kind_of(bus, "scan.apply", {"id": sessions[1]} | GOOD, key=own) == "forbidden"
     assert kind_of(bus, "session.list", {}, key=own) == "forbidden"
     assert kind_of(bus, "robot.look", {"robot": "r2"}, key=own) == "forbidden"
+    assert kind_of(bus, "robot.scan", {"robot": "r2"}, key=own) == "forbidden"
+    assert kind_of(bus, "robot.scan", {"robot": "r1"}, key=own) == "not-found"
     look = {"session": sessions[0], "sensor": "Q1", "robot": "r2"}
     assert kind_of(bus, "look.announce", look, key=own) == "forbidden"
 

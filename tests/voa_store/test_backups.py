@@ -152,3 +152,40 @@ def test_other_databases_are_refused(tmp_path: Path, url: str, why: str) -> None
 def test_there_is_no_backup_to_restore(tmp_path: Path) -> None:
     with pytest.raises(CannotBackUp, match=r"there is no file .*missing\.db"):
         restore(tmp_path / "missing.db", url_of(tmp_path / "voa.db"))
+
+
+def test_a_backup_never_replaces_the_database_or_a_file_of_it(tmp_path: Path) -> None:
+    database = filled(tmp_path / "voa.db", "S")
+    (tmp_path / "link.db").symlink_to(database)
+    for file in ("voa.db", "voa.db-wal", "voa.db.part", "link.db"):
+        with pytest.raises(CannotBackUp, match="is the database itself"):
+            back_up(url_of(database), tmp_path / file, replace=True)
+    with pytest.raises(CannotBackUp, match="is the database itself"):
+        restore(tmp_path / "link.db", url_of(database))
+    assert versions_of(database, "S") == [0, 1, 2, 3]
+
+
+def test_a_database_that_is_too_damaged_to_open_is_kept_and_replaced(tmp_path: Path) -> None:
+    database, file = filled(tmp_path / "voa.db", "S"), tmp_path / "backup.db"
+    back_up(url_of(database), file)
+    database.write_bytes(b"damaged" * 1000)
+    (tmp_path / "voa.db-wal").write_bytes(b"left over")
+    restored = restore(file, url_of(database))
+    assert restored.kept is not None
+    assert restored.kept.read_bytes() == b"damaged" * 1000
+    assert not (tmp_path / "voa.db-wal").exists()
+    assert versions_of(database, "S") == [0, 1, 2, 3]
+
+
+def test_a_failed_restore_leaves_the_database_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    database, file = filled(tmp_path / "voa.db", "S"), tmp_path / "backup.db"
+    back_up(url_of(database), file)
+
+    def full(self: Path, target: Path) -> Path:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", full)
+        with pytest.raises(CannotBackUp, match="No space left"):
+            restore(file, url_of(database))
+    assert versions_of(database, "S") == [0, 1, 2, 3]

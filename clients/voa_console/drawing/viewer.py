@@ -60,7 +60,7 @@ class Viewer:
             background_color="#f2f3f5",
             fps=_IDLE_FRAMES_PER_S,
         ).classes("w-full h-full dark:brightness-75")
-        self.element.props(f'role=img aria-label="{name}"')
+        self.element.props("role=img").props["aria-label"] = name
         self.element.on("pointermove", js_handler=_REST_JS)
         self.element.on("pointerenter", lambda: self._set_rate(_FRAMES_PER_S))
         self.element.on("pointerleave", lambda: self._set_rate(_IDLE_FRAMES_PER_S))

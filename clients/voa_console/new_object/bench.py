@@ -1,6 +1,7 @@
 """Bench: one new object with its draft, its previews and its job, whichever pages show it."""
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -138,6 +139,9 @@ class Bench:
         except asyncio.CancelledError:
             job.state = "cancelled"
             raise
+        except Exception:  # a job must not stay "running" whatever went wrong, or no scenario could be made any more
+            logging.getLogger(__name__).exception("a scenario was not made")
+            job.state, job.sentence = "failed", "The scenario was not made, by a defect of the console; see its log."
         finally:
             self._changed()
 

@@ -35,9 +35,9 @@ class NumberField:
         self._read, self._write, self._empty = read, write, empty
         self._limits = low, high
         self.element = ui.number(label, value=read(), min=low, max=high, step=step, on_change=self._typed)
-        self.element.props(f'{NUMBER_PROPS} hide-bottom-space aria-label="{label}"').classes("w-40")
+        self.element.props(NUMBER_PROPS).props("hide-bottom-space").classes("w-40").props["aria-label"] = label
         if hint:
-            self.element.props(f'hint="{hint}"')
+            self.element.props["hint"] = hint
 
     def update(self) -> None:
         """Show the value of the draft."""

@@ -30,7 +30,7 @@ class MakingSection:
         with ui.card().classes("w-full gap-3"):
             heading("6. Make the scenario")
             self._target = ui.input("Folder on the machine of this console", value=bench.target, on_change=self._named)
-            self._target.props(f'dense outlined hint="from {Path.cwd()}, unless the path is absolute"')
+            self._target.props("dense outlined").props["hint"] = f"from {Path.cwd()}, unless the path is absolute"
             self._target.classes("w-full max-w-xl")
             with ui.expansion("As a command").classes("w-full"):
                 ui.label("The same choices at a terminal give the same files:").classes("text-sm")

@@ -105,10 +105,9 @@ class PlaneSection:
                 f"aspect-ratio: {(right - left) / (top - bottom):.4f}"
             )
         with frame:
-            ui.element("img").props(
-                f'src="/new/files/{self._bench.id}/{rest.side}?{self._bench.revision}" '
-                f'alt="{rest.name} from the side, with the scan plane"'
-            ).style("width: 100%; height: 100%; display: block;")
+            picture = ui.element("img").style("width: 100%; height: 100%; display: block;")
+            picture.props["src"] = f"/new/files/{self._bench.id}/{rest.side}?{self._bench.revision}"
+            picture.props["alt"] = f"{rest.name} from the side, with the scan plane"
             line = ui.element("div").classes("voa-plane")
             line.style(f"bottom: {_share(rest, (self._height_mm() or 0.0) / _MM):.1f}%")
         self._lines.append((line, rest))

@@ -17,6 +17,8 @@ _PASSED_ON = (
     "XDG_CACHE_HOME",
 )  # fmt: skip
 """Environment variables that the process needs to run; none of them is a secret."""
+_FOR_THE_SERVICE = ("SSL_CERT_FILE", "VOA_KEY", "VOA_KEY_FILE")
+"""Environment variables by which the process calls the service as the console does."""
 
 
 class TaskFailed(Exception):
@@ -36,7 +38,9 @@ class WorkerProcess:
     @classmethod
     async def start(cls, url: str, log: Path) -> Self:
         """Start a process for the service at `url`, with its stderr in a file; raises TaskFailed."""
-        environment = {name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON)}
+        environment = {
+            name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON) or name in _FOR_THE_SERVICE
+        }
         threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         try:
             with log.open("ab") as errors:

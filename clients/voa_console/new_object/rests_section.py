@@ -74,9 +74,8 @@ class RestsSection:
         with ui.column().classes("items-center gap-0"):
             if rest.picture is not None:
                 source = f"/new/files/{self._bench.id}/{rest.picture}?{self._bench.revision}"
-                ui.element("div").classes("voa-turn").style(f"background-image: url('{source}')").props(
-                    f'role="img" aria-label="{rest.name}, turning on the table"'
-                )
+                picture = ui.element("div").classes("voa-turn").style(f"background-image: url('{source}')")
+                picture.props("role=img").props["aria-label"] = f"{rest.name}, turning on the table"
             share = f"{rest.probability:.0%}" if rest.probability >= 0.01 else "below 1%"
             self._boxes[rest.name] = ui.checkbox(
                 f"{rest.name}, {share}", value=rest.likely, on_change=self._ticked

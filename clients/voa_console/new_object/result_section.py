@@ -59,9 +59,9 @@ class ResultSection:
             for note in made.notes:
                 ui.label(note).classes("text-sm")
         ui.label("Is it right? Go through the drawings before a robot uses the scenario.").classes("text-base")
-        ui.element("iframe").props(f'src="{files}/look.html" sandbox="" title="Is {made.name} right?"').classes(
-            "w-full rounded bg-white"
-        ).style("height: 70vh; border: 1px solid #8888;")
+        frame = ui.element("iframe").props('sandbox=""').classes("w-full rounded bg-white")
+        frame.props["src"], frame.props["title"] = f"{files}/look.html", f"Is {made.name} right?"
+        frame.style("height: 70vh; border: 1px solid #8888;")
 
     async def _open(self) -> None:
         made = self._shown

@@ -104,7 +104,7 @@ def _begun_before(workshop: Workshop) -> None:
             for id_, text in lines:
                 with ui.row().classes("items-center gap-3"):
                     ui.label(text)
-                    ui.link("Continue", f"/new?of={id_}").props(f'aria-label="Continue with {text}"')
+                    ui.link("Continue", f"/new?of={id_}").props["aria-label"] = f"Continue with {text}"
 
     update()
     ui.timer(1.0, update)

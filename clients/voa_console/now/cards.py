@@ -36,13 +36,12 @@ class Card:
 
     def _draw(self) -> None:
         summary = self._summary
-        self.element.props(f'role="article" aria-label="Session {summary.session_id}"')
+        self.element.props("role=article").props["aria-label"] = f"Session {summary.session_id}"
         self.element.style(f"border-left: 6px solid {_ALARM_COLOUR if summary.is_alarming else 'transparent'}")
         with self.element:
             with ui.row().classes("w-full items-baseline justify-between no-wrap"):
-                ui.link(summary.title, f"/sessions/{summary.session_id}").classes("text-lg font-medium truncate").props(
-                    f'aria-label="Open the session of {summary.title}, {summary.session_id}"'
-                )
+                link = ui.link(summary.title, f"/sessions/{summary.session_id}").classes("text-lg font-medium truncate")
+                link.props["aria-label"] = f"Open the session of {summary.title}, {summary.session_id}"
                 ui.label(summary.session_id).classes("text-xs opacity-70").tooltip("identifier of the session")
             ui.label(summary.state).classes("text-sm font-medium")
             self._moved = ui.label(summary.moved).classes("text-xs opacity-70")

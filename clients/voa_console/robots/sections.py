@@ -37,11 +37,8 @@ class RobotSection:
                 self._checklist = Checklist(f"Checks of {report.robot}")
                 self._title = ui.label("Last refusals").classes("text-base font-medium mt-2")
                 self._title.props('role="heading" aria-level="3"')
-                self._lines = (
-                    ui.column()
-                    .classes("w-full gap-2")
-                    .props(f'role="list" aria-label="Last refusals of {report.robot}"')
-                )
+                self._lines = ui.column().classes("w-full gap-2").props("role=list")
+                self._lines.props["aria-label"] = f"Last refusals of {report.robot}"
                 self._none = ui.label("None since the service started.").classes("text-sm")
             with ui.column().classes("gap-2 min-w-0").style("flex: 1 1 20rem; max-width: 34rem"):
                 self._scan = ScanPanel(watch, report.robot)

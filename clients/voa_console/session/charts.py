@@ -10,6 +10,8 @@ from voa_scene.colours import BLUE, GREY, ORANGE, VERMILION
 Options = dict[str, Any]
 MOST_BARS = 12
 """Most poses of the chart of the belief: the likeliest; the others are summed up."""
+MOST_POINTS = 500
+"""Most versions of the chart of the history."""
 _BAR_PX = 22
 _TEXT = "#808080"
 """Colour of axes that is read on light and dark backgrounds."""
@@ -71,6 +73,13 @@ def belief_chart_height(poses: int) -> int:
     return 12 + _BAR_PX * min(poses, MOST_BARS + 1)
 
 
+def thinned(history: Sequence[HistoryEntry], most: int = MOST_POINTS) -> list[HistoryEntry]:
+    """Return at most so many versions of a history, evenly spread, with the first and the last."""
+    if len(history) <= most:
+        return list(history)
+    return [history[index * (len(history) - 1) // (most - 1)] for index in range(most)]
+
+
 def time_chart(history: Sequence[HistoryEntry], version: int) -> Options:
     """Make lines of the expected score and of the entropy over the versions, with a mark at the version shown.
 
@@ -78,6 +87,7 @@ def time_chart(history: Sequence[HistoryEntry], version: int) -> Options:
         history: with beliefs, in ascending order.
         version: that is shown.
     """
+    points = thinned(history)
     return {
         "animation": False,
         "tooltip": {"trigger": "axis"},
@@ -96,7 +106,7 @@ def time_chart(history: Sequence[HistoryEntry], version: int) -> Options:
             {"type": "value", "min": 0, "name": "nats", **_axis(), "splitLine": {"show": False}},
         ],
         "series": [
-            _line("Expected score", [[each.version, each.expected_score] for each in history], BLUE.hex, 0)
+            _line("Expected score", [[each.version, each.expected_score] for each in points], BLUE.hex, 0)
             | {
                 "markLine": {
                     "silent": True,
@@ -106,7 +116,7 @@ def time_chart(history: Sequence[HistoryEntry], version: int) -> Options:
                     "data": [{"xAxis": version}],
                 }
             },
-            _line("Entropy", [[each.version, each.entropy_nats] for each in history], ORANGE.hex, 1)
+            _line("Entropy", [[each.version, each.entropy_nats] for each in points], ORANGE.hex, 1)
             | {"lineStyle": {"type": "dashed"}, "symbol": "rect"},
         ],
     }

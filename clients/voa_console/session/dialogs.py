@@ -56,9 +56,10 @@ class ActionDialog:
         self._act = act
         self._refused = refused
         with (
-            ui.dialog().props(f'persistent aria-label="{title}"') as self._dialog,
+            ui.dialog().props("persistent") as self._dialog,
             ui.card().classes("gap-3 w-96 max-w-full"),
         ):
+            self._dialog.props["aria-label"] = title
             ui.label(title).classes("text-lg font-medium").props('role=heading aria-level="2"')
             self.content = ui.column().classes("w-full gap-2")
             self._error = ui.label().classes("text-negative font-medium").props("role=alert")
@@ -85,8 +86,9 @@ class ActionDialog:
         except VoaClientError as error:
             self._error.set_text(self._refused(error))
             self._error.set_visibility(True)
-            self._button.enable()
             return
+        finally:
+            self._button.enable()
         with self._dialog:
             ui.notify(effect, type="positive")
         self._dialog.close()

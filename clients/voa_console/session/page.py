@@ -28,6 +28,7 @@ from voa_console.session.scene_panel import ScenePanel
 from voa_console.session.timeline import time_line
 from voa_console.session.what_if_panel import WhatIfPanel
 from voa_msgs.rankings import Ranking, VoaRequest
+from voa_msgs.robots import RobotReport
 from voa_scene.shapes import AnyShape
 
 
@@ -68,6 +69,7 @@ class SessionPage:
         self._context = ActionContext(console, self._watched, lambda: self._gathering.facts)
         self._updates: list[Update] = []
         self._seen: int | None = None
+        self._robots: list[RobotReport] = []
         self._build(session_id)
         layout.while_open(self._watched.subscribe(self._changed))
         layout.while_open(console.hub.subscribe(self._robots_changed))
@@ -125,7 +127,10 @@ class SessionPage:
             button.set_enabled(not self._watched.ended and not is_past)
 
     def _robots_changed(self) -> None:
-        if not self._watched.ended:
+        """Show robots that moved; the hub also reports what happens in other sessions."""
+        robots = self._console.hub.robots_of(self._watched.id)
+        if robots != self._robots and not self._watched.ended:
+            self._robots = robots
             self._gathering.show()
 
     def _show(self, facts: Facts) -> None:

@@ -30,7 +30,8 @@ class GraspRow:
 
 def panel(title: str) -> ui.card:
     """Draw an empty panel with its title."""
-    card = ui.card().classes("w-full gap-1 p-3").props(f'role="region" aria-label="{title}"')
+    card = ui.card().classes("w-full gap-1 p-3").props("role=region")
+    card.props["aria-label"] = title
     with card:
         ui.label(title).classes("text-xs uppercase tracking-wide opacity-70").props('role="heading" aria-level="2"')
     return card
@@ -124,7 +125,9 @@ def steps_panel(choose: Callable[[int | None], None]) -> Update:
             for version, text, is_shown in made:
                 chosen = None if version >= facts.moment.newest else version
                 button = ui.button(text, on_click=lambda _, own=chosen: choose(own), color=None)
-                button.props("flat dense no-caps align=left" + (' aria-current="step"' if is_shown else ""))
+                button.props("flat dense no-caps align=left")
+                if is_shown:
+                    button.props("aria-current=step")
                 button.classes("w-full px-2 text-sm font-normal" + (" font-bold bg-primary/10" if is_shown else ""))
 
     return update
@@ -166,11 +169,9 @@ def grasp_rows(grasps: Sequence[tuple[str, float]]) -> list[GraspRow]:
 
 
 def _draw_grasp(row: GraspRow, *, is_best: bool) -> None:
-    with (
-        ui.row()
-        .classes("w-full items-center gap-2 no-wrap")
-        .props(f'role="listitem" aria-label="{row.name} {row.score}"')
-    ):
+    line = ui.row().classes("w-full items-center gap-2 no-wrap").props("role=listitem")
+    line.props["aria-label"] = f"{row.name} {row.score}"
+    with line:
         ui.label(row.name).classes("w-28 truncate text-sm" + (" font-bold" if is_best else ""))
         with ui.element("div").classes("grow rounded").style("height: 0.6rem; background: rgba(128, 128, 128, 0.25)"):
             ui.element("div").classes("rounded h-full").style(

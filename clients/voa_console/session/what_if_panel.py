@@ -19,6 +19,9 @@ Rank = Callable[[VoaRequest], Awaitable[Ranking]]
 """Function that ranks places in the session."""
 
 
+_FARTHEST_M = 100.0
+
+
 class WhatIfPanel:
     """Panel of the chosen place.
 
@@ -72,6 +75,9 @@ class WhatIfPanel:
         facts = self._facts()
         if facts is None or None in (self._x.value, self._y.value, self._yaw.value):
             self._text.set_text("Type numbers for x, y and yaw.")
+            return
+        if max(abs(float(self._x.value)), abs(float(self._y.value))) > _FARTHEST_M:
+            self._text.set_text(f"Type x and y within {_FARTHEST_M:g} m of the origin.")
             return
         place = ChosenPlace(float(self._x.value), float(self._y.value), math.radians(float(self._yaw.value)))
         self._text.set_text("The service is valuing the look.")

@@ -24,6 +24,15 @@ MOVING = timedelta(seconds=60.0)
 """Age of the newest version up to which a session counts as one that moves."""
 
 
+MOST_SCENARIOS = 64
+"""Most scenarios that are kept."""
+
+
+def _has_failed(task: asyncio.Task[Scenario]) -> bool:
+    """True if a request has ended without a scenario."""
+    return task.done() and (task.cancelled() or task.exception() is not None)
+
+
 class Hub:
     """Sessions and robots of a service, requested and followed once for all pages.
 
@@ -119,21 +128,26 @@ class Hub:
     async def scenario(self, scenario_id: str) -> Scenario:
         """Return a scenario, which is requested once; raises VoaClientError if that fails."""
         task = self._scenarios.get(scenario_id)
-        if task is None or (task.done() and (task.cancelled() or task.exception() is not None)):
-            task = asyncio.create_task(self._client.get_scenario(scenario_id))
-            self._scenarios[scenario_id] = task
+        if task is None or _has_failed(task):
+            task = self._request_scenario(scenario_id)
         return await asyncio.shield(task)
 
     def known_scenario(self, scenario_id: str) -> Scenario | None:
         """Return a scenario if it is known; None: it is not, and is requested if it was not yet."""
         task = self._scenarios.get(scenario_id)
-        if task is None:
-            task = asyncio.create_task(self._client.get_scenario(scenario_id))
-            self._scenarios[scenario_id] = task
+        if task is None or (_has_failed(task) and self.error is None):
+            task = self._request_scenario(scenario_id)
             task.add_done_callback(lambda _: self._news.publish_soon())
-        if not task.done() or task.cancelled() or task.exception() is not None:
-            return None
-        return task.result()
+        return None if not task.done() or _has_failed(task) else task.result()
+
+    def _request_scenario(self, scenario_id: str) -> asyncio.Task[Scenario]:
+        """Request a scenario, and forget the one that was requested first if there are many."""
+        task = asyncio.create_task(self._client.get_scenario(scenario_id))
+        self._scenarios.pop(scenario_id, None)
+        self._scenarios[scenario_id] = task
+        while len(self._scenarios) > MOST_SCENARIOS:
+            del self._scenarios[next(iter(self._scenarios))]
+        return task
 
     def open_page(self) -> Callback:
         """Count a page as open; return the function that counts it as closed."""

@@ -1,11 +1,12 @@
 """Callers: who makes a call, by which role, and for which sessions and robots."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
 from voa_msgs import callers as messages
 from voa_msgs.callers import Role
-from voa_service.access.roles import CALLS, Call
+from voa_service.access.roles import CALLS, UNLISTED, Call
 from voa_service.failures import Forbidden
 
 
@@ -66,6 +67,8 @@ class Caller:
         Raises:
             Forbidden: the key is for others.
         """
+        if call is UNLISTED and (self.sessions, self.robots) != (None, None):
+            raise Forbidden(f"the key {self.name!r} is for certain sessions or robots only, not for this path")
         if call.on == "sessions" and self.sessions is not None:
             raise Forbidden(f"{call.name}: the key {self.name!r} is for certain sessions only, not for their list")
         if call.on == "session" and subject is not None:
@@ -73,10 +76,22 @@ class Caller:
         if call.on == "robot" and subject is not None:
             self.check_robot(subject)
 
-    def check_session(self, session: str) -> None:
-        """Return if the key is for a session; raises Forbidden if it is for others only."""
-        if self.sessions is not None and session not in self.sessions:
+    def check_session(self, session: str | None) -> None:
+        """Return if the key is for a session, or none is named; raises Forbidden if it is for others only."""
+        if self.sessions is not None and session is not None and session not in self.sessions:
             raise Forbidden(f"the key {self.name!r} is not for session {session[:80]!r}")
+
+    def check_session_of(self, session_of_robot: Callable[[], str | None]) -> None:
+        """Return if the key is for the session that a robot's scans are applied to, or is bound to none.
+
+        Args:
+            session_of_robot: returns that session; None: there is none.
+
+        Raises:
+            Forbidden: the key is for other sessions.
+        """
+        if self.sessions is not None:
+            self.check_session(session_of_robot())
 
     def check_robot(self, robot: str | None) -> None:
         """Return if the key is for a robot, or none is named; raises Forbidden if it is for other robots only."""

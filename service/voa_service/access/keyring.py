@@ -18,7 +18,6 @@ from voa_service.access.keys import digest_of, id_of
 from voa_service.access.roles import ROLES
 from voa_service.failures import Unauthenticated
 from voa_service.ports import Clock
-from voa_store.errors import StoreError
 from voa_store.records import StoredKey
 
 REFRESH_SECONDS = 2.0
@@ -131,9 +130,9 @@ class Keyring:
                 self.refresh()
                 self.store_uses()
                 failing = False
-            except StoreError as error:
+            except Exception as error:  # whatever it is: a thread that ends would leave revoked keys valid
                 if not failing:
-                    structlog.get_logger("voa").warning("cannot read the keys, trying again", error=str(error))
+                    structlog.get_logger("voa").error("cannot read the keys, trying again", exc_info=error)
                 failing = True
 
 

@@ -44,7 +44,7 @@ class Rates:
         key = caller.key or ""
         if self._limiter.hit(rate, what, key):
             return
-        left = self._limiter.get_window_stats(rate, what, key).reset_time - time.time()
+        left = self._limiter.get_window_stats(rate, what, key).reset_time - time.monotonic()
         seconds = max(1, min(math.ceil(left), _LONGEST_RETRY_S))
         raise TooManyRequests(
             f"the key {caller.name!r} may make {rate.amount} {what} per {_period(rate)}: try again in {seconds} s",
@@ -77,7 +77,7 @@ class _Counters(Storage):
 
     def incr(self, key: str, expiry: float, amount: int = 1) -> int:
         """Add to a counter, which begins again when its window is over; returns the sum."""
-        now = time.time()
+        now = time.monotonic()
         with self._lock:
             count, ends = self._counters.get(key, (0, 0.0))
             if ends <= now:
@@ -88,11 +88,11 @@ class _Counters(Storage):
     def get(self, key: str) -> int:
         """Return a counter."""
         count, ends = self._counters.get(key, (0, 0.0))
-        return count if ends > time.time() else 0
+        return count if ends > time.monotonic() else 0
 
     def get_expiry(self, key: str) -> float:
-        """Return the time at which the window of a counter ends, seconds since the epoch."""
-        return self._counters.get(key, (0, time.time()))[1]
+        """Return the time at which the window of a counter ends, by a clock that never goes back, seconds."""
+        return self._counters.get(key, (0, time.monotonic()))[1]
 
     def check(self) -> bool:
         """Return True: memory is always there."""

@@ -15,7 +15,7 @@ from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.gate import Gate
 from voa_service.access.roles import CALLS
 from voa_service.access.routing import Matched, Routes
-from voa_service.failures import Failure
+from voa_service.failures import Failure, NotFound
 from voa_service.http.headers import created_id, version_of
 from voa_service.http.problems import problem_response
 
@@ -47,6 +47,8 @@ class Authentication:
             if caller.key is not None:
                 structlog.contextvars.bind_contextvars(caller=caller.name)
             self._gate.admit(caller, matched.call, matched.subject)
+            if not scope["path"].isprintable():  # the routes' patterns would ignore a newline at the end
+                raise NotFound("there is no such path: it has a control character")
         except Failure as failure:
             if matched.call.writes:
                 _record(caller, matched, failure.status, Headers())

@@ -74,7 +74,7 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "ranking.compute": Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
         "service.health": Method(_given(NoParameters, lambda _: services.health.ready()), services.probes),
         "robot.list": Method(_given(NoParameters, lambda _: services.robots.reports()), reads),
-        "robot.scan": Method(_given(LookRequest, lambda request: services.robots.scan(request.robot)), reads),
+        "robot.scan": Method(_robot_scan, reads),
         "robot.look": Method(_request_look, reads),
         "caller.get": Method(_caller, reads),
     }
@@ -204,7 +204,15 @@ def _request_look(call: Call) -> BaseModel:
     request: LookRequest = call.body(LookRequest)
     call.robot = request.robot
     call.caller.check_robot(request.robot)
+    call.caller.check_session_of(lambda: call.services.robots.report(request.robot).session)
     return call.services.robots.request_look(request.robot)
+
+
+def _robot_scan(call: Call) -> BaseModel:
+    request: LookRequest = call.body(LookRequest)
+    call.robot = request.robot
+    call.caller.check_robot(request.robot)
+    return call.services.robots.scan(request.robot)
 
 
 def _caller(call: Call) -> BaseModel:

@@ -5,8 +5,6 @@ from collections.abc import Callable
 
 import structlog
 
-from voa_store.errors import StoreError
-
 _END_SECONDS = 5.0
 
 
@@ -38,8 +36,7 @@ class Periodic:
         while not self._closed.is_set():
             try:
                 self._work(self._closed.wait)
-            except StoreError as error:
-                structlog.get_logger("voa").warning(
-                    "background work has to wait", work=self._thread.name, error=str(error)
-                )
+            except Exception as error:  # whatever it is: the next round tries again
+                log = structlog.get_logger("voa")
+                log.warning("background work has to wait", work=self._thread.name, exc_info=error)
             self._closed.wait(self._interval_s)

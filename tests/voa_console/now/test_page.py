@@ -236,3 +236,21 @@ def test_a_page_says_that_its_console_is_gone(page: Page, process: str, tmp_path
         page.goto(console)
         expect(page.get_by_role("heading", name="Now")).to_be_visible()
     expect(page.get_by_text("Connection lost")).to_be_visible()
+
+
+HOSTILE = """a" :title="document.title='taken over'" <img src=x onerror="document.title='taken over'"> C:\\x '\\n"""
+"""Name that would become a property of its own, an element, or an escape, if a page parsed it."""
+
+
+def test_names_are_shown_as_they_are_whatever_they_contain(page: Page, lab: Lab) -> None:
+    changes = {"name": HOSTILE, "grasps": [{"name": HOSTILE}, {"name": "G2"}]}
+    scenario = lab.client.create_scenario(ScenarioRequest.model_validate(data_scenario(**changes)))
+    session = lab.client.create_session(SessionRequest(scenario=scenario.id)).id
+    page.goto(lab.console)
+    expect(card_of(page, session).get_by_role("link").first).to_have_text(HOSTILE)
+    page.goto(f"{lab.console}/sessions/{session}")
+    expect(page.get_by_role("region", name="Grasps").get_by_role("listitem").first).to_have_accessible_name(
+        re.compile(re.escape(HOSTILE[:20]))
+    )
+    expect(page).not_to_have_title(re.compile("taken over"))
+    lab.client.delete_session(session)

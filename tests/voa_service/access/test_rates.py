@@ -19,7 +19,7 @@ class Clock:
     def __init__(self) -> None:
         self.at = 1_000.0
 
-    def time(self) -> float:
+    def monotonic(self) -> float:
         return self.at
 
 

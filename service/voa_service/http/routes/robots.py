@@ -29,12 +29,17 @@ def routes(services: Services) -> APIRouter:
         responses=problems(NotFound),
         response_description="The report about the robot.",
     )
-    async def request_look(robot: RobotName) -> Response:
+    async def request_look(robot: RobotName, http: Request) -> Response:
         """Request a look from a mapped robot: its next scans become one.
 
         The mapping of the robot must have the look mode `on_request`.
         """
-        return await answer(services.reads, lambda: services.robots.request_look(robot))
+
+        def requested() -> RobotReport:
+            caller_of(http).check_session_of(lambda: services.robots.report(robot).session)
+            return services.robots.request_look(robot)
+
+        return await answer(services.reads, requested)
 
     @router.get(
         "/{robot}/scan",
@@ -67,6 +72,7 @@ def routes(services: Services) -> APIRouter:
             caller_of(http).check_session(request.session)
 
         def claimed() -> RobotReport:
+            caller_of(http).check_session_of(lambda: services.robots.report(robot).session)
             services.claims.claim(robot, request.session)
             return services.robots.report(robot)
 
