@@ -1,5 +1,6 @@
 """Fixtures that several packages' tests share: the real service, in this process and in one of its own."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,8 +21,9 @@ settings.load_profile("untimed")
 
 @pytest.fixture(autouse=True)
 def logging_as_before() -> Iterator[None]:
-    """Undo what a command, called in this process, has set for logs."""
+    """Log to stderr, as a service does, and undo what a command, called in this process, has set for logs."""
     before = structlog.get_config()
+    structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
     yield
     structlog.configure(**before)
 

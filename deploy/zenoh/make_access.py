@@ -41,6 +41,7 @@ READING = (
     "$*.rank",
     "$*.compute",
     "$*.mesh",
+    "$*.scan",
     "$*.health",
     "$*.predict",
     "$*.warnings",

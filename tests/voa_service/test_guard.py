@@ -31,6 +31,8 @@ KINDS: list[tuple[Exception, str, int, dict[str, object]]] = [
     (store.VersionMismatch(frozenset({1}), 2), "stale-version", 412, {"version": 2}),
     (store.KeyReused("K"), "idempotency-key-reused", 422, {}),
     (store.LookRepeated("r", 3), "look-counted", 409, {}),
+    (store.ContentMissing("object", "O"), "unknown-name", 422, {}),
+    (store.InUse("needed"), "in-use", 409, {}),
     (store.DamagedData("bits", 4), "damaged", 500, {"version": 4}),
     (store.DamagedData("pages"), "damaged", 500, {}),
     (store.Unavailable("gone"), "not-ready", 503, {}),

@@ -145,7 +145,7 @@ def test_the_methods_that_viewers_may_call_exist_and_change_nothing(service: Ser
     assert all(any(each.includes(key) for key in methods.values()) for each in allowed.values())
     changing = {
         "object.create", "scenario.create", "session.create", "session.delete", "look.announce", "look.cancel",
-        "belief.put", "scan.apply", "outcome.report", "robot.look",
+        "belief.put", "scan.apply", "outcome.report", "robot.look", "object.delete", "scenario.delete",
     }  # fmt: skip
     assert changing == set(methods) - readable
 

@@ -85,14 +85,19 @@ def test_the_process_ends_with_its_parent(tmp_path: Path) -> None:
     with_process(tmp_path, use)
 
 
-def test_secrets_of_the_console_do_not_reach_the_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("VOA_KEY", "secret")
+def test_of_the_secrets_of_the_console_only_the_key_for_the_service_reaches_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VOA_KEY", "for the service")
+    monkeypatch.setenv("VOA_DATABASE_URL", "secret")
+    monkeypatch.setenv("VOA_ZENOH__PASSWORD", "secret")
 
     async def use(process: WorkerProcess) -> None:
         file = Path(f"/proc/{process._process.pid}/environ")
         content = await asyncio.to_thread(wait_for, file.read_bytes, "an environment")
         assert b"PATH=" in content
         assert b"secret" not in content
+        assert b"VOA_KEY=for the service" in content
         assert os.getpgid(process._process.pid) == process._process.pid
 
     with_process(tmp_path, use)
