@@ -1,6 +1,8 @@
 """A console as a process: listens on an address until a signal stops it."""
 
+import signal
 import socket
+import sys
 from collections.abc import Callable
 
 import uvicorn
@@ -50,7 +52,15 @@ def serve(settings: ConsoleSettings, listening: socket.socket, ready: Callable[[
         server_header=False,
         timeout_graceful_shutdown=_STOP_SECONDS,
     )
+    # uvicorn raises the signal again when it has stopped, which by default would end the process at once.
+    signal.signal(signal.SIGTERM, _leave)
     _Server(config, ready).run([listening])
+
+
+def _leave(*_: object) -> None:
+    """Exit in order at the first SIGTERM, and ignore further ones."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit(0)
 
 
 class _Server(uvicorn.Server):
