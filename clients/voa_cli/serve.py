@@ -33,7 +33,7 @@ def console_beside(url: str, host: str, port: int, names: Sequence[str]) -> Iter
         OSError: the address cannot be used.
     """
     from voa_console.serving import listen  # noqa: PLC0415 - most services run without a console
-    from voa_console.settings import ConsoleSettings  # noqa: PLC0415
+    from voa_console.settings import ConsoleSettings  # noqa: PLC0415 - as above
 
     with listen(ConsoleSettings(url, host, port)) as listening:
         taken: int = listening.getsockname()[1]
@@ -41,7 +41,7 @@ def console_beside(url: str, host: str, port: int, names: Sequence[str]) -> Iter
         fd = listening.fileno()
         command = [sys.executable, "-m", "voa_console", "--url", url, "--fd", str(fd), "--hosts", ",".join(names)]
         # Its stdin is a pipe that nobody writes to: the console ends when this process does, however it ends.
-        process = subprocess.Popen([*command, "--with-stdin"], stdin=subprocess.PIPE, pass_fds=[fd])  # noqa: S603
+        process = subprocess.Popen([*command, "--with-stdin"], stdin=subprocess.PIPE, pass_fds=[fd])  # noqa: S603 - our own module
     try:
         yield lambda: taken if process.poll() is None else None
     finally:

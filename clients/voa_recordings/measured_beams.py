@@ -10,6 +10,7 @@ from voa_msgs.scenarios import Workspace
 from voa_msgs.sessions import Scan
 from voa_ros.grids import BeamGrid, on_grid
 from voa_ros.scans import laser_scan
+from voa_scene.scans import crossing
 
 
 @dataclass(frozen=True)
@@ -46,23 +47,9 @@ def measured_beams(
     missing = 0
     for index, value in enumerate(on_grid([laser_scan(scan, grid)], grid).ranges):
         bearing = place.yaw_rad + grid.angle_min + index * grid.angle_increment
-        enters, leaves = (0.0, math.inf) if workspace is None else _crossing(workspace, place, bearing)
+        enters, leaves = (0.0, math.inf) if workspace is None else crossing(workspace, place, bearing)
         lost = math.isnan(value) or (value == 0.0 and lidar.zero == "missing") or 0.0 < value < near
         nothing = value == 0.0 or value > far or value > leaves or enters > leaves
         missing += lost or (not nothing and value < enters)
         ranges.append(None if lost or nothing or value < enters else value)
     return MeasuredBeams(ranges, missing)
-
-
-def _crossing(box: Workspace, place: SensorPose, bearing: float) -> tuple[float, float]:
-    """Return the ranges at which a beam enters and leaves a box, metres; the first is larger if it never does."""
-    enters, leaves = 0.0, math.inf
-    towards = (math.cos(bearing), math.sin(bearing))
-    for start, part, low, high in zip((place.x, place.y), towards, box.min, box.max, strict=True):
-        if abs(part) < 1e-12:
-            if not low <= start <= high:
-                return math.inf, 0.0
-            continue
-        first, last = sorted(((low - start) / part, (high - start) / part))
-        enters, leaves = max(enters, first), min(leaves, last)
-    return enters, leaves

@@ -139,7 +139,7 @@ class SceneMessages:
         kinds = self._store.types[f"{PACKAGE}/LinePrimitive"]
         return self._of(
             "LinePrimitive",
-            type=kinds.LINE_LOOP if shape.closed else kinds.LINE_STRIP,  # type: ignore[attr-defined]
+            type=kinds.LINE_LOOP if shape.closed else kinds.LINE_STRIP,  # type: ignore[attr-defined]  # built at run time
             pose=self._pose(shape.position, shape.rotation),
             thickness=shape.width,
             scale_invariant=False,
