@@ -33,9 +33,9 @@ _FEW_SENSORS, _FEW_POSES, _GRASPS = 4, 500, 20
 def run() -> list[Result]:
     """Three laws."""
     return [
-        *_growth("scan update, n = {}", _POSES, _scan_update, 2.0),
-        *_growth(f"ranking of {_FEW_SENSORS} sensors, n = {{}}", _POSES, partial(_ranking, k=_FEW_SENSORS), 4.0),
-        *_growth(f"ranking of {_FEW_POSES} poses, k = {{}}", _SENSORS, lambda k: _ranking(_FEW_POSES, k), 2.0),
+        *_growth("scan update, n = {}", _POSES, scan_update, 2.0),
+        *_growth(f"ranking of {_FEW_SENSORS} sensors, n = {{}}", _POSES, partial(ranking, k=_FEW_SENSORS), 4.0),
+        *_growth(f"ranking of {_FEW_POSES} poses, k = {{}}", _SENSORS, partial(ranking, _FEW_POSES), 2.0),
     ]
 
 
@@ -48,7 +48,8 @@ def _growth(name: str, sizes: Sequence[int], work: Callable[[int], Call], factor
     ]
 
 
-def _scan_update(n: int) -> Call:
+def scan_update(n: int) -> Call:
+    """Make the call that updates a belief over `n` poses by a scan from a pose that nothing was kept for."""
     object_ = scene.cup("10k")
     predictor = predictor_of_mesh(object_, scene.poses(object_, n, planar=True), scene.LIDAR)
     rule, sensor = rule_of("beam", scene.LIDAR), scene.sensors(1)[0]
@@ -57,10 +58,11 @@ def _scan_update(n: int) -> Call:
     return lambda: update(belief, evidence_of_scan(scan, sensor, predictor, rule), UpdatePolicy())
 
 
-def _ranking(n: int, k: int) -> Call:
+def ranking(n: int, k: int, grasps: int = _GRASPS) -> Call:
+    """Make the call that ranks `k` sensors over `n` poses and some grasps from kept weights."""
     rule, sensors = rule_of("exponential", scene.LIDAR), scene.sensors(k)
     weighers = [Weigher.of(rule, prediction, np.float64, keep=True) for prediction in scene.predictions(n, k)]
     by_sensor = dict(zip(sensors, weighers, strict=True))
     belief = Belief.of(scene.belief(n))
-    table = GraspTable.of_probabilities([f"G{x}" for x in range(_GRASPS)], scene.scores(_GRASPS, n), n)
+    table = GraspTable.of_probabilities([f"G{x}" for x in range(grasps)], scene.scores(grasps, n), n)
     return lambda: rank(sensors, by_sensor.__getitem__, belief, table, UpdatePolicy())
