@@ -21,6 +21,7 @@ its docstring names the source.
 | make a prior                          | `priors`                               | longer: appendix                    |
 | value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
 | choose a grasp after each scan        | `choices`                              | equation 1                          |
+| say how far a value may be off        | `standard_errors`                      |                                     |
 | simulate scans that are to be taken   | `simulation`, `scan_model`             |                                     |
 | weigh simulated scans                 | `simulated_weights`, `copies`, `sample_sight` |                             |
 | value several looks together          | `looks`, `joint_weights`               |                                     |

@@ -11,17 +11,20 @@ A VOA may be negative and is never clamped.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.choices import LookWeights, after_each
+from voa_core.choices import Chooser, LookWeights, scans_of, scores_at
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable, best_grasp
+from voa_core.perfect_information import value_of_perfect_information
+from voa_core.standard_errors import score_standard_error, standard_error
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import wanted
 
@@ -55,6 +58,135 @@ class Assistance:
     score_standard_error: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Valuation:
+    """Belief, grasps and definition by which looks are valued.
+
+    Attributes:
+        belief: of the gripper agent, (n,).
+        table: the grasps that are reachable.
+        policy: effect of a scan that no possible pose explains.
+        definition: "posterior" (equations 2 and 3 of the preliminary paper) or "executed" (equation 4 of the longer).
+        sensor_belief: of the sensor agent, (n,), for the outer expectation; None: the gripper agent's.
+        check: called before each block of weights; an error that it raises ends the computation.
+
+    Raises:
+        InvalidInput: there is no such definition.
+    """
+
+    belief: Belief
+    table: GraspTable
+    policy: UpdatePolicy
+    definition: Definition = "posterior"
+    sensor_belief: Belief | None = None
+    check: Callable[[], None] = field(default=wanted, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.definition not in get_args(Definition):
+            raise InvalidInput("definition", " or ".join(map(repr, get_args(Definition))), repr(self.definition))
+
+    def value(self, look: LookWeights, pending: LookWeights | None = None) -> Assistance:
+        """Value of Assistance of a look.
+
+        Args:
+            look: weights of every pose after each scan that the look may give. With `pending` they are those of the
+                pending scans and the look's together, sample by sample.
+            pending: weights after scans that are on their way and not known yet; the value is what the look adds.
+        """
+        scans = self._scans(look.samples)
+        chosen, scores = self._chosen(look, scans)
+        executed = self.definition == "executed"
+        values = scores_at(self.table, chosen, scans.poses) if executed else scores
+        kept, base, without = scans.kept, scans.base, scans.without
+        if pending is not None:
+            kept, pending_scores = self._chosen(pending, scans)
+            base = scores_at(self.table, kept, scans.poses) if executed else pending_scores
+            without = scans.mean(base)
+        after = scans.mean(values)
+        gains = (values - base).reshape(-1, look.samples)
+        return Assistance(
+            after - without,
+            after,
+            scans.outcomes,
+            _most_frequent(chosen.reshape(-1, look.samples)),
+            scores if look.samples == 1 else scores.reshape(-1, look.samples).mean(axis=1),
+            scans.shares,
+            gains,
+            standard_error(scans.shares, gains) if look.simulated else None,
+            score_standard_error(self.table, chosen, kept, scans.poses, scans.of_scans),
+        )
+
+    def perfect_information(self, pending: LookWeights | None) -> float:
+        """Value of knowing the pose, after the pending scans."""
+        return value_of_perfect_information(self._chooser, self._outer, pending)
+
+    def _chosen(self, look: LookWeights, scans: "_Scans") -> tuple[NDArray[np.intp], Floats]:
+        look = look.seen_with(self.belief, self.policy)
+        return self._chooser.after_each(look, scans.rows, scans.of_scans, sure=self.definition == "executed")
+
+    @cached_property
+    def _chooser(self) -> Chooser:
+        return Chooser(self.belief, self.table, self.policy, self.check)
+
+    @cached_property
+    def _outer(self) -> Floats:
+        return (self.belief if self.sensor_belief is None else self.sensor_belief).p
+
+    def _scans(self, samples: int) -> "_Scans":
+        """Scans that a look may give; made once, for they do not depend on the look."""
+        if samples not in self._scans_by_samples:
+            self._scans_by_samples[samples] = _Scans.of(self._outer, samples, self._chooser, self.definition)
+        return self._scans_by_samples[samples]
+
+    @cached_property
+    def _scans_by_samples(self) -> "dict[int, _Scans]":
+        return {}
+
+
+@dataclass(frozen=True, eq=False)
+class _Scans:
+    """Scans that a look may give, and the grasp that is best without them.
+
+    Attributes:
+        samples: number K of scans of each pose.
+        outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0.
+        shares: (k,) these probabilities.
+        rows: (k K,) rows of the scans in the weights of a look.
+        poses: (k K,) pose that gives each scan.
+        of_scans: (k K,) probability of each scan.
+        kept: (k K,) grasp that is chosen without the look; -1 for none.
+        base: (k K,) its value, by the definition of the valuation.
+        without: expected success probability without the look.
+    """
+
+    samples: int
+    outcomes: NDArray[np.intp]
+    shares: Floats
+    rows: NDArray[np.intp]
+    poses: NDArray[np.intp]
+    of_scans: Floats
+    kept: NDArray[np.intp]
+    base: Floats
+    without: float
+
+    @classmethod
+    def of(cls, outer: Floats, samples: int, chooser: Chooser, definition: Definition) -> "_Scans":
+        """Make the scans of a look with `samples` scans of each pose, for a belief `outer` (n,) of the sensor agent."""
+        outcomes = np.flatnonzero(outer > 0.0)
+        shares = outer[outcomes]
+        rows, poses = scans_of(outcomes, samples), np.repeat(outcomes, samples)
+        before = chooser.before
+        kept = np.full(len(rows), -1 if before.index is None else before.index)
+        executed = definition == "executed"
+        base = scores_at(chooser.table, kept, poses) if executed else np.full(len(rows), before.expected_score)
+        scans = cls(samples, outcomes, shares, rows, poses, np.repeat(shares, samples) / samples, kept, base, 0.0)
+        return replace(scans, without=scans.mean(base) if executed else before.expected_score)
+
+    def mean(self, values: Floats) -> float:
+        """Expectation of a value that each scan has, (k K,)."""
+        return float(self.shares @ (values if self.samples == 1 else values.reshape(-1, self.samples).mean(axis=1)))
+
+
 def value_of_assistance(
     look: LookWeights,
     belief: Belief,
@@ -64,95 +196,22 @@ def value_of_assistance(
     definition: Definition = "posterior",
     sensor_belief: Belief | None = None,
     pending: LookWeights | None = None,
-    check: Callable[[], None] = wanted,
 ) -> Assistance:
-    """Value of Assistance of a look whose weights are given.
+    """Value of Assistance of one look; see `Valuation`, which values many under one belief.
 
     Args:
-        look: weights of every pose after each scan that the look may give. With `pending` they are those of the pending
-            scans and the look's together, sample by sample.
+        look: weights of every pose after each scan that the look may give, those of `pending` included.
         belief: of the gripper agent, (n,).
         table: the grasps that are reachable.
         policy: effect of a scan that no possible pose explains.
-        definition: "posterior" (equations 2 and 3 of the preliminary paper) or "executed" (equation 4 of the longer).
+        definition: "posterior" or "executed".
         sensor_belief: of the sensor agent, (n,), for the outer expectation; None: the gripper agent's.
-        pending: weights after scans that are on their way and not known yet; the value is what the look adds to them.
-        check: called before each block of weights; an error that it raises ends the computation.
+        pending: weights after scans that are on their way and not known yet.
 
     Raises:
         InvalidInput: there is no such definition.
     """
-    if definition not in get_args(Definition):
-        raise InvalidInput("definition", " or ".join(map(repr, get_args(Definition))), repr(definition))
-    outer = (belief if sensor_belief is None else sensor_belief).p
-    outcomes = np.flatnonzero(outer > 0.0)
-    shares = outer[outcomes]
-    shape = len(outcomes), look.samples
-    rows = outcomes if look.samples == 1 else scans_of(outcomes, look.samples)
-    poses = np.repeat(outcomes, look.samples)
-    executed = definition == "executed"
-    look = look.seen_with(belief, policy)
-    of_scans = np.repeat(shares, look.samples) / look.samples
-    chosen, scores = after_each(look, rows, of_scans, belief, table, policy, sure=executed, check=check)
-    values = scores_at(table, chosen, poses) if executed else scores
-    before = best_grasp(table, belief.p)
-    kept = np.full(len(rows), -1 if before.index is None else before.index)
-    base = scores_at(table, kept, poses) if executed else np.full(len(rows), before.expected_score)
-    if pending is not None:
-        pending = pending.seen_with(belief, policy)
-        kept, pending_scores = after_each(pending, rows, of_scans, belief, table, policy, sure=executed, check=check)
-        base = scores_at(table, kept, poses) if executed else pending_scores
-    after = float(shares @ values.reshape(shape).mean(axis=1))
-    without = (
-        float(shares @ base.reshape(shape).mean(axis=1)) if executed or pending is not None else before.expected_score
-    )
-    gains = (values - base).reshape(shape)
-    return Assistance(
-        after - without,
-        after,
-        outcomes,
-        _most_frequent(chosen.reshape(shape)),
-        scores.reshape(shape).mean(axis=1),
-        shares,
-        gains,
-        standard_error(shares, gains) if look.simulated else None,
-        _score_standard_error(table, chosen, kept, poses, of_scans),
-    )
-
-
-def scans_of(poses: NDArray[np.intp], samples: int) -> NDArray[np.intp]:
-    """Rows of the `samples` scans of each of the `poses` (k,) in the weights of a look, (k * samples,)."""
-    rows: NDArray[np.intp] = (poses[:, None] * samples + np.arange(samples)).reshape(-1)
-    return rows
-
-
-def scores_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
-    """Scores Q[x, p] of pairs of a grasp and a pose, (k,); the grasp -1, which is none, scores 0."""
-    return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
-
-
-def standard_error(shares: Floats, gains: Floats) -> float:
-    """Standard error of the mean gain of a look over simulated scans.
-
-    Its square is sum_p s[p]^2 Var_k / K, with the variance over the K scans of a pose. With one scan of each pose it is
-    sum_p s[p]^2 (g_p - mean g)^2, with the mean weighted by s: the poses stand for each other's scans.
-
-    K scans that agree do not show that all scans do: a look that fails once in a thousand scans would have no error at
-    all. So, as in Laplace's rule of succession, the variance counts one scan more over all poses, after which nothing
-    is gained: s[p] of it at pose p. A look that never gains anything keeps the error 0.
-
-    Args:
-        shares: (k,) probabilities s[p] of the poses.
-        gains: (k, K) gain after each scan of each pose.
-    """
-    samples = gains.shape[1]
-    if samples == 1:
-        total = shares.sum()
-        mean = float(shares @ gains[:, 0]) / (total if total > 0.0 else 1.0)
-        return float(np.sqrt(np.sum((shares * (gains[:, 0] - mean)) ** 2)))
-    means = gains.sum(axis=1) / (samples + shares)
-    squares = np.sum((gains - means[:, None]) ** 2, axis=1) + shares * means**2
-    return float(np.sqrt(np.sum(shares**2 * squares / (samples - 1 + shares)) / samples))
+    return Valuation(belief, table, policy, definition, sensor_belief).value(look, pending)
 
 
 def _most_frequent(chosen: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -160,46 +219,6 @@ def _most_frequent(chosen: NDArray[np.intp]) -> NDArray[np.intp]:
     if chosen.shape[1] == 1:
         return chosen[:, 0]
     return np.array([int(np.bincount(row + 1).argmax()) - 1 for row in chosen], dtype=np.intp)
-
-
-def score_variances(table: GraspTable) -> Floats | None:
-    """Variances (m, n) of grasp scores that were measured as k successes of N attempts; None for given probabilities.
-
-    The score has the Beta distribution of parameters k + 1/2 and N - k + 1/2 (Jeffreys).
-    """
-    if table.attempts is None:
-        return None
-    a, b = table.attempts * table.scores + 0.5, table.attempts * (1.0 - table.scores) + 0.5
-    variances: Floats = a * b / ((a + b) ** 2 * (a + b + 1.0))
-    return variances
-
-
-def _score_standard_error(
-    table: GraspTable,
-    chosen: NDArray[np.intp],
-    kept: NDArray[np.intp],
-    poses: NDArray[np.intp],
-    shares: Floats,
-) -> float | None:
-    """Standard deviation of a VOA whose grasps stay chosen while the true scores vary about the measured ones.
-
-    The executed value is linear in the scores: each cell counts by how much oftener the look has its grasp chosen at
-    its pose. So no scores need be drawn.
-
-    Args:
-        table: the grasps; None is returned where its scores are given probabilities.
-        chosen, kept: (k,) grasp after each scan with the look and without it; -1 for none.
-        poses: (k,) pose that gives the scan.
-        shares: (k,) probability of the scan.
-    """
-    variances = score_variances(table)
-    if variances is None:
-        return None
-    difference = np.zeros_like(variances)
-    for grasps, sign in ((chosen, 1.0), (kept, -1.0)):
-        some = grasps >= 0
-        np.add.at(difference, (grasps[some], poses[some]), sign * shares[some])
-    return float(np.sqrt(np.sum(difference**2 * variances)))
 
 
 def executed_value(before: Belief, after_each: list[Belief], table: GraspTable) -> float:

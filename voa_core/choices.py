@@ -1,6 +1,8 @@
 """Choice of a grasp after each of many scans, by one matrix product per block of scans."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -8,7 +10,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.filtering import Belief, condition
-from voa_core.grasps import TIE, GraspTable, choose
+from voa_core.grasps import TIE, Choice, GraspTable, best_grasp, choose
 from voa_core.kernels import Array, choose_each
 from voa_core.updating import UpdatePolicy, nearest
 
@@ -60,58 +62,125 @@ class LookWeights(Protocol):
         """Weights with which scans that do not show the object at any pose that `belief` allows change nothing."""
 
 
-def after_each(
-    look: LookWeights,
-    rows: NDArray[np.intp],
-    shares: Floats,
-    belief: Belief,
-    table: GraspTable,
-    policy: UpdatePolicy,
-    *,
-    sure: bool,
-    check: Callable[[], None],
-) -> tuple[NDArray[np.intp], Floats]:
-    """Choose a grasp after each of the scans `rows`, (k,): its index (-1: none) and its expected score.
+@dataclass(frozen=True, eq=False)
+class Chooser:
+    """Choice of a grasp after scans, under one belief and one table of grasps.
 
-    An expected score hardly depends on the choice between nearly equal grasps, but the score of the chosen grasp at
-    one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms. So are
-    scans, which count with `shares` (k,), of which so much may be left out that a value could change by 1e-6.
-
-    One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
-    every grasp, and its last entry the normaliser.
+    Attributes:
+        belief: before the scans, (n,).
+        table: the grasps that are reachable.
+        policy: effect of a scan that no possible pose explains.
+        check: called before each block of weights; an error that it raises ends the computation.
     """
-    columns = np.flatnonzero(belief.p > 0.0)
-    if look.matrix is not None and len(columns) >= _GATHER_BELOW * len(belief.p):
-        columns = np.arange(len(belief.p))
-    masses = belief.p[columns]
-    right = np.zeros((len(table.scores) + 1, len(columns)), dtype=look.dtype)
-    right[:-1] = masses * (table.scores if len(columns) == len(belief.p) else table.scores[:, columns])
-    right[-1] = masses
-    chosen = np.zeros(len(rows), dtype=np.intp)
-    scores = np.zeros(len(rows))
-    doubtful = np.zeros(len(rows), dtype=bool)
-    rows_at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(columns)))
-    if look.matrix is not None and len(columns) == len(belief.p) and len(rows) == len(look.matrix):
-        rows_at_once = len(rows)  # the kept matrix itself: nothing is copied
-    for start in range(0, len(rows), rows_at_once):
-        check()
-        block = slice(start, start + rows_at_once)
-        product = right @ look.weights(rows[block], columns).T
-        left_out = look.most_left_out(rows[block], columns, masses)
-        chosen[block], scores[block], undecided = _choose_each(product)
-        again = product[-1] < _LEAST_NORM[look.dtype.name]
-        again |= shares[block] * left_out > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
-        doubtful[block] = again | undecided if sure else again
-    again_rows = np.flatnonzero(doubtful)
-    rows_at_once = max(1, _BLOCK_BYTES // (8 * len(belief.p)))
-    for start in range(0, len(again_rows), rows_at_once):
-        check()
-        some = again_rows[start : start + rows_at_once]
-        for row, after in zip(some, look.beliefs(rows[some], [belief] * len(some), policy), strict=True):
-            choice = choose(table.expected_scores(after.p))
-            chosen[row] = -1 if choice.index is None else choice.index
-            scores[row] = choice.expected_score
-    return chosen, scores
+
+    belief: Belief
+    table: GraspTable
+    policy: UpdatePolicy
+    check: Callable[[], None] = field(repr=False)
+    _factors: dict[tuple[str, bool], "_Factor"] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def before(self) -> Choice:
+        """Best grasp before the scans."""
+        return best_grasp(self.table, self.belief.p)
+
+    def after_each(
+        self, look: LookWeights, rows: NDArray[np.intp], shares: Floats, *, sure: bool
+    ) -> tuple[NDArray[np.intp], Floats]:
+        """Choose a grasp after each of the scans `rows`, (k,): its index (-1: none) and its expected score.
+
+        An expected score hardly depends on the choice between nearly equal grasps, but the score of the chosen grasp
+        at one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms.
+        So are scans, which count with `shares` (k,), of which so much may be left out that a value could change by
+        1e-6.
+
+        One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
+        every grasp, and its last entry the normaliser.
+        """
+        factor, belief = self._factor(look), self.belief.p
+        columns, masses = factor.columns, factor.masses
+        chosen = np.zeros(len(rows), dtype=np.intp)
+        scores = np.zeros(len(rows))
+        doubtful = np.zeros(len(rows), dtype=bool)
+        rows_at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(columns)))
+        if look.matrix is not None and len(columns) == len(belief) and len(rows) == len(look.matrix):
+            rows_at_once = len(rows)  # the kept matrix itself: nothing is copied
+        for start in range(0, len(rows), rows_at_once):
+            self.check()
+            block = slice(start, start + rows_at_once)
+            product = factor.weighted_scores @ look.weights(rows[block], columns).T
+            left_out = look.most_left_out(rows[block], columns, masses)
+            chosen[block], scores[block], undecided = _choose_each(product)
+            again = product[-1] < _LEAST_NORM[look.dtype.name]
+            again |= shares[block] * left_out > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
+            doubtful[block] = again | undecided if sure else again
+        self._repeat_in_logarithms(look, rows, np.flatnonzero(doubtful), chosen, scores)
+        return chosen, scores
+
+    def _repeat_in_logarithms(
+        self,
+        look: LookWeights,
+        rows: NDArray[np.intp],
+        doubtful: NDArray[np.intp],
+        chosen: NDArray[np.intp],
+        scores: Floats,
+    ) -> None:
+        """Compute `chosen` and `scores` (k,) of the `doubtful` of the scans `rows` (k,) once more, in logarithms."""
+        rows_at_once = max(1, _BLOCK_BYTES // (8 * len(self.belief.p)))
+        for start in range(0, len(doubtful), rows_at_once):
+            self.check()
+            some = doubtful[start : start + rows_at_once]
+            for row, after in zip(some, look.beliefs(rows[some], [self.belief] * len(some), self.policy), strict=True):
+                choice = choose(self.table.expected_scores(after.p))
+                chosen[row] = -1 if choice.index is None else choice.index
+                scores[row] = choice.expected_score
+
+    def _factor(self, look: LookWeights) -> "_Factor":
+        """Factor by which the weights of a look are multiplied; made once, for it does not depend on the look."""
+        key = look.dtype.name, look.matrix is not None
+        if key not in self._factors:
+            self._factors[key] = _Factor.of(self.belief.p, self.table, look.dtype, kept=look.matrix is not None)
+        return self._factors[key]
+
+
+@dataclass(frozen=True, eq=False)
+class _Factor:
+    """Factor B^T = [b * Q^T | b]^T of the matrix product.
+
+    Attributes:
+        columns: (c,) poses that take part.
+        masses: (c,) their probabilities before the scan.
+        weighted_scores: (m + 1, c) probability times score of each grasp, and the probabilities last.
+    """
+
+    columns: NDArray[np.intp]
+    masses: Floats
+    weighted_scores: Array
+
+    @classmethod
+    def of(cls, belief: Floats, table: GraspTable, dtype: np.dtype[Any], *, kept: bool) -> "_Factor":
+        """Make the factor for a belief (n,); of kept weights all poses take part, unless few of them have mass."""
+        columns = np.flatnonzero(belief > 0.0)
+        if kept and len(columns) >= _GATHER_BELOW * len(belief):
+            columns = np.arange(len(belief))
+        masses = belief[columns]
+        weighted = np.zeros((len(table.scores) + 1, len(columns)), dtype=dtype)
+        weighted[:-1] = masses * (table.scores if len(columns) == len(belief) else table.scores[:, columns])
+        weighted[-1] = masses
+        return cls(columns, masses, weighted)
+
+
+def scans_of(poses: NDArray[np.intp], samples: int) -> NDArray[np.intp]:
+    """Rows of the `samples` scans of each of the `poses` (k,) in the weights of a look, (k * samples,)."""
+    if samples == 1:
+        return poses
+    rows: NDArray[np.intp] = (poses[:, None] * samples + np.arange(samples)).reshape(-1)
+    return rows
+
+
+def scores_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.intp]) -> Floats:
+    """Scores Q[x, p] of pairs of a grasp and a pose, (k,); the grasp -1, which is none, scores 0."""
+    return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
 
 
 def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:

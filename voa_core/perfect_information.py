@@ -1,48 +1,31 @@
 """Perfect information: the most that looks can be expected to gain."""
 
-from collections.abc import Callable
-
 import numpy as np
 
-from voa_core.assistance import scans_of, scores_at
-from voa_core.choices import LookWeights, after_each
-from voa_core.filtering import Belief
-from voa_core.grasps import GraspTable, best_grasp
-from voa_core.updating import UpdatePolicy
-from voa_core.weights import wanted
+from voa_core.checks import Floats
+from voa_core.choices import Chooser, LookWeights, scans_of, scores_at
 
 
-def value_of_perfect_information(
-    belief: Belief,
-    table: GraspTable,
-    policy: UpdatePolicy,
-    *,
-    sensor_belief: Belief | None = None,
-    pending: LookWeights | None = None,
-    check: Callable[[], None] = wanted,
-) -> float:
+def value_of_perfect_information(chooser: Chooser, outer: Floats, pending: LookWeights | None) -> float:
     """Gain in success probability if the pose were known: sum_p s[p] max_x Q[x, p] - sum_p s[p] Q[x*(b), p].
 
     No looks can be expected to gain more, whatever their number.
 
     Args:
-        belief: of the gripper agent, (n,).
-        table: the grasps that are reachable.
-        policy: effect of a scan that no possible pose explains.
-        sensor_belief: of the sensor agent, (n,), for the expectation; None: the gripper agent's.
+        chooser: belief of the gripper agent, and its grasps.
+        outer: belief s of the sensor agent, (n,), for the expectation.
         pending: weights after scans that are on their way; the grasp without the knowledge is then chosen after them.
-        check: called before each block of weights; an error that it raises ends the computation.
     """
-    outer = (belief if sensor_belief is None else sensor_belief).p
-    outcomes = np.flatnonzero(outer > 0.0)
-    known = float(outer[outcomes] @ table.scores[:, outcomes].max(axis=0))
+    table, outcomes = chooser.table, np.flatnonzero(outer > 0.0)
+    shares = outer[outcomes]
+    known = float(shares @ table.scores[:, outcomes].max(axis=0))
     samples = 1 if pending is None else pending.samples
     if pending is None:
-        index = best_grasp(table, belief.p).index
+        index = chooser.before.index
         chosen = np.full(len(outcomes), -1 if index is None else index)
     else:
-        look = pending.seen_with(belief, policy)
-        rows, shares = scans_of(outcomes, samples), np.repeat(outer[outcomes], samples) / samples
-        chosen = after_each(look, rows, shares, belief, table, policy, sure=True, check=check)[0]
+        look = pending.seen_with(chooser.belief, chooser.policy)
+        rows, of_scans = scans_of(outcomes, samples), np.repeat(shares, samples) / samples
+        chosen = chooser.after_each(look, rows, of_scans, sure=True)[0]
     without = scores_at(table, chosen, np.repeat(outcomes, samples)).reshape(-1, samples).mean(axis=1)
-    return known - float(outer[outcomes] @ without)
+    return known - float(shares @ without)

@@ -1,18 +1,18 @@
 """Ranking of sensor configurations by net value, which is the Value of Assistance of a look less its cost."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
 
-from voa_core.assistance import Assistance, Definition, standard_error, value_of_assistance
+from voa_core.assistance import Assistance, Definition, Valuation
 from voa_core.choices import LookWeights
 from voa_core.filtering import Belief
 from voa_core.grasps import Choice, GraspTable, best_grasp
 from voa_core.lidars import SensorConfiguration
 from voa_core.looks import Driving, Looks, cost_of, exact_looks
-from voa_core.perfect_information import value_of_perfect_information
+from voa_core.standard_errors import standard_error
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import wanted
 
@@ -122,51 +122,6 @@ class Ranking:
 def _order(looks: Sequence[RankedLook]) -> list[int]:
     """Indices of looks by net value, the largest first; those that are equal to 1e-12 stay in their order."""
     return [int(i) for i in np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")]
-
-
-@dataclass(frozen=True, eq=False)
-class Valuation:
-    """Belief, grasps and definition by which looks are valued.
-
-    Attributes:
-        belief: of the gripper agent, (n,).
-        table: the grasps that are reachable.
-        policy: effect of scans that do not fit.
-        definition: of VOA, see `assistance`.
-        sensor_belief: of the sensor agent, (n,); None: the gripper agent's.
-        check: called between blocks of weights; an error that it raises ends the computation.
-    """
-
-    belief: Belief
-    table: GraspTable
-    policy: UpdatePolicy
-    definition: Definition = "posterior"
-    sensor_belief: Belief | None = None
-    check: Callable[[], None] = field(default=wanted, repr=False)
-
-    def value(self, look: LookWeights, pending: LookWeights | None = None) -> Assistance:
-        """Value of Assistance of a look; `look` includes the scans that are pending."""
-        return value_of_assistance(
-            look,
-            self.belief,
-            self.table,
-            self.policy,
-            definition=self.definition,
-            sensor_belief=self.sensor_belief,
-            pending=pending,
-            check=self.check,
-        )
-
-    def perfect_information(self, pending: LookWeights | None) -> float:
-        """Value of knowing the pose, after the pending scans."""
-        return value_of_perfect_information(
-            self.belief,
-            self.table,
-            self.policy,
-            sensor_belief=self.sensor_belief,
-            pending=pending,
-            check=self.check,
-        )
 
 
 def rank(

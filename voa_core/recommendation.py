@@ -9,11 +9,11 @@ its place to the next, until the first look has values of its own.
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from voa_core.assistance import Assistance
+from voa_core.assistance import Assistance, Valuation
 from voa_core.choices import LookWeights
 from voa_core.lidars import SensorConfiguration
 from voa_core.looks import Driving, LookOf, Looks, cost_of
-from voa_core.ranking import MIN_GAIN, OrderedMap, RankedLook, Ranking, Valuation
+from voa_core.ranking import MIN_GAIN, OrderedMap, RankedLook, Ranking
 
 MOST_PLACES_IN_PAIRS = 64
 _MOST_PAIR_BYTES = 2**30

@@ -7,7 +7,7 @@ depend on the belief, so callers keep it for each sensor configuration.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,8 @@ class Weigher:
         ranges: (n, c) predicted ranges, metres, on the beams on which some pose returns.
         beams: number of beams of a scan; all of them are compared, for predictions have no missing beams.
         dtype: float64 or float32, of the weights.
-        matrix: (n, n) all weights where they are kept, else None.
+        matrix: (n, n) all weights where they are kept, else None. In float32 they lie column by column in memory: a
+            ranking multiplies their transpose, which OpenBLAS does a third faster then; in float64 it does not.
     """
 
     rule: UpdateRule
@@ -69,11 +70,12 @@ class Weigher:
         if not keep:
             return weigher
         n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
+        order: Literal["F", "C"] = "F" if weigher.dtype == np.float32 else "C"
         if n <= _POSES_AT_ONCE:
             check()
             weights = scale_rows(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
-            return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
-        weights = np.zeros((n, n), dtype=weigher.dtype)
+            return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, np.asarray(weights, order=order))
+        weights = np.zeros((n, n), dtype=weigher.dtype, order=order)
         rows = max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()

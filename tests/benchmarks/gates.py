@@ -35,7 +35,7 @@ class Gate:
         return ratio <= self.goal if self.is_cost else ratio >= self.goal
 
     def margin(self, ratio: float) -> float:
-        """How many times better than the gate a ratio is: 1 at the gate, below 1 where it is missed."""
+        """Quotient by which a ratio is better than the gate: 1 at the gate, below 1 where it is missed."""
         return self.bound / ratio if self.is_cost else ratio / self.bound
 
 

@@ -62,7 +62,7 @@ def kept(path: Path = HISTORY) -> list[Run]:
 
 
 def draw(runs: Sequence[Run], path: Path = PICTURE) -> None:
-    """Draw how many times better than its gate each ratio was, the newest run dark, earlier ones pale, as SVG."""
+    """Draw by which factor each ratio was better than its gate, the newest run dark, earlier ones pale, as SVG."""
     names = list(dict.fromkeys(name for run in reversed(runs) for name in run.ratios if gate_of(name)))
     with rc_context({"svg.hashsalt": "voa", "font.size": 8}):
         figure = Figure(figsize=(8.0, 0.6 + 0.22 * len(names)), layout="constrained")

@@ -14,12 +14,12 @@ import numpy as np
 
 from tests.benchmarks import scene
 from tests.benchmarks.measure import Result, interleaved
+from voa_core.assistance import Valuation
 from voa_core.choices import LookWeights
 from voa_core.displacements import Spread
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.prediction import predictor_of_mesh
-from voa_core.ranking import Valuation
 from voa_core.rules.registry import defaults, rule_of
 from voa_core.scan_model import ScanModel
 from voa_core.scans import Scan

@@ -13,13 +13,14 @@ import pytest
 from tests.support.places import seen_from, spread_body, spread_scenario, turned_body
 from tests.support.replaying import replayed
 from tests.support.serving import LIDAR, Json, Service, box_obj, client, data_scenario
+from voa_core.assistance import Valuation
 from voa_core.checks import Floats
 from voa_core.estimates import Estimate
 from voa_core.filtering import Belief
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.looks import Driving, Looks
 from voa_core.places import Place, Viewpoint, index_of_place
-from voa_core.ranking import Valuation, rank_looks
+from voa_core.ranking import rank_looks
 from voa_core.recommendation import Recommendation, recommend
 from voa_core.scan_model import ScanModel
 from voa_core.scenario import Scenario

@@ -8,11 +8,12 @@ import numpy as np
 
 from tests.voa_assets.mugs import scenario_of
 from voa_assets import path
+from voa_core.assistance import Valuation
 from voa_core.checks import Floats
 from voa_core.estimates import Estimate
 from voa_core.grasps import best_grasp
 from voa_core.looks import Looks
-from voa_core.ranking import Ranking, Valuation, rank_looks
+from voa_core.ranking import Ranking, rank_looks
 from voa_core.recommendation import Recommendation, recommend
 from voa_core.scan_model import ScanModel
 from voa_core.scans import Scan

@@ -7,7 +7,7 @@ import pytest
 from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, random_belief
 from voa_core import choices
-from voa_core.assistance import Assistance, executed_value, score_variances, standard_error, value_of_assistance
+from voa_core.assistance import Assistance, executed_value, value_of_assistance
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
@@ -212,36 +212,3 @@ def test_executed_value_by_hand() -> None:
     value = executed_value(Belief.of([0.5, 0.25, 0.25]), after, TABLE)
     assert value == pytest.approx(0.45 + 0.1125 + 0.1 - 0.55)
     assert math.isfinite(value)
-
-
-def test_variances_of_scores_are_those_of_a_beta_distribution() -> None:
-    rng = np.random.default_rng(3)
-    counts = np.array([[0, 7, 15]])
-    drawn = rng.beta(counts + 0.5, 15 - counts + 0.5, (200_000, 1, 3))
-    variances = score_variances(GraspTable.of_successes(["a"], counts, 15, 3))
-    assert variances is not None
-    np.testing.assert_allclose(variances, drawn.var(axis=0), rtol=0.02)
-    assert score_variances(TABLE) is None
-
-
-def test_standard_errors_by_hand() -> None:
-    shares = np.array([0.75, 0.25])
-    # Of one scan more, after which nothing is gained, 3/4 is at the first pose and 1/4 at the second.
-    mean = 1.0 / 2.75
-    first = ((1.0 - mean) ** 2 + mean**2 + 0.75 * mean**2) / 1.75
-    mean = 1.0 / 2.25
-    second = (2.0 * (0.5 - mean) ** 2 + 0.25 * mean**2) / 1.25
-    by_hand = np.sqrt(0.75**2 * first / 2 + 0.25**2 * second / 2)
-    assert standard_error(shares, np.array([[1.0, 0.0], [0.5, 0.5]])) == pytest.approx(by_hand)
-    # One scan of each pose: the mean is 0.75.
-    of_one = np.sqrt((0.75 * 0.25) ** 2 + (0.25 * 0.75) ** 2)
-    assert standard_error(shares, np.array([[1.0], [0.0]])) == pytest.approx(of_one)
-    assert standard_error(np.zeros(0), np.zeros((0, 1))) == 0.0
-
-
-def test_scans_that_agree_leave_an_error_of_the_order_of_one_scan() -> None:
-    shares = np.full(8, 1 / 8)
-    error = standard_error(shares, np.full((8, 32), 0.5))
-    assert 0.5 / 256 < error < 2 * 0.5 / 256
-    assert standard_error(shares, np.full((8, 32), 0.1)) == pytest.approx(error / 5)
-    assert standard_error(shares, np.zeros((8, 32))) == 0.0

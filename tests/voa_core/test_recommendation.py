@@ -7,14 +7,14 @@ import pytest
 
 from tests.voa_core.worlds import lidar_of
 from voa_core import recommendation
-from voa_core.assistance import Assistance, Definition
+from voa_core.assistance import Assistance, Definition, Valuation
 from voa_core.filtering import Belief
 from voa_core.grasps import Choice, GraspTable
 from voa_core.lidars import SensorConfiguration
 from voa_core.looks import Driving, Looks, exact_looks
 from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor
-from voa_core.ranking import RankedLook, Ranking, Valuation, rank_looks
+from voa_core.ranking import RankedLook, Ranking, rank_looks
 from voa_core.recommendation import Recommendation, recommend
 from voa_core.rules.registry import rule_of
 from voa_core.scan_model import ScanModel

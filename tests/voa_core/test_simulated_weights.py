@@ -8,12 +8,12 @@ import pytest
 
 from tests.voa_core.simulated_worlds import FAR, NEAR, SAMPLING, SCORES, BruteForce
 from voa_core import displacements, scan_model, simulated_weights
+from voa_core.assistance import Valuation
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.joint_weights import JointWeights
 from voa_core.looks import Looks
-from voa_core.ranking import Valuation
 from voa_core.simulated_weights import SimulatedWeights, simulated_looks
 from voa_core.updating import UpdatePolicy
 from voa_core.workspace import Workspace

@@ -9,7 +9,7 @@ import pytest
 from tests.voa_core.simulated_worlds import FAR, LIDAR, NEAR, OBJECT, PLACES, POSES, SCORES, SPREAD, STD, PlainGaussian
 from tests.voa_core.worlds import HERE, data_predictor, lidar_of
 from voa_core import displacements
-from voa_core.assistance import Assistance
+from voa_core.assistance import Assistance, Valuation
 from voa_core.checks import Floats
 from voa_core.displacements import Spread, covariances, standard_normal_points
 from voa_core.evidence import restricted
@@ -19,7 +19,7 @@ from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.looks import Looks
 from voa_core.poses import PoseSet
 from voa_core.prediction import Prediction, predictor_of_mesh
-from voa_core.ranking import Ranking, Valuation, rank_looks
+from voa_core.ranking import Ranking, rank_looks
 from voa_core.rules.registry import rule_of
 from voa_core.scan_model import ScanModel
 from voa_core.simulated_weights import SimulatedWeights, simulated_looks

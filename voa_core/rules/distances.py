@@ -65,10 +65,13 @@ class DistanceRule(ABC):
         return squared_distance(observed, predicted, self.no_return_m)
 
     def statistic_among(self, ranges: Array) -> Array:
-        """Squared distance d^2 for each pair of the scans (n, c), computed once for both orders: (n, n)."""
+        """Squared distance d^2 for each pair of the scans (n, c), computed once for both orders: (n, n).
+
+        In float32 it comes column by column in memory, as `Weigher` keeps it; it is symmetric.
+        """
         out = np.zeros((len(ranges), len(ranges)), dtype=ranges.dtype)
         squared_distances_among(coded(ranges, self.no_return_m), out)
-        return out
+        return out.T if out.dtype == np.float32 else out
 
     @abstractmethod
     def log_weights(self, statistic: Array, beams: int, /) -> Array:

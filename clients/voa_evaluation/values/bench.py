@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from voa_core.assistance import Valuation
 from voa_core.choices import LookWeights
 from voa_core.filtering import Belief
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.looks import LookOf, Looks, exact_looks
-from voa_core.ranking import Valuation
 from voa_core.scan_model import ScanModel
 from voa_core.scenario import Scenario
 from voa_core.simulation import Sampling, samples_per_pose

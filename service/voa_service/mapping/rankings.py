@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
+from voa_core.assistance import Valuation
 from voa_core.filtering import Belief
 from voa_core.grasps import ranked
-from voa_core.ranking import OrderedMap, RankedLook, Valuation, rank_looks
+from voa_core.ranking import OrderedMap, RankedLook, rank_looks
 from voa_core.recommendation import Recommendation, recommend
 from voa_core.scenario import Scenario
 from voa_msgs.rankings import GraspNow, Look, Outcome, RankedGrasp, RankedGrasps, RankedSensor, Ranking
