@@ -1,4 +1,10 @@
-"""Migrates a database to the tables that this version of the service uses."""
+"""Migrates a database to the tables that this version of the service uses.
+
+Processes of the version before may run while their database is migrated, in a rolling restart. They go on if the
+revision keeps to the rules of CONTRIBUTING.md: it only adds tables and nullable columns, and what stays is read and
+verified as before. A revision that cannot keep to them begins a generation, a letter before its number ("b0012"):
+processes of an earlier generation then report that they are not ready.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +22,7 @@ from voa_store.errors import NewerTables
 
 _ONE_AT_A_TIME = 0x766F61  # "voa": the name of PostgreSQL's advisory lock
 _REVISIONS = Path(__file__).parent / "migrations"
+_DIGITS = "0123456789"
 
 
 def migrate(engines: Engines) -> None:
@@ -59,6 +66,19 @@ def _patient(connection: Connection) -> Iterator[None]:
 def is_current(connection: Connection) -> bool:
     """Return True if the tables are those of this version of the service."""
     return _current(connection) == _newest()
+
+
+def serves(connection: Connection) -> bool:
+    """Return True if this version can work with the tables: its own, or newer ones of the same generation."""
+    revision, newest = _current(connection), _newest()
+    if revision is None or revision == newest:
+        return revision is not None
+    return revision not in _known() and generation(revision) == generation(newest)
+
+
+def generation(revision: str) -> str:
+    """Return the letters before the number of a revision, which a migration that stops older processes changes."""
+    return revision.rstrip(_DIGITS)
 
 
 def _current(connection: Connection) -> str | None:

@@ -22,7 +22,7 @@ from voa_store.histories import read_history
 from voa_store.keys import KeyRecords
 from voa_store.listening import CHANNEL, Listener
 from voa_store.looks import count_look
-from voa_store.migrate import is_current, migrate
+from voa_store.migrate import migrate, serves
 from voa_store.probing import Probe
 from voa_store.records import (
     HistoryEntry,
@@ -108,14 +108,14 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         return self._engines.calls.failed
 
     def ping(self) -> None:
-        """Return if the tables are those of this version, and a row can be written.
+        """Return if this version can work with the tables, and a row can be written.
 
         Raises:
             StoreError: the database cannot be read or written.
-            RuntimeError: the tables are those of another version of the service.
+            RuntimeError: the tables are those of a version of the service with which this one cannot share them.
         """
         with statement(self._single) as connection:
-            if not is_current(connection):
+            if not serves(connection):
                 raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
 

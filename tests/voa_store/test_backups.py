@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from tests.support.releases import at_revision
 from tests.voa_store.samples import change, create, engine_of, next_version, scenario, write
-from tests.voa_store.test_migrations import at_revision
 from voa_store.backups import CannotBackUp, back_up, restore
 from voa_store.sql import SqlStore
 

@@ -6,14 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from alembic import command
-from alembic.config import Config
 from sqlalchemy import Engine, text
 
+from tests.support.releases import at_revision
 from tests.voa_core.worlds import box
-from tests.voa_store.samples import change, engine_of, looking, next_version, write
+from tests.voa_store.samples import change, looking, next_version, write
 from voa_core.objects import Object
-from voa_store import migrate
 from voa_store.records import RobotLook, StoredKey, StoredResponse, Upload, Write
 from voa_store.sql import SqlStore
 from voa_store.verify import main
@@ -22,17 +20,6 @@ INSERT_OBJECT = text(
     "INSERT INTO objects (id, name, created_at, vertices, faces) VALUES (:id, 'box', :at, :vertices, :faces)"
 )
 AT = datetime(2026, 11, 28, tzinfo=UTC).isoformat()
-
-
-def at_revision(url: str, revision: str) -> Engine:
-    """An empty database with the tables of an earlier version."""
-    engine = engine_of(url)
-    with engine.begin() as connection:
-        config = Config()
-        config.set_main_option("script_location", str(Path(migrate.__file__).parent / "migrations"))
-        config.attributes["connection"] = connection
-        command.upgrade(config, revision)
-    return engine
 
 
 def row_of(mesh: Object) -> dict[str, object]:

@@ -1,0 +1,108 @@
+"""Databases that earlier releases have written are upgraded when the service starts, and nothing in them is lost."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from tests.support.releases import VERSIONS, Call, calls, load
+from tests.support.replaying import replayed
+from tests.support.serving import Json, Service, scan_of, serving
+from voa_core.filtering import Belief
+from voa_store.verify import main as verify
+
+ULPS = 8
+"""Units in the last place by which a replay on another type of machine may differ."""
+
+
+class Upgraded(NamedTuple):
+    """Service that has upgraded the database of a release, and what the release responded."""
+
+    service: Service
+    url: str
+    calls: list[Call]
+
+    @property
+    def newest(self) -> dict[str, Json]:
+        """Newest state of each session as the release reported it, by the session's id."""
+        bodies = [json.loads(call.response) for call in self.calls if call.response]
+        gone = {call.path.rsplit("/", 1)[1] for call in self.calls if call.method == "DELETE"}
+        return {body["id"]: body for body in bodies if body["id"] not in gone}
+
+
+@pytest.fixture(params=VERSIONS)
+def upgraded(request: pytest.FixtureRequest, database_url: str, tmp_path: Path) -> Iterator[Upgraded]:
+    load(request.param, database_url)
+    with serving(tmp_path, database_url=database_url) as service:
+        yield Upgraded(service, database_url, calls(request.param))
+
+
+def verified(url: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, int]:
+    """Verify a database in which nothing may be damaged; return the numbers of sessions and versions."""
+    capsys.readouterr()
+    assert verify([url]) == 0
+    report = json.loads(capsys.readouterr().out)
+    return report["sessions"], report["versions"]
+
+
+def test_every_session_is_as_the_release_reported_it_and_verified(
+    upgraded: Upgraded, capsys: pytest.CaptureFixture[str]
+) -> None:
+    newest = upgraded.newest
+    assert verified(upgraded.url, capsys) == (4, sum(body["version"] + 1 for body in newest.values()))
+    listed = upgraded.service.get("/v1/sessions")["items"]
+    assert {item["id"]: item["version"] for item in listed} == {id_: body["version"] for id_, body in newest.items()}
+    for id_, before in newest.items():
+        now = upgraded.service.get(f"/v1/sessions/{id_}")
+        same = ("scenario", "version", "poses", "belief", "best_grasp", "expected_score", "last_fit_rmsd_mm")
+        assert {name: now[name] for name in same} == {name: before[name] for name in same}
+
+
+def test_a_repeated_call_gets_the_response_of_the_release_byte_for_byte(upgraded: Upgraded) -> None:
+    http = upgraded.service.http
+    repeated = [call for call in upgraded.calls if call.key is not None]
+    assert len(repeated) > 15
+    for call in repeated:
+        headers = {"Content-Type": "application/json", "Idempotency-Key": str(call.key)}
+        answer = http.request(call.method, call.path, content=call.body, headers=headers)
+        assert (answer.status_code, answer.text) == (call.status, call.response), call
+    versions = {item["id"]: item["version"] for item in upgraded.service.get("/v1/sessions")["items"]}
+    assert versions == {id_: body["version"] for id_, body in upgraded.newest.items()}, "nothing was done twice"
+
+
+def test_histories_replay_to_their_beliefs_but_for_looks_from_uncertain_poses(upgraded: Upgraded) -> None:
+    """Sensor poses with a stated `std`, and outcomes of measured scores, are weighed differently since (changelog)."""
+    sessions = upgraded.service.inside.sessions
+    different = set()
+    for id_ in upgraded.newest:
+        state = sessions.store.get_session(id_)
+        assert state is not None
+        entries = sessions.store.history(id_, -1, 99)
+        scenario = sessions.model_of(state).scenario
+        for entry, estimate in zip(entries, replayed(scenario, entries), strict=True):
+            if not _equal(estimate.belief, entry.state.belief):
+                different.add((entry.kind, entry.state.version, "std" in "".join(e.request for e in entries)))
+    assert different == {("scan", 3, True), ("outcome", 4, True)}
+
+
+def _equal(one: Belief, other: Belief) -> bool:
+    pairs = ((one.p, other.p), (one.log_p, other.log_p))
+    return all(np.allclose(a, b, rtol=ULPS * np.finfo(float).eps, atol=0.0) for a, b in pairs)
+
+
+def test_sessions_go_on_from_where_the_release_left_them(
+    upgraded: Upgraded, capsys: pytest.CaptureFixture[str]
+) -> None:
+    service, newest = upgraded.service, upgraded.newest
+    before = verified(upgraded.url, capsys)
+    id_, state = next(iter(newest.items()))
+    answer = service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
+    assert (answer["version"], answer["update"]["accepted"]) == (state["version"] + 1, True)
+    assert (
+        service.get(f"/v1/sessions/{id_}/history?after={state['version']}")["items"][0]["version"] == answer["version"]
+    )
+    service.post("/v1/sessions", {"scenario": state["scenario"]})
+    assert verified(upgraded.url, capsys) == (before[0] + 1, before[1] + 2)
