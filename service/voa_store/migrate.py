@@ -6,16 +6,19 @@ verified as before. A revision that cannot keep to them begins a generation, a l
 processes of an earlier generation then report that they are not ready.
 """
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import structlog
 from alembic import command
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
+from sqlalchemy.exc import OperationalError
 
 from voa_store.engines import Engines
 from voa_store.errors import NewerTables
@@ -23,32 +26,58 @@ from voa_store.errors import NewerTables
 _ONE_AT_A_TIME = 0x766F61  # "voa": the name of PostgreSQL's advisory lock
 _REVISIONS = Path(__file__).parent / "migrations"
 _DIGITS = "0123456789"
+_LOCK_MS = 500
+"""Longest wait for the lock of a table: others queue behind it, and PostgreSQL looks for deadlocks after 1 s."""
+_LOCKED = ("55P03", "40P01")
+"""States of SQL for a lock that could not be had: waited in vain, and deadlock."""
+_RETRY_SECONDS = 0.25
+_MOST_SECONDS = 60.0
 
 
-def migrate(engines: Engines) -> None:
+def migrate(
+    engines: Engines, pause: Callable[[float], None] = time.sleep, clock: Callable[[], float] = time.monotonic
+) -> None:
     """Run the missing migrations in one transaction; processes that start at the same time wait for each other.
 
-    Nothing is written where no migration is missing.
+    Nothing is written where no migration is missing. While other programs use the tables, processes of the version
+    before among them, the transaction gives up soon and is tried again for a minute: nobody waits long for it.
+
+    Args:
+        engines: of the database.
+        pause: sleeps for so many seconds between two attempts.
+        clock: returns the time in seconds.
 
     Raises:
         NewerTables: a newer version of the service has migrated this database.
+        OperationalError: other programs keep tables locked.
     """
     with engines.single.connect() as connection:
         if _current(connection) == _newest():
-            return
+            return None
+    end = clock() + _MOST_SECONDS
+    while True:
+        try:
+            return _migrate(engines)
+        except OperationalError as error:
+            if getattr(error.orig, "sqlstate", None) not in _LOCKED or clock() >= end:
+                raise
+            structlog.get_logger("voa").warning("migration waits for tables that others use", why=str(error.orig))
+            pause(_RETRY_SECONDS)
+
+
+def _migrate(engines: Engines) -> None:
     with engines.writer.begin() as connection, _patient(connection):
         revision = _current(connection)
         if revision is not None and revision not in _known():
             raise NewerTables(revision, _newest())
-        config = Config()
-        config.set_main_option("script_location", str(_REVISIONS))
+        config = _configuration()
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
 
 
 @contextmanager
 def _patient(connection: Connection) -> Iterator[None]:
-    """Wait without time-outs for another process that migrates, and for slow migrations."""
+    """Wait without time-outs for another process that migrates, and for slow migrations; briefly for each table."""
     if connection.dialect.name != "postgresql":
         yield
         return
@@ -57,6 +86,7 @@ def _patient(connection: Connection) -> Iterator[None]:
     for name in ("lock_timeout", "statement_timeout"):
         connection.execute(text(f"SET LOCAL {name} = 0"))
     connection.execute(text("SELECT pg_advisory_xact_lock(:name)"), {"name": _ONE_AT_A_TIME})
+    connection.execute(text(f"SET LOCAL lock_timeout = {_LOCK_MS}"))
     try:
         yield
     finally:
@@ -94,6 +124,10 @@ def _known() -> set[str]:
 
 
 def _scripts() -> ScriptDirectory:
+    return ScriptDirectory.from_config(_configuration())
+
+
+def _configuration() -> Config:
     config = Config()
     config.set_main_option("script_location", str(_REVISIONS))
-    return ScriptDirectory.from_config(config)
+    return config

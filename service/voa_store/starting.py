@@ -158,6 +158,9 @@ def _explain_server(error: Exception, url: URL, where: str) -> str:
             f"{where}: {user!r} may not create tables there: GRANT CREATE, USAGE ON SCHEMA public TO {user}"
         ),
         ("read-only",): f"{where} is read-only, a standby perhaps: name the primary server",
+        ("lock timeout", "deadlock"): (
+            f"{where}: other programs keep its tables locked, a backup perhaps: wait until that ends, and start again"
+        ),
         ("timeout", "silent", "does not answer"): (
             f"{where} does not answer: check that the server runs and that no firewall is in between"
         ),

@@ -1,6 +1,8 @@
 """Processes of the version before go on while, and after, their database is migrated to newer tables."""
 
+import itertools
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,15 +13,19 @@ from alembic import command
 from alembic.config import Config
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, inspect, text
+from sqlalchemy.exc import OperationalError
 
+from tests.support.postgres import Server
 from tests.support.releases import at_revision, load
 from tests.support.waiting import wait_for
-from tests.voa_store.samples import change, create, engine_of, key, next_version, scenario, write
+from tests.voa_store.samples import change, create, engine_of, key, never, next_version, scenario, write
 from voa_store import migrate
+from voa_store.engines import connect
 from voa_store.errors import CannotOpen
 from voa_store.migrate import generation
+from voa_store.records import StoredResponse
 from voa_store.sql import SqlStore
-from voa_store.starting import open_store
+from voa_store.starting import explain, open_store
 
 FROM = "0009"
 """Newest revision that is not held to the rules: tables of before are those of versions that stop for the upgrade."""
@@ -44,20 +50,22 @@ def scripts(*more: Path) -> Config:
     return config
 
 
-def newer(folder: Path, revision: str) -> Config:
-    """Write the migration of a newer version into a folder; return a configuration that has it."""
-    before = ScriptDirectory.from_config(scripts()).get_current_head()
-    (folder / "v_newer.py").write_text(FILE.format(revision=revision, before=before), encoding="utf-8")
-    return scripts(folder)
+@pytest.fixture
+def start_newer(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """A function that migrates the database as a newer version does when it starts."""
 
+    def start(revision: str = "9999", pause: Callable[[float], None] = time.sleep) -> None:
+        before = ScriptDirectory.from_config(scripts()).get_current_head()
+        (tmp_path / "v_newer.py").write_text(FILE.format(revision=revision, before=before), encoding="utf-8")
+        engines = connect(database_url)
+        try:
+            with monkeypatch.context() as newer:
+                newer.setattr(migrate, "_configuration", lambda: scripts(tmp_path))
+                migrate.migrate(engines, pause)
+        finally:
+            engines.dispose()
 
-def upgrade(engine: Engine, config: Config, revision: str) -> None:
-    """Migrate as a newer version does when it starts, in one transaction."""
-    with engine.begin() as connection:
-        if connection.dialect.name == "sqlite":
-            connection.exec_driver_sql("BEGIN IMMEDIATE")
-        config.attributes["connection"] = connection
-        command.upgrade(config, revision)
+    return start
 
 
 @contextmanager
@@ -69,7 +77,7 @@ def writing(store: Any) -> Iterator[list[int]]:
 
     def write_on() -> None:
         try:
-            while not ended.is_set():
+            while not ended.wait(0.005):  # SQLite lets a second process write only in the gaps between writes
                 response = change(store, "S", write(key(f"K{len(made)}")), next_version)
                 assert response is not None
                 made.append(response.version)
@@ -87,32 +95,52 @@ def writing(store: Any) -> Iterator[list[int]]:
     assert wrong == []
 
 
-def test_a_running_process_goes_on_while_a_newer_one_adds_to_the_tables(database_url: str, tmp_path: Path) -> None:
+def test_a_running_process_goes_on_while_a_newer_one_adds_to_the_tables(
+    database_url: str, start_newer: Callable[..., None]
+) -> None:
     store = SqlStore(database_url)
     store.put_scenario(scenario("A"))
     create(store, "S")
-    engine = engine_of(database_url)
     with writing(store) as made:
-        upgrade(engine, newer(tmp_path, "9999"), "9999")
+        start_newer()
         seen = len(made)
         wait_for(lambda: len(made) > seen + 3, "versions after the migration")
         store.ping()
-    engine.dispose()
     assert [entry.state.version for entry in store.history("S", -1, 9_999)] == list(range(len(made) + 1))
-    assert change(store, "S", write(key("K0")), next_version) is not None, "a repeated call finds its response"
+    assert store.troubles == 0
+    assert change(store, "S", write(key("K0")), never) == StoredResponse("v1", 1)
     assert store.delete_session("S", None, None)
     store.close()
     with pytest.raises(CannotOpen, match=r"written by a newer version of voa .*: start that version, or restore"):
         open_store(database_url)
 
 
-def test_a_running_process_of_an_earlier_generation_is_not_ready(database_url: str, tmp_path: Path) -> None:
-    store, engine = SqlStore(database_url), engine_of(database_url)
-    upgrade(engine, newer(tmp_path, "b9999"), "b9999")
-    engine.dispose()
+def test_a_running_process_of_an_earlier_generation_is_not_ready(
+    database_url: str, start_newer: Callable[..., None]
+) -> None:
+    store = SqlStore(database_url)
+    start_newer("b9999")
     with pytest.raises(RuntimeError, match="another version of the service has changed the tables"):
         store.ping()
     store.close()
+
+
+def test_nobody_waits_for_a_migration_that_waits_for_a_backup(postgres: Server) -> None:
+    url = postgres.new_database()
+    at_revision(url, "0008").dispose()
+    dump = engine_of(url)
+    engines, times = connect(url), itertools.count()
+    with dump.connect() as reading:
+        reading.execute(text("LOCK TABLE answers IN ACCESS SHARE MODE"))  # as pg_dump does for as long as it runs
+        with pytest.raises(OperationalError, match="lock timeout") as refused:
+            migrate.migrate(engines, lambda _: None, lambda: 25.0 * next(times))
+    assert next(times) == 4, "tried again for a minute"
+    assert "other programs keep its tables locked, a backup perhaps" in explain(refused.value, url)
+    migrate.migrate(engines)
+    with engines.single.connect() as connection:
+        assert migrate.is_current(connection)
+    engines.dispose()
+    dump.dispose()
 
 
 def test_letters_before_the_number_are_the_generation() -> None:
@@ -179,7 +207,7 @@ def breaks(before: Shape, after: Shape) -> list[str]:
     return wrong
 
 
-def test_migrations_since_keep_to_the_rules(postgres: Any) -> None:
+def test_migrations_since_keep_to_the_rules(postgres: Server) -> None:
     directory = ScriptDirectory.from_config(scripts())
     revisions = [script.revision for script in directory.iterate_revisions("head", FROM)][::-1]
     engine = at_revision(postgres.new_database(), FROM)
@@ -187,7 +215,10 @@ def test_migrations_since_keep_to_the_rules(postgres: Any) -> None:
     for revision in revisions:
         with engine.connect() as connection:
             before = shape_of(connection)
-        upgrade(engine, scripts(), revision)
+        with engine.begin() as connection:
+            config = scripts()
+            config.attributes["connection"] = connection
+            command.upgrade(config, revision)
         with engine.connect() as connection:
             wrong = breaks(before, shape_of(connection))
         assert not wrong or generation(revision) != generation(previous), (
@@ -204,7 +235,7 @@ def test_migrations_since_keep_to_the_rules(postgres: Any) -> None:
         ("CREATE TABLE others (id int PRIMARY KEY); CREATE INDEX of_others ON others (id)", []),
         ("ALTER TABLE history ADD COLUMN more text NOT NULL DEFAULT 'x'", []),
         ("ALTER TABLE history RENAME COLUMN request TO body", ["history.request is removed, renamed or changed"]),
-        ("ALTER TABLE history ALTER COLUMN report SET NOT NULL", ["history.report is removed, renamed or changed"]),
+        ("ALTER TABLE claims ALTER COLUMN session SET NOT NULL", ["claims.session is removed, renamed or changed"]),
         ("DROP TABLE claims", ["claims is removed or renamed"]),
         ("ALTER TABLE claims ADD COLUMN more text NOT NULL", ["claims.more must be given"]),
         ("CREATE INDEX more ON history (at)", ["constraints or indexes of history change"]),
@@ -226,7 +257,7 @@ def test_the_rules_notice_what_stops_or_delays_an_older_process(
 
 
 @pytest.fixture(scope="module")
-def loaded(postgres: Any) -> Iterator[Engine]:
+def loaded(postgres: Server) -> Iterator[Engine]:
     """An engine of a database of PostgreSQL with rows in its tables, whose transactions are rolled back."""
     url = postgres.new_database()
     load("0.2.0", url)
