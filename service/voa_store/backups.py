@@ -13,11 +13,12 @@ from urllib.parse import quote
 from sqlalchemy import make_url
 
 from voa_store.drivers import database_file, sqlite_driver
-from voa_store.engines import connect
-from voa_store.migrate import migrate
+from voa_store.engines import connect, statement
+from voa_store.migrate import is_current, migrate
 from voa_store.verify import Verified, verify_all
 
 _PART = ".part"
+_MIGRATED = ".migrated"
 _BEFORE = ".before-restore"
 
 
@@ -59,7 +60,8 @@ def back_up(url: str, file: Path, *, replace: bool = False) -> BackedUp:
     """Copy an SQLite database to a file by SQLite's online backup, and verify the copy.
 
     The service may write meanwhile: the copy is the state at the moment when the backup began. The file appears under
-    its name only when it is complete and on the disk.
+    its name only when it is complete and on the disk. Its tables are those of the database: the version that wrote a
+    database can restore a backup that a newer one made before it migrated that.
 
     Args:
         url: of the database.
@@ -79,7 +81,7 @@ def back_up(url: str, file: Path, *, replace: bool = False) -> BackedUp:
     part = file.with_name(file.name + _PART)
     try:
         _copy(database, part)
-        verified = _verified(part)
+        verified = _verified_as_it_is(part)
         _sync(part)
         part.replace(file)
         _sync(file.parent)
@@ -161,6 +163,24 @@ def _copy(source: Path, target: Path) -> None:
             writing.execute("VACUUM")
     except driver.Error as error:
         raise CannotBackUp(f"{source} cannot be copied to {target.parent}: {error}") from error
+
+
+def _verified_as_it_is(file: Path) -> Verified:
+    """Read every session of a copy without migrating it; one of an earlier version is read in a copy of its own."""
+    engines = connect(f"sqlite:///{file}")
+    try:
+        with statement(engines.single) as connection:
+            current = is_current(connection)
+    finally:
+        engines.dispose()
+    if current:
+        return _verified(file)
+    other = file.with_name(file.name + _MIGRATED)
+    try:
+        _copy(file, other)
+        return _verified(other)
+    finally:
+        _remove(other)
 
 
 def _verified(file: Path) -> Verified:

@@ -1,7 +1,10 @@
 """Databases that earlier releases have written are upgraded when the service starts, and nothing in them is lost."""
 
 import json
+import subprocess
+import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +15,8 @@ from tests.support.releases import VERSIONS, Call, calls, load
 from tests.support.replaying import replayed
 from tests.support.serving import Json, Service, scan_of, serving
 from voa_core.filtering import Belief
+from voa_store.backups import back_up, restore
+from voa_store.drivers import sqlite_driver
 from voa_store.verify import main as verify
 
 ULPS = 8
@@ -106,3 +111,44 @@ def test_sessions_go_on_from_where_the_release_left_them(
     )
     service.post("/v1/sessions", {"scenario": state["scenario"]})
     assert verified(upgraded.url, capsys) == (before[0] + 1, before[1] + 2)
+
+
+def rows(file: Path) -> list[str]:
+    """Read a database of SQLite: how its tables are made, and all rows."""
+    with closing(sqlite_driver().connect(str(file))) as connection:
+        tables = connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table' ORDER BY name").fetchall()
+        contents = [connection.execute(f'SELECT * FROM "{name}" ORDER BY 1').fetchall() for name, _ in tables]  # noqa: S608
+    return [repr(each) for each in (*tables, *contents)]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_backup_before_the_upgrade_is_what_the_release_can_go_back_to(version: str, tmp_path: Path) -> None:
+    database, backup = tmp_path / "voa.db", tmp_path / "before.db"
+    load(version, f"sqlite:///{database}")
+    written = rows(database)
+    made = back_up(f"sqlite:///{database}", backup)
+    assert (made.verified.well, made.verified.sessions) == (True, 4)
+    with serving(tmp_path) as service:
+        id_ = service.get("/v1/sessions")["items"][0]["id"]
+        service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
+    assert rows(database) != written
+    assert rows(backup) == written, "tables and rows as the release wrote them, for its own service"
+    restored = restore(backup, f"sqlite:///{database}")
+    assert (restored.verified.well, restored.verified.sessions) == (True, 4)
+    with serving(tmp_path) as service:
+        newest = service.get(f"/v1/sessions/{id_}")
+    assert newest["version"] == Upgraded(service, "", calls(version)).newest[id_]["version"]
+
+
+def test_an_older_service_refuses_newer_tables_in_one_line(tmp_path: Path) -> None:
+    with serving(tmp_path):
+        pass
+    with closing(sqlite_driver().connect(str(tmp_path / "voa.db"))) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+        connection.commit()
+    command = [sys.executable, "-m", "voa_service", "--port", "0", "--database-url", f"sqlite:///{tmp_path}/voa.db"]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
+    assert ended.returncode != 0
+    (line,) = [line for line in ended.stderr.splitlines() if "voa.db" in line]
+    assert "was written by a newer version of voa" in line
+    assert "start that version, or restore the backup that was made before it" in line
