@@ -10,10 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from sqlalchemy import text
 
+from tests.support.postgres import Server, binaries
 from tests.support.releases import VERSIONS, Call, calls, load
 from tests.support.replaying import replayed
 from tests.support.serving import Json, Service, scan_of, serving
+from tests.voa_store.samples import engine_of
 from voa_core.filtering import Belief
 from voa_store.backups import back_up, restore
 from voa_store.drivers import sqlite_driver
@@ -152,3 +155,20 @@ def test_an_older_service_refuses_newer_tables_in_one_line(tmp_path: Path) -> No
     (line,) = [line for line in ended.stderr.splitlines() if "voa.db" in line]
     assert "was written by a newer version of voa" in line
     assert "start that version, or restore the backup that was made before it" in line
+
+
+def test_a_dump_before_the_upgrade_is_restored_into_a_database_of_its_own(postgres: Server, tmp_path: Path) -> None:
+    url, other, file = postgres.new_database(), postgres.new_database(), tmp_path / "before.dump"
+    load("0.2.0", url)
+    subprocess.run([binaries() / "pg_dump", "--format=custom", f"--file={file}", url], check=True)
+    with serving(tmp_path, database_url=url) as service:
+        id_ = service.get("/v1/sessions")["items"][0]["id"]
+        service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
+    subprocess.run([binaries() / "pg_restore", "--no-owner", f"--dbname={other}", file], check=True)
+    engine = engine_of(other)
+    with engine.connect() as connection:
+        assert connection.execute(text("SELECT version_num FROM alembic_version")).scalar_one() == "0006"
+    engine.dispose()
+    with serving(tmp_path, database_url=other) as service:
+        newest = service.get(f"/v1/sessions/{id_}")
+    assert newest["version"] == Upgraded(service, "", calls("0.2.0")).newest[id_]["version"]
