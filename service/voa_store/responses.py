@@ -1,17 +1,27 @@
-"""Idempotency keys, and the responses that are stored under them until they are too old or their session is deleted."""
+"""Idempotency keys, and the responses that are stored under them until they are too old or their session is deleted.
+
+Responses that report a session are packed (`packing`) with the belief that its history has at that version.
+"""
 
 from collections.abc import Iterable
 from typing import Any
 
 from sqlalchemy import Connection, and_, bindparam, delete, insert, select, update
 
+from voa_store import checksums
 from voa_store.errors import KeyReused
+from voa_store.packing import is_packed, pack, unpack
 from voa_store.records import IdempotencyKey, StoredResponse
-from voa_store.tables import responses, sessions
+from voa_store.tables import history, responses, sessions
 
 _SESSION = "session:"
 _INSERT = insert(responses)
-_STORED = select(responses).where(responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
+_AT_VERSION = and_(history.c.session == bindparam("by_session"), history.c.version == responses.c.version)
+_STORED = (
+    select(responses.c.fingerprint, responses.c.body, responses.c.version, history.c.belief)
+    .select_from(responses.outerjoin(history, _AT_VERSION))
+    .where(responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
+)
 _KEY = (responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
 _DELETE = delete(responses).where(*_KEY)
 _DATE = update(responses).where(*_KEY)
@@ -39,22 +49,34 @@ _UNDATED = (
 
 
 def stored_response(connection: Connection, key: IdempotencyKey | None) -> StoredResponse | None:
-    """Read the response stored under a key; None: there is no key, or it has not been used.
+    """Read the response stored under a key; None: there is no key, or it has not been used, or its session is gone.
 
     Raises:
         KeyReused: the key was used for another request.
+        DamagedData: the response, or the belief that it reports, differs from what was written.
     """
     if key is None or "\0" in key.scope:  # PostgreSQL cannot store a NUL in a text, so no scope contains one
         return None
-    row = connection.execute(_STORED, {"by_scope": key.scope, "by_key": key.key}).one_or_none()
+    session = key.scope.removeprefix(_SESSION)
+    named = {"by_scope": key.scope, "by_key": key.key, "by_session": session}
+    row = connection.execute(_STORED, named).one_or_none()
     if row is None:
         return None
     if row.fingerprint != key.fingerprint:
         raise KeyReused(key.key)
-    return StoredResponse(row.body, row.version)
+    if not is_packed(row.body):
+        return StoredResponse(row.body, row.version)
+    if row.belief is None:  # the history of a deleted session is being removed, and its responses with it
+        return None
+    try:
+        return StoredResponse(unpack(row.body, row.belief), row.version)
+    except ValueError as error:
+        raise checksums.damaged(session, row.version) from error
 
 
-def keep_response(connection: Connection, key: IdempotencyKey | None, response: StoredResponse, at: int) -> None:
+def keep_response(
+    connection: Connection, key: IdempotencyKey | None, response: StoredResponse, at: int, belief: bytes | None = None
+) -> None:
     """Store a response under its key, if the write has one.
 
     Args:
@@ -62,10 +84,14 @@ def keep_response(connection: Connection, key: IdempotencyKey | None, response: 
         key: of the write.
         response: to it.
         at: time of the write, seconds since 1970.
+        belief: of the session, whose id is the key's scope, at the response's version as the history has it; None: the
+            response does not report a session.
     """
-    if key is not None:
-        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
-        connection.execute(_INSERT, named | {"body": response.body, "version": response.version})
+    if key is None:
+        return
+    body = response.body if belief is None else pack(response.body, belief)
+    named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
+    connection.execute(_INSERT, named | {"body": body, "version": response.version})
 
 
 def has_more_responses(connection: Connection, session: str, rows: int) -> bool:

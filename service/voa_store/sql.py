@@ -225,6 +225,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
                 raise SessionMissing(id_)
             prior = checksums.check_session(row)
             _check_version(row.version, write.if_match)
+            belief: bytes = row.belief
             change = SessionChange(session_of(row))
             yield change
             if change.after is not None and change.after.version == row.version:
@@ -233,10 +234,11 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
                 columns, entry = written(change.after, write, change.report, row.newest, prior)
                 connection.execute(_UPDATE, {"by_id": id_, **columns})
                 connection.execute(_INSERT[history], entry)
+                belief = entry["belief"]
                 if write.look is not None:
                     count_look(connection, id_, write.look)
                 self._notify(connection, id_)
-            keep_response(connection, write.key, change.response, self._now())
+            keep_response(connection, write.key, change.response, self._now(), belief)
 
     def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
         """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
