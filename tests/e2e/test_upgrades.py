@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -18,8 +17,10 @@ from tests.support.replaying import replayed
 from tests.support.serving import Json, Service, scan_of, serving
 from tests.voa_store.samples import engine_of
 from voa_core.filtering import Belief
+from voa_service.serve import main as serve
 from voa_store.backups import back_up, restore
 from voa_store.drivers import sqlite_driver
+from voa_store.sql import SqlStore
 from voa_store.verify import main as verify
 
 ULPS = 8
@@ -41,11 +42,22 @@ class Upgraded(NamedTuple):
         return {body["id"]: body for body in bodies if body["id"] not in gone}
 
 
-@pytest.fixture(params=VERSIONS)
-def upgraded(request: pytest.FixtureRequest, database_url: str, tmp_path: Path) -> Iterator[Upgraded]:
-    load(request.param, database_url)
-    with serving(tmp_path, database_url=database_url) as service:
-        yield Upgraded(service, database_url, calls(request.param))
+@pytest.fixture(scope="module", params=VERSIONS)
+def release(request: pytest.FixtureRequest) -> str:
+    """The version of an earlier release."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def upgraded(
+    request: pytest.FixtureRequest, release: str, postgres: Server, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Upgraded]:
+    """A service on the database of a release, which no test changes."""
+    folder = tmp_path_factory.mktemp("upgraded")
+    url = postgres.new_database() if request.param == "postgresql" else f"sqlite:///{folder / 'voa.db'}"
+    load(release, url)
+    with serving(folder, database_url=url) as service:
+        yield Upgraded(service, url, calls(release))
 
 
 def verified(url: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, int]:
@@ -101,19 +113,14 @@ def _equal(one: Belief, other: Belief) -> bool:
     return all(np.allclose(a, b, rtol=ULPS * np.finfo(float).eps, atol=0.0) for a, b in pairs)
 
 
-def test_sessions_go_on_from_where_the_release_left_them(
-    upgraded: Upgraded, capsys: pytest.CaptureFixture[str]
-) -> None:
-    service, newest = upgraded.service, upgraded.newest
-    before = verified(upgraded.url, capsys)
-    id_, state = next(iter(newest.items()))
-    answer = service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
-    assert (answer["version"], answer["update"]["accepted"]) == (state["version"] + 1, True)
-    assert (
-        service.get(f"/v1/sessions/{id_}/history?after={state['version']}")["items"][0]["version"] == answer["version"]
-    )
-    service.post("/v1/sessions", {"scenario": state["scenario"]})
-    assert verified(upgraded.url, capsys) == (before[0] + 1, before[1] + 2)
+def go_on(service: Service) -> str:
+    """Send a scan to the first session of a release, which must be accepted; return the session's id."""
+    listed = service.get("/v1/sessions")["items"][0]
+    answer = service.post(f"/v1/sessions/{listed['id']}/scans", scan_of([0.6, 0.5, None, 1.0]))
+    assert (answer["version"], answer["update"]["accepted"]) == (listed["version"] + 1, True)
+    (added,) = service.get(f"/v1/sessions/{listed['id']}/history?after={listed['version']}")["items"]
+    assert added["version"] == answer["version"]
+    return str(listed["id"])
 
 
 def rows(file: Path) -> list[str]:
@@ -124,35 +131,33 @@ def rows(file: Path) -> list[str]:
     return [repr(each) for each in (*tables, *contents)]
 
 
-@pytest.mark.parametrize("version", VERSIONS)
-def test_a_backup_before_the_upgrade_is_what_the_release_can_go_back_to(version: str, tmp_path: Path) -> None:
+def test_a_backup_before_the_upgrade_is_what_the_release_can_go_back_to(
+    release: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     database, backup = tmp_path / "voa.db", tmp_path / "before.db"
-    load(version, f"sqlite:///{database}")
+    load(release, f"sqlite:///{database}")
     written = rows(database)
     made = back_up(f"sqlite:///{database}", backup)
     assert (made.verified.well, made.verified.sessions) == (True, 4)
     with serving(tmp_path) as service:
-        id_ = service.get("/v1/sessions")["items"][0]["id"]
-        service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
+        id_ = go_on(service)
+    assert verified(f"sqlite:///{database}", capsys)[0] == 4
     assert rows(database) != written
     assert rows(backup) == written, "tables and rows as the release wrote them, for its own service"
     restored = restore(backup, f"sqlite:///{database}")
     assert (restored.verified.well, restored.verified.sessions) == (True, 4)
     with serving(tmp_path) as service:
         newest = service.get(f"/v1/sessions/{id_}")
-    assert newest["version"] == Upgraded(service, "", calls(version)).newest[id_]["version"]
+    assert newest["version"] == Upgraded(service, "", calls(release)).newest[id_]["version"]
 
 
-def test_an_older_service_refuses_newer_tables_in_one_line(tmp_path: Path) -> None:
-    with serving(tmp_path):
-        pass
+def test_an_older_service_refuses_newer_tables_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    SqlStore(f"sqlite:///{tmp_path}/voa.db").close()
     with closing(sqlite_driver().connect(str(tmp_path / "voa.db"))) as connection:
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
         connection.commit()
-    command = [sys.executable, "-m", "voa_service", "--port", "0", "--database-url", f"sqlite:///{tmp_path}/voa.db"]
-    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
-    assert ended.returncode != 0
-    (line,) = [line for line in ended.stderr.splitlines() if "voa.db" in line]
+    assert serve(["--port", "0", "--database-url", f"sqlite:///{tmp_path}/voa.db"]) == 1
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("voa serve: ")]
     assert "was written by a newer version of voa" in line
     assert "start that version, or restore the backup that was made before it" in line
 
@@ -162,8 +167,7 @@ def test_a_dump_before_the_upgrade_is_restored_into_a_database_of_its_own(postgr
     load("0.2.0", url)
     subprocess.run([binaries() / "pg_dump", "--format=custom", f"--file={file}", url], check=True)
     with serving(tmp_path, database_url=url) as service:
-        id_ = service.get("/v1/sessions")["items"][0]["id"]
-        service.post(f"/v1/sessions/{id_}/scans", scan_of([0.6, 0.5, None, 1.0]))
+        id_ = go_on(service)
     subprocess.run([binaries() / "pg_restore", "--no-owner", f"--dbname={other}", file], check=True)
     engine = engine_of(other)
     with engine.connect() as connection:
