@@ -10,7 +10,7 @@ COVERAGE := build/coverage
 # Per cent of the lines of all packages that the tests run, kernels not counted as they are compiled. Never lower it.
 FLOOR := 95
 
-.PHONY: help setup demo test bench chaos lint docs lock image clean
+.PHONY: help setup demo test bench chaos lint docs rules lock image clean
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
@@ -61,6 +61,10 @@ lint: setup  ## ruff and mypy, strict
 
 docs: setup  ## the documentation, into build/docs/index.html
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet -f deploy/mkdocs.yml
+
+rules:  ## Prometheus's own checks of the alerts, and their tests
+	@deploy/monitoring/promtool.sh check rules rules.yml
+	@deploy/monitoring/promtool.sh test rules rules.test.yml
 
 chaos: setup system-packages  ## attacks on a running service, each with its figure before and now
 	@$(BIN)/python -m tests.chaos
