@@ -74,5 +74,5 @@ def test_parentheses_of_every_expression_match() -> None:
 
 def test_every_alert_says_what_to_look_at() -> None:
     for rule in rules():
-        assert set(rule["annotations"]) == {"summary", "look_at"}, rule["alert"]
+        assert set(rule["annotations"]) == {"summary", "look_at", "runbook"}, rule["alert"]
         assert rule["labels"]["severity"] in ("page", "warn")

@@ -51,7 +51,7 @@ def test_a_packed_body_is_read_back(p: list[float], name: str) -> None:
 
 @given(NUMBERS)
 def test_the_numbers_of_a_belief_take_no_space(p: list[float]) -> None:
-    """They are found in the response, so they are written as messages write them."""
+    """Stored beliefs are written as messages write them, and so are found in the response."""
     bodies = [
         to_json({"poses": ["P1"] * 9, "belief": each, "absent": None, "id": "x" * 40}).decode() for each in (p, [])
     ]
