@@ -27,11 +27,12 @@ from voa_store.records import StoredResponse
 from voa_store.sql import SqlStore
 
 
-def test_ping_says_when_the_tables_are_of_another_version(store: Store, database_url: str) -> None:
+@pytest.mark.parametrize("revision", ["0005", "b9999"])
+def test_ping_says_when_the_tables_are_of_another_version(store: Store, database_url: str, revision: str) -> None:
     store.ping()
     engine = engine_of(database_url)
     with engine.begin() as connection:
-        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+        connection.execute(text("UPDATE alembic_version SET version_num = :revision"), {"revision": revision})
     engine.dispose()
     with pytest.raises(RuntimeError, match="another version"):
         store.ping()
