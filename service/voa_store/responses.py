@@ -87,11 +87,10 @@ def keep_response(
         belief: of the session, whose id is the key's scope, at the response's version as the history has it; None: the
             response does not report a session.
     """
-    if key is None:
-        return
-    body = response.body if belief is None else pack(response.body, belief)
-    named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
-    connection.execute(_INSERT, named | {"body": body, "version": response.version})
+    if key is not None:
+        body = response.body if belief is None else pack(response.body, belief)
+        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
+        connection.execute(_INSERT, named | {"body": body, "version": response.version})
 
 
 def has_more_responses(connection: Connection, session: str, rows: int) -> bool:
