@@ -22,10 +22,12 @@ from tests.deploy.pages import REPOSITORY, page
 from tests.deploy.test_monitoring import MAKER, MONITORING, existing, rules
 from tests.support.postgres import Server, binaries
 from tests.support.waiting import wait_for
+from tests.voa_store.samples import NOON
 from voa_cli.main import main
 from voa_service.bootstrap import services
 from voa_service.http.app import create_app
 from voa_service.settings import Settings
+from voa_store.records import StoredKey
 from voa_store.sql import SqlStore
 
 RUNBOOK = page("runbook")
@@ -41,11 +43,13 @@ NOT_RUN = ("python3 -m venv ", "/opt/voa/bin/pip ")
 """Beginnings of the lines that install: `make setup` and the image do it, from the same lock file."""
 WITH_URL = ("doctor", "prune", "sessions")
 POSTGRESQL = ("pg_dump", "createdb", "export NEW=", "pg_restore", "python -m voa_store.verify")
+"""Beginnings of the lines for PostgreSQL."""
 
 
 def blocks() -> list[str]:
     """Blocks of shell commands, without the indentation of their list."""
-    return [re.sub(rf"(?m)^{match[1]}", "", match[2]) for match in BLOCK.finditer(RUNBOOK.text)]
+    texts = [re.sub(rf"(?m)^{match[1]}", "", match[2]) for match in BLOCK.finditer(RUNBOOK.text)]
+    return [text.replace("\\\n", "") for text in texts]
 
 
 def headings() -> set[str]:
@@ -116,7 +120,7 @@ class Machine:
             case ["stop", "voa"]:
                 self.stop()
                 self._enabled = False
-            case ["start", "voa"] | ["enable", "--now", "voa"]:
+            case ["start", "voa"] | ["enable", "--now", "voa", "voa-console"]:
                 self._enabled = True
             case ["restart", "voa"]:
                 self.stop()
@@ -167,14 +171,24 @@ def test_every_command_does_what_is_said(machine: Machine, capsys: pytest.Captur
     assert {"anna.key", "tb3_1.key"} <= {path.name for path in machine.home.glob("*.key")}
 
 
-def test_the_commands_of_postgresql_restore_what_was_dumped(postgres: Server, tmp_path: Path) -> None:
+def test_the_commands_of_postgresql_restore_what_was_dumped_with_the_present_keys(
+    postgres: Server, tmp_path: Path
+) -> None:
     url = postgres.new_database()
-    SqlStore(url).close()
+    store = SqlStore(url)
+    for name in ("revoked", "valid"):
+        store.put_key(StoredKey(name, b"digest", name, "viewer", NOON))
     path = f"{binaries()}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    lines = [line for block in blocks() for line in block.splitlines() if line.startswith(POSTGRESQL)]
-    assert len(lines) == len(POSTGRESQL)
     environment = os.environ | {"PATH": path, "VOA_DATABASE_URL": url}
-    subprocess.run(["sh", "-euc", "\n".join(lines)], check=True, cwd=tmp_path, env=environment)
+    lines = [line for block in blocks() for line in block.splitlines() if line.startswith(POSTGRESQL)]
+    assert len(lines) == 1 + len(POSTGRESQL)
+    subprocess.run(["sh", "-euc", lines[0]], check=True, cwd=tmp_path, env=environment)
+    store.revoke_key("revoked", NOON)
+    store.close()
+    subprocess.run(["sh", "-euc", "\n".join(lines[1:])], check=True, cwd=tmp_path, env=environment)
+    restored = SqlStore(f"{url.rsplit('/', 1)[0]}/voa_restored")
+    assert {key.name: key.revoked_at for key in restored.list_keys()} == {"revoked": NOON, "valid": None}
+    restored.close()
 
 
 def test_each_alert_has_its_section_and_each_section_leads_on() -> None:
@@ -217,5 +231,5 @@ def test_every_metric_and_panel_exists(tmp_path: Path) -> None:
 def test_it_fits_on_a_phone() -> None:
     """Short lines of commands, no tables, and no section that is longer than some screens."""
     assert "\n|" not in RUNBOOK.text
-    assert max(len(line) for block in blocks() for line in block.splitlines()) < 80
+    assert max(len(line) for block in BLOCK.findall(RUNBOOK.text) for line in block[1].splitlines()) < 80
     assert all(len(text.split()) < 180 for text in sections().values())
