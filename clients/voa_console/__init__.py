@@ -7,7 +7,8 @@
 | know what every page receives                                           | `context`     |
 | serve the application as a process                                      | `serving`     |
 | refuse other sites' pages                                               | `guard`       |
-| draw the frame around a page: links, dark or light, banner              | `layout`      |
+| draw the frame around a page: links, key, dark or light, banner         | `layout`      |
+| let each browser call the service with its own key                      | `keys`        |
 | say in a sentence why the service refused                               | `sentences`   |
 | follow sessions and robots once for all open pages                      | `watching`    |
 | page Now: the sessions that moved in the last hour                      | `now`         |

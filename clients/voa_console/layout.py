@@ -1,4 +1,4 @@
-"""The frame around every page: links, dark or light, the service's address, and whether it responds."""
+"""The frame around every page: links, the key, dark or light, the service's address, and whether it responds."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -6,7 +6,11 @@ from contextlib import contextmanager
 from nicegui import ui
 
 from voa_console.context import Console
-from voa_console.sentences import sentence_of
+from voa_console.keys.access import Admitted
+from voa_console.keys.admission import admitted_of
+from voa_console.keys.header import draw_key
+from voa_console.keys.leaving import Leaving
+from voa_console.sentences import needs_key, sentence_of
 
 LINKS = {"Now": "/", "New object": "/new", "Robots": "/robots"}
 """Names and paths of the pages in the header; the page of a session is linked from its card."""
@@ -26,25 +30,52 @@ a:focus-visible, button:focus-visible, [tabindex]:focus-visible { outline: 3px s
 
 
 @contextmanager
-def page(console: Console, title: str) -> Iterator[None]:
+def page(title: str) -> Iterator[Console]:
     """Draw the frame of a page; elements of the `with` block become its content.
 
-    The page counts as open in the hub until its browser has left.
+    The page counts as open in the hub until its browser has left. It leaves for the page of the key when its key is
+    forgotten, or no longer accepted.
 
     Args:
-        console: parts of the console.
         title: of the page, as its heading and in the browser's tab.
+
+    Yields:
+        The console of the key by which the page calls the service.
     """
     client = ui.context.client
-    client.on_delete(console.hub.open_page())
+    admitted = admitted_of(client.request)
+    console = admitted.console
+    leaving = Leaving(client, console)
+    while_open(console.hub.open_page())
+    while_open(admitted.open_page(leaving.forgotten))
+    dress(title)
+    _header(admitted, title)
+    show = banner(console)
+    while_open(console.hub.subscribe(leaving.check))
+    while_open(console.hub.subscribe(show))
+    with ui.column().classes("voa-page gap-4"):
+        ui.label(title).classes("text-2xl").props('role=heading aria-level="1"')
+        yield console
+
+
+def dress(title: str) -> None:
+    """Give a page its title in the browser's tab, its colours and its style."""
     ui.page_title(f"{title} · VOA")
     ui.add_css(_STYLE)
     ui.colors(primary="#00507A", negative="#B3400A", positive="#00735A", warning="#8A5A00")
-    _header(console, title)
-    while_open(console.hub.subscribe(banner(console)))
-    with ui.column().classes("voa-page gap-4"):
-        ui.label(title).classes("text-2xl").props('role=heading aria-level="1"')
-        yield
+
+
+def plain_header(url: str) -> None:
+    """Draw a header without links, for a page that needs no key.
+
+    Args:
+        url: address of the service.
+    """
+    with ui.header().classes("items-center gap-1 px-3 py-1"), ui.row().classes("items-center gap-1 w-full"):
+        ui.label("VOA console").classes("text-base px-2")
+        ui.space()
+        _address(url)
+        _dark_or_light()
 
 
 def while_open(unsubscribe: Callable[[], None]) -> None:
@@ -60,7 +91,7 @@ def banner(console: Console) -> Callable[[], None]:
     row.set_visibility(False)
 
     def update() -> None:
-        error = console.hub.error
+        error = None if needs_key(console.hub.error) else console.hub.error
         row.set_visibility(error is not None)
         if error is not None:
             state = " This page shows the last state, and continues by itself." if console.hub.has_responded else ""
@@ -70,20 +101,28 @@ def banner(console: Console) -> Callable[[], None]:
     return update
 
 
-def _header(console: Console, title: str) -> None:
+def _header(admitted: Admitted, title: str) -> None:
     """Draw the header with the link of the page marked; the page of a session belongs to the page Now."""
+    console = admitted.console
     with ui.header().classes("items-center gap-1 px-3 py-1"), ui.row().classes("items-center gap-1 w-full"):
         with ui.row().classes("items-center gap-1").props('role="navigation" aria-label="Pages"'):
             for name, path in LINKS.items():
+                if path == "/new" and not console.may("scenario.create"):
+                    continue
                 link = ui.link(name, path).classes("voa-link")
                 if name == title:
                     link.props('aria-current="page"')
                 elif title not in LINKS and path == "/":
                     link.props('aria-current="true"')
         ui.space()
-        address = ui.label(f"service: {console.settings.url}").classes("text-sm opacity-80 max-sm:hidden")
-        address.tooltip("the service that this console watches")
+        _address(console.settings.url)
+        draw_key(admitted)
         _dark_or_light()
+
+
+def _address(url: str) -> None:
+    address = ui.label(f"service: {url}").classes("text-sm opacity-80 max-md:hidden")
+    address.tooltip("the service that this console watches")
 
 
 def _dark_or_light() -> None:

@@ -24,6 +24,11 @@ REASONS = {
 """Reasons of updates in words."""
 
 
+def needs_key(error: VoaClientError | None) -> bool:
+    """True if a call failed because the service needs a key, or no longer accepts the one that it received."""
+    return isinstance(error, DeniedError) and error.kind == "unauthenticated"
+
+
 def sentence_of(error: VoaClientError) -> str:
     """Write in plain words why a call failed, and what to do.
 
@@ -54,13 +59,16 @@ def _refused(error: ProblemError) -> str:
         case InvalidRequestError():
             return f"The service cannot use these values: {_fields(error)}."
         case DeniedError():
-            return f"The service does not allow this: {_detail(error)}."
+            refusal = "does not accept the key" if needs_key(error) else "does not allow this"
+            return f"The service {refusal}: {_detail(error)}."
     return f"The service refused: {_detail(error)}."
 
 
 def _unavailable(error: UnavailableError) -> str:
     """Write why the service cannot answer at the moment, and when to try again."""
     again = "in a moment" if error.retry_after_s is None else f"in {error.retry_after_s:.0f} s"
+    if isinstance(error, OverloadedError) and error.kind == "too-many-requests":
+        return f"This key has made more calls than the service allows in a short time. Try again {again}."
     if isinstance(error, OverloadedError):
         return f"The service is busy at the moment, and changed nothing. Try again {again}."
     return f"The service cannot answer at the moment: {_detail(error)}. Try again {again}."

@@ -4,7 +4,7 @@ import asyncio
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 
-from fastapi import FastAPI, HTTPException, Response
+from fastapi import FastAPI, HTTPException, Request, Response
 
 from voa_client import NotFoundError, VoaClientError
 
@@ -56,15 +56,20 @@ def mesh_url(object_id: str) -> str:
     return f"/meshes/{object_id}.stl"
 
 
-def serve_meshes(app: FastAPI, cache: MeshCache) -> None:
-    """Add the route that gives browsers the mesh of an object; an object never changes, so that they may keep it."""
+def serve_meshes(app: FastAPI, cache_of: Callable[[Request], MeshCache]) -> None:
+    """Add the route that gives browsers the mesh of an object; an object never changes, so that they may keep it.
+
+    Args:
+        app: the application.
+        cache_of: returns the cache for a request.
+    """
 
     @app.get("/meshes/{object_id}.stl", include_in_schema=False)
-    async def mesh(object_id: str) -> Response:
+    async def mesh(object_id: str, request: Request) -> Response:
         try:
-            content = await cache.get(object_id)
+            content = await cache_of(request).get(object_id)
         except NotFoundError as error:
             raise HTTPException(404, f"the service has no object {object_id}") from error
         except VoaClientError as error:
             raise HTTPException(503, str(error)) from error
-        return Response(content, media_type="model/stl", headers={"Cache-Control": f"public, max-age={_YEAR_S}"})
+        return Response(content, media_type="model/stl", headers={"Cache-Control": f"private, max-age={_YEAR_S}"})

@@ -30,10 +30,10 @@ by processes of their own: `voa_setup` and the simulator are imported there alon
 | `page`            | the page                                                         |
 """
 
-from voa_console.context import Console
 from voa_console.new_object import page
+from voa_console.settings import ConsoleSettings
 
 
-def register(console: Console) -> None:
+def register(settings: ConsoleSettings) -> None:
     """Declare the page `/new`."""
-    page.register(console)
+    page.register(settings)

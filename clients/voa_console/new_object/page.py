@@ -21,21 +21,26 @@ from voa_console.new_object.result_section import ResultSection
 from voa_console.new_object.start import draw_start
 from voa_console.new_object.workshop import Workshop
 from voa_console.sentences import sentence_of
+from voa_console.settings import ConsoleSettings
 from voa_msgs.lidars import LidarPreset
 
 _UPDATE_S = 0.2
 
 
-def register(console: Console) -> None:
-    """Declare the page `/new` and the files that it shows."""
-    workshop = Workshop(console.settings.url)
+def register(settings: ConsoleSettings) -> None:
+    """Declare the page `/new` and the files that it shows.
+
+    Args:
+        settings: of the console.
+    """
+    workshop = Workshop(settings.url)
     app.on_shutdown(workshop.close)
     files.register(workshop)
 
     @ui.page("/new")
     async def new_object(of: str = "") -> None:
-        bench = workshop.bench(of)
-        with layout.page(console, "New object"):
+        with layout.page("New object") as console:
+            bench = workshop.bench(of)
             if bench is None or bench.draft is None:
                 draw_start(workshop)
                 return

@@ -9,10 +9,9 @@
 | `page`    | the page                                                  |
 """
 
-from voa_console.context import Console
 from voa_console.now import page
 
 
-def register(console: Console) -> None:
+def register() -> None:
     """Declare the page `/`."""
-    page.register(console)
+    page.register()

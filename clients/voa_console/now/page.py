@@ -15,12 +15,12 @@ _EMPTY = (
 )
 
 
-def register(console: Console) -> None:
+def register() -> None:
     """Declare the page `/`."""
 
     @ui.page("/")
     def now() -> None:
-        with layout.page(console, "Now"):
+        with layout.page("Now") as console:
             _Now(console)
 
 
@@ -36,10 +36,10 @@ class _Now:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._cards: dict[str, Card] = {}
-        open_dialog = opening_dialog(console)
         ui.label("Sessions that moved in the last hour.").classes("text-sm")
         with ui.row().classes("items-center gap-4"):
-            ui.button("Open a session", icon="add", on_click=open_dialog)
+            if console.may("session.create"):
+                ui.button("Open a session", icon="add", on_click=opening_dialog(console))
             self._filter = ui.input("Filter by name", on_change=self._update)
             self._filter.props('dense outlined clearable debounce=200 aria-label="Filter by name"')
         self._waiting = ui.label("Waiting for the service.")

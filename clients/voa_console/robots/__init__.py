@@ -18,10 +18,9 @@
 | `page`         | the page                                                                              |
 """
 
-from voa_console.context import Console
 from voa_console.robots import page
 
 
-def register(console: Console) -> None:
+def register() -> None:
     """Declare the page `/robots`."""
-    page.register(console)
+    page.register()

@@ -16,14 +16,13 @@ from voa_doctor.findings import Finding, State
 _GRAVE: tuple[State, ...] = ("wrong", "warning")
 
 
-def register(console: Console) -> None:
+def register() -> None:
     """Declare the page `/robots`."""
-    watch = RobotsWatch(console)
 
     @ui.page("/robots")
     def robots() -> None:
-        with layout.page(console, "Robots"):
-            _Robots(console, watch)
+        with layout.page("Robots") as console:
+            _Robots(console, console.part(RobotsWatch))
 
 
 class _Tally:

@@ -23,10 +23,9 @@
 | open, end and export sessions                             | `session_actions`              |
 """
 
-from voa_console.context import Console
 from voa_console.session import page
 
 
-def register(console: Console) -> None:
+def register() -> None:
     """Declare the page `/sessions/{id}`, and the route of the meshes that it shows."""
-    page.register(console)
+    page.register()

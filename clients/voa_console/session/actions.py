@@ -10,28 +10,29 @@ from voa_console.session.belief_actions import report_outcome, reset_belief
 from voa_console.session.robot_actions import announce_look, claim_robot, request_look
 from voa_console.session.session_actions import end_session, export_session, open_session
 
-ACTIONS: tuple[tuple[str, str, Callable[[ActionContext], None]], ...] = (
-    ("Request a look", "sensors", request_look),
-    ("Announce a look", "campaign", announce_look),
-    ("Report an outcome", "fact_check", report_outcome),
-    ("Reset belief", "restart_alt", reset_belief),
-    ("Claim a robot", "smart_toy", claim_robot),
-    ("Open another session", "add", open_session),
-    ("Export", "download", export_session),
-    ("End session", "delete", end_session),
+ACTIONS: tuple[tuple[str, str, str, Callable[[ActionContext], None]], ...] = (
+    ("Request a look", "sensors", "robot.look", request_look),
+    ("Announce a look", "campaign", "look.announce", announce_look),
+    ("Report an outcome", "fact_check", "outcome.report", report_outcome),
+    ("Reset belief", "restart_alt", "belief.put", reset_belief),
+    ("Claim a robot", "smart_toy", "robot.claim", claim_robot),
+    ("Open another session", "add", "session.create", open_session),
+    ("Export", "download", "history.get", export_session),
+    ("End session", "delete", "session.delete", end_session),
 )
-"""Name, icon and dialog of each action."""
+"""Name, icon, call of the service and dialog of each action."""
 
 
 def action_buttons(context: ActionContext) -> list[ui.button]:
-    """Draw a button for each action, which opens its dialog."""
+    """Draw a button for each action that the key allows, which opens its dialog."""
     row = ui.row().classes("w-full gap-2 max-sm:flex-nowrap max-sm:overflow-x-auto max-sm:pb-2")
     with row.props('role="toolbar" aria-label="Actions"'):
         return [
             ui.button(name, icon=icon, on_click=partial(open_dialog, context), color=_colour(name))
             .props("outline dense no-caps no-wrap")
             .classes("px-3 shrink-0")
-            for name, icon, open_dialog in ACTIONS
+            for name, icon, call, open_dialog in ACTIONS
+            if context.console.may(call)
         ]
 
 

@@ -2,12 +2,11 @@
 
 from functools import partial
 
-from nicegui import app, ui
+from nicegui import ui
 
 from voa_client import VoaClientError
 from voa_console import layout
 from voa_console.context import Console
-from voa_console.drawing.meshes import MOST_FACES, MeshCache, serve_meshes
 from voa_console.sentences import sentence_of
 from voa_console.session.action_context import ActionContext
 from voa_console.session.actions import action_buttons
@@ -32,19 +31,18 @@ from voa_msgs.robots import RobotReport
 from voa_scene.shapes import AnyShape
 
 
-def register(console: Console) -> None:
-    """Declare the page `/sessions/{id}`, and the route of the meshes that it shows."""
-    records = Records(console.client)
-
-    async def fetch_mesh(object_id: str) -> bytes:
-        return await console.client.object_mesh(object_id, most_faces=MOST_FACES)
-
-    serve_meshes(app, MeshCache(fetch_mesh))
+def register() -> None:
+    """Declare the page `/sessions/{id}`."""
 
     @ui.page("/sessions/{session_id}")
     def session_page(session_id: str) -> None:
-        with layout.page(console, "Session"):
-            SessionPage(console, records, session_id)
+        with layout.page("Session") as console:
+            SessionPage(console, console.part(records_of), session_id)
+
+
+def records_of(console: Console) -> Records:
+    """Make the records that the pages of a console share."""
+    return Records(console.client)
 
 
 class SessionPage:
@@ -52,7 +50,7 @@ class SessionPage:
 
     Args:
         console: parts of the console.
-        records: of sessions, which all pages share.
+        records: of sessions, which all pages of the key share.
         session_id: of the session.
     """
 

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 
-from voa_client import AsyncClient, RobotReport, Scenario, SessionSummary, UsageError, VoaClientError
+from voa_client import AsyncClient, Caller, RobotReport, Scenario, SessionSummary, UsageError, VoaClientError
+from voa_console.sentences import needs_key
 from voa_console.watching.news import Callback, News
 from voa_console.watching.refusals import refusal_of
 from voa_console.watching.watched import WatchedSession
@@ -59,6 +60,10 @@ class Hub:
         """Reason why the service does not respond at the moment; None: it does."""
         self.has_responded = False
         """True if the service has responded since the console started."""
+        self.caller: Caller | None = None
+        """Caller that the service takes this console for; None: not known, or the service does not accept the key."""
+        self.identified_s = float("-inf")
+        """Time at which the caller was identified last, by `clock`."""
         self.mapping_error: str | None = None
         """Reason why the service cannot use its mapping file of robots; None: it can."""
         self._client = client
@@ -77,6 +82,30 @@ class Hub:
         self._watched: dict[str, WatchedSession] = {}
         self._recents: dict[str, Callback] = {}
         self._scenarios: dict[str, asyncio.Task[Scenario]] = {}
+
+    async def identify(self) -> Caller:
+        """Request from the service who the caller is, and what it may do.
+
+        Raises:
+            VoaClientError: the service does not accept the key, or does not respond.
+        """
+        try:
+            self.caller = await self._client.caller()
+        except VoaClientError as error:
+            self._note(error)
+            raise
+        self.identified_s = self._clock()
+        if needs_key(self.error):
+            self.error = None
+        return self.caller
+
+    def _note(self, error: VoaClientError) -> None:
+        """Note why a call failed; forget what was received if the key is no longer accepted."""
+        self.error = error
+        if needs_key(error):
+            self.caller = None
+            self._summaries, self._reports = [], []
+            self._follow([])
 
     def sessions(self) -> list[SessionSummary]:
         """List the sessions that moved in the last hour, the one that moved last first.
@@ -189,11 +218,12 @@ class Hub:
         try:
             if self.error is not None or not self.has_responded:
                 await self._compare_clocks()
+                await self.identify()
             robots = await self._client.robots()
             if self._clock() >= self._list_due_s:
                 await self._list()
         except VoaClientError as error:
-            self.error = error
+            self._note(error)
         else:
             self.error, self.has_responded = None, True
             self.mapping_error = robots.mapping_error

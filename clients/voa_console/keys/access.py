@@ -1,0 +1,146 @@
+"""Access to the pages: by which key the page of a browser calls the service, if by any."""
+
+import asyncio
+import re
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from urllib.parse import quote
+
+from voa_client import VoaClientError
+from voa_console.context import Console
+from voa_console.keys.consoles import Connect, Consoles
+from voa_console.keys.notices import Notices
+from voa_console.keys.visits import Leave, Visits
+from voa_console.sentences import needs_key, sentence_of
+from voa_console.settings import ConsoleSettings
+
+KEY_PATH = "/key"
+"""Path of the page on which a person gives a key, and of the form that sends it."""
+_OWN_PAGES = re.compile(r"/(new(\?of=[0-9a-f]+)?|robots|sessions/[A-Za-z0-9_.-]+)?")
+_IDENTIFY_S = 1.5
+"""Time for which a page waits for the service to identify its caller, seconds."""
+_FRESH_S = 2.0
+"""Time for which an identified caller is not identified again for another request, seconds."""
+_CLOSED = "The service needs a key."
+
+
+@dataclass(frozen=True)
+class Admitted:
+    """Request that was admitted: its page calls the service by the key of a console.
+
+    Attributes:
+        console: of the key.
+        is_own: True if it is the console of the process's own key, or the service has no keys.
+        open_page: counts a page as open, with a function that is called when the browser's key is forgotten; returns
+            the function that counts it as closed.
+    """
+
+    console: Console
+    is_own: bool
+    open_page: Callable[[Leave], Callable[[], None]]
+
+
+class Access:
+    """Access of browsers to the pages of a console.
+
+    Args:
+        settings: of the console.
+        connect: makes a client of the service.
+        clock: returns seconds that never go back.
+    """
+
+    def __init__(
+        self, settings: ConsoleSettings, connect: Connect, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.settings = settings
+        self.consoles = Consoles(settings, connect)
+        self.notices = Notices()
+        self._visits = Visits(clock)
+        self._clock = clock
+        self._closing: set[asyncio.Task[None]] = set()
+
+    async def admit(self, secret: str | None) -> Admitted | str:
+        """Return by which key the pages of a browser call the service, or a sentence that says why by none.
+
+        While the service does not respond, a browser is admitted as before, and sees the last state.
+
+        Args:
+            secret: of the browser's cookie; None: it has none.
+        """
+        visit = self._visits.get(secret)
+        if visit is not None and secret is not None:
+            refusal = await self._refusal(visit.console)
+            if refusal is None:
+                return Admitted(visit.console, False, lambda leave: self._visits.open_page(visit, leave))
+            self.leave(secret)
+            return refusal
+        refusal = await self._refusal(self.consoles.own)
+        return Admitted(self.consoles.own, True, lambda _: lambda: None) if refusal is None else refusal
+
+    async def enter(self, key: str, before: str | None) -> str | None:
+        """Begin the visit of a browser that has given a key; return the secret of its cookie.
+
+        None is returned where the service has no keys, so that none is needed.
+
+        Args:
+            key: text of the key.
+            before: secret of the browser's last visit, which ends; None: there was none.
+
+        Raises:
+            UsageError: the text cannot be that of a key.
+            VoaClientError: the service does not accept the key, or does not respond.
+        """
+        console = await self.consoles.open(key)
+        secret = None if console is self.consoles.own else self._visits.begin(console)
+        if before is not None:
+            self.leave(before)
+        return secret
+
+    def leave(self, secret: str) -> None:
+        """End the visit of a browser; its pages leave, and its key is forgotten if no other browser has given it."""
+        visit = self._visits.get(secret)
+        self._visits.end(secret)
+        if visit is not None and not self._visits.is_visited(visit.console):
+            task = asyncio.create_task(self.consoles.close(visit.console), name="voa-console-close")
+            self._closing.add(task)
+            task.add_done_callback(self._closing.discard)
+
+    def key_page(self, to: str, sentence: str = "") -> str:
+        """Return the address of the page on which a person gives a key.
+
+        Args:
+            to: path of the page to which it leads.
+            sentence: that it shows; "": none.
+        """
+        notice = f"&notice={self.notices.put(sentence)}" if sentence else ""
+        return f"{KEY_PATH}?to={quote(own_page(to), safe='')}{notice}"
+
+    async def close(self) -> None:
+        """Close every console."""
+        await asyncio.gather(*self._closing)
+        await self.consoles.close_all()
+
+    async def _refusal(self, console: Console) -> str | None:
+        """Identify the caller of a console; return a sentence if the service accepts none, else None."""
+        hub = console.hub
+        if hub.caller is not None and self._clock() - hub.identified_s < _FRESH_S:
+            return None
+        try:
+            async with asyncio.timeout(_IDENTIFY_S):
+                await hub.identify()
+        except VoaClientError as error:
+            return _sentence(console, error) if needs_key(error) else None
+        except TimeoutError:
+            return None
+        return None
+
+
+def _sentence(console: Console, error: VoaClientError) -> str:
+    """Write why a key is needed: none was given yet, or the given one is no longer accepted."""
+    return _CLOSED if console.key is None else sentence_of(error)
+
+
+def own_page(to: str) -> str:
+    """Return a path if it is that of a page of the console, else that of the page Now."""
+    return to if _OWN_PAGES.fullmatch(to) else "/"

@@ -1,0 +1,85 @@
+"""Consoles of a process: the one of its own key, and one for each key that browsers have given."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+
+from voa_client import AsyncClient
+from voa_console.context import Console
+from voa_console.settings import ConsoleSettings
+from voa_console.watching.hub import Hub
+
+Connect = Callable[[str | None], AsyncClient]
+"""Function that makes a client with a key; None: with the key of the process, if it has one."""
+
+
+class Consoles:
+    """Consoles by key. Each has a client and a hub of its own, so that no page shows what its key may not see.
+
+    Args:
+        settings: of this console.
+        connect: makes a client.
+    """
+
+    def __init__(self, settings: ConsoleSettings, connect: Connect) -> None:
+        self._settings = settings
+        self._connect = connect
+        self._watching: dict[Console, asyncio.Task[None]] = {}
+        self._of_keys: dict[str, Console] = {}
+        self.own = self._make(None)
+        """Console of the key of this process, or of callers without a key."""
+
+    def start(self) -> None:
+        """Let the hub of the own console watch from now on."""
+        self._watch(self.own)
+
+    async def open(self, key: str) -> Console:
+        """Return the console of a key, once the service has accepted the key.
+
+        It is the own one where the service has no keys.
+
+        Args:
+            key: text of the key.
+
+        Raises:
+            UsageError: the text cannot be that of a key.
+            VoaClientError: the service does not accept the key, or does not respond.
+        """
+        console = self._make(key)
+        try:
+            caller = await console.hub.identify()
+        except BaseException:
+            await console.client.close()
+            raise
+        known = self.own if caller.key is None else self._of_keys.get(caller.key)
+        if known is not None:
+            await console.client.close()
+            return known
+        assert caller.key is not None  # noqa: S101 - else it is the own console
+        self._of_keys[caller.key] = console
+        self._watch(console)
+        return console
+
+    async def close(self, console: Console) -> None:
+        """Close a console; that of a key is opened again when a browser gives the key again."""
+        for key, each in list(self._of_keys.items()):
+            if each is console:
+                del self._of_keys[key]
+        watching = self._watching.pop(console, None)
+        if watching is not None:
+            watching.cancel()
+            with suppress(asyncio.CancelledError):
+                await watching
+        await console.client.close()
+
+    async def close_all(self) -> None:
+        """Close every console."""
+        for console in [*self._of_keys.values(), self.own]:
+            await self.close(console)
+
+    def _make(self, key: str | None) -> Console:
+        client = self._connect(key)
+        return Console(self._settings, client, Hub(client, recent_s=self._settings.recent_s), key)
+
+    def _watch(self, console: Console) -> None:
+        self._watching[console] = asyncio.create_task(console.hub.run(), name="voa-console-hub")
