@@ -4,6 +4,7 @@ import asyncio
 import re
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from urllib.parse import quote
 
@@ -22,6 +23,8 @@ _IDENTIFY_S = 1.5
 """Time for which a page waits for the service to identify its caller, seconds."""
 _FRESH_S = 2.0
 """Time for which an identified caller is not identified again for another request, seconds."""
+_LEAVE_S = 10.0
+"""Longest time in which the pages of a key that was forgotten leave, seconds."""
 _CLOSED = "The service needs a key."
 
 
@@ -56,7 +59,7 @@ class Access:
         self.settings = settings
         self.consoles = Consoles(settings, connect)
         self.notices = Notices()
-        self._visits = Visits(clock)
+        self._visits = Visits(self._close_unused, clock)
         self._clock = clock
         self._closing: set[asyncio.Task[None]] = set()
 
@@ -99,12 +102,7 @@ class Access:
 
     def leave(self, secret: str) -> None:
         """End the visit of a browser; its pages leave, and its key is forgotten if no other browser has given it."""
-        visit = self._visits.get(secret)
         self._visits.end(secret)
-        if visit is not None and not self._visits.is_visited(visit.console):
-            task = asyncio.create_task(self.consoles.close(visit.console), name="voa-console-close")
-            self._closing.add(task)
-            task.add_done_callback(self._closing.discard)
 
     def key_page(self, to: str, sentence: str = "") -> str:
         """Return the address of the page on which a person gives a key.
@@ -118,8 +116,22 @@ class Access:
 
     async def close(self) -> None:
         """Close every console."""
-        await asyncio.gather(*self._closing)
+        for task in self._closing:
+            task.cancel()
         await self.consoles.close_all()
+
+    def _close_unused(self, console: Console) -> None:
+        """Close the console of a key that no browser uses any more, once its pages have left."""
+        task = asyncio.create_task(self._close_soon(console), name="voa-console-close")
+        self._closing.add(task)
+        task.add_done_callback(self._closing.discard)
+
+    async def _close_soon(self, console: Console) -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_LEAVE_S):
+                await console.hub.has_no_pages()
+        if not self._visits.is_visited(console):  # a browser may have given the key again
+            await self.consoles.close(console)
 
     async def _refusal(self, console: Console) -> str | None:
         """Identify the caller of a console; return a sentence if the service accepts none, else None."""

@@ -1,4 +1,4 @@
-"""Departure of a page: for the page of the key, or to be drawn again because its key may do something else now."""
+"""Departure of a page whose key is forgotten, is no longer accepted, or may do something else now."""
 
 import asyncio
 
@@ -6,15 +6,14 @@ from nicegui import Client, ui
 
 from voa_client import Caller
 from voa_console.context import Console
-from voa_console.keys.access import KEY_PATH
 from voa_console.sentences import needs_key
 
-_DELETE_S = 2.0
-"""Time after which a page that was left is deleted here, seconds, whatever its browser does."""
+_REDIRECTED_S = 1.0
+"""Time in which the page that forgets a key is redirected by its form, seconds; after it, the other pages leave."""
 
 
 class Leaving:
-    """Departure of one page.
+    """Departure of one page: its browser loads it again, and is admitted by another key, or led to the page of the key.
 
     Args:
         client: of the page.
@@ -28,26 +27,24 @@ class Leaving:
         self._has_left = False
 
     def check(self) -> None:
-        """Leave if the service no longer accepts the key; load the page again if the key may do something else now."""
+        """Leave if the service no longer accepts the key, or allows the key something else than the page shows."""
         hub = self._console.hub
         if needs_key(hub.error) or (hub.caller is not None and _rights(hub.caller) != _rights(self._drawn_for)):
-            self._go("location.reload()")  # the page of the key receives those whose key is not accepted
+            self._leave(0.0)
 
     def forgotten(self) -> None:
         """Leave because the key was forgotten, on this page or another one of the browser."""
-        self._go(f"location.assign('{KEY_PATH}')")
+        self._leave(_REDIRECTED_S)
 
-    def _go(self, script: str) -> None:
-        if self._has_left or self._client.is_deleted:
-            return
-        self._has_left = True
-        with self._client:
-            ui.run_javascript(script)
-        asyncio.get_running_loop().call_later(_DELETE_S, self._delete)
+    def _leave(self, wait_s: float) -> None:
+        if not self._has_left:
+            self._has_left = True
+            asyncio.get_running_loop().call_later(wait_s, self._reload)
 
-    def _delete(self) -> None:
+    def _reload(self) -> None:
         if not self._client.is_deleted:
-            self._client.delete()
+            with self._client:
+                ui.run_javascript("location.reload()")
 
 
 def _rights(caller: Caller | None) -> tuple[object, ...]:

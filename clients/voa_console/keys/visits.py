@@ -35,12 +35,20 @@ class Visits:
     """Visits by the secrets of their browsers. Only digests of the secrets are kept.
 
     Args:
+        ended: called with the console of a visit that has ended.
         clock: returns seconds that never go back.
         idle_s: time after which a visit ends that has no open page, seconds.
         most: most visits.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic, idle_s: float = IDLE_S, most: int = MOST) -> None:
+    def __init__(
+        self,
+        ended: Callable[[Console], None],
+        clock: Callable[[], float] = time.monotonic,
+        idle_s: float = IDLE_S,
+        most: int = MOST,
+    ) -> None:
+        self._ended = ended
         self._clock = clock
         self._idle_s = idle_s
         self._most = most
@@ -98,6 +106,7 @@ class Visits:
         if visit is not None:
             for leave in list(visit.pages):
                 leave()
+            self._ended(visit.console)
 
 
 def _digest(secret: str) -> bytes:

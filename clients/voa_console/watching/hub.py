@@ -77,6 +77,7 @@ class Hub:
         self._pages = 0
         self._has_pages = asyncio.Event()
         self._has_no_pages = asyncio.Event()
+        self._has_no_pages.set()
         self._summaries: list[SessionSummary] = []
         self._reports: list[RobotReport] = []
         self._watched: dict[str, WatchedSession] = {}
@@ -195,6 +196,10 @@ class Hub:
                     self._has_no_pages.set()
 
         return close
+
+    async def has_no_pages(self) -> None:
+        """Wait until no page is open."""
+        await self._has_no_pages.wait()
 
     async def run(self) -> None:
         """Request the lists, while a page is open, until this is cancelled."""
