@@ -67,7 +67,7 @@ def register(access: Access) -> None:
     now.register()
     session.register()
     robots.register()
-    new_object.register(access.settings)
+    new_object.register(access)
     serve_meshes(pages, lambda request: admitted_of(request).console.part(_meshes_of))
 
 

@@ -104,7 +104,7 @@ def banner(console: Console) -> Callable[[], None]:
 def _header(admitted: Admitted, title: str) -> None:
     """Draw the header with the link of the page marked; the page of a session belongs to the page Now."""
     console = admitted.console
-    with ui.header().classes("items-center gap-1 px-3 py-1"), ui.row().classes("items-center gap-1 w-full"):
+    with ui.header().classes("items-center gap-1 px-3 py-1"), ui.row().classes("items-center gap-x-3 gap-y-0 w-full"):
         with ui.row().classes("items-center gap-1").props('role="navigation" aria-label="Pages"'):
             for name, path in LINKS.items():
                 if path == "/new" and not console.may("scenario.create"):

@@ -46,6 +46,17 @@ def sentence_of(error: VoaClientError) -> str:
     return f"The call failed: {str(error).rstrip('.')}."
 
 
+def not_followed(error: VoaClientError, *, is_known: bool) -> str:
+    """Write why a session is not followed at the moment.
+
+    Args:
+        error: that a client of the service raised.
+        is_known: True if a version of the session was received before.
+    """
+    state = " What you see is the last state that was received; it continues by itself." if is_known else ""
+    return f"{sentence_of(error)}{state}"
+
+
 def _refused(error: ProblemError) -> str:
     """Write why the service refused a request that it may not accept at another time either."""
     match error:

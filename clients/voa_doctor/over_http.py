@@ -40,7 +40,7 @@ class Responses:
     """Time by which the service's clock is ahead of this machine's."""
 
 
-def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Finding]:
+def check_http(url: str, budget: Budget, responses: Responses, key: ApiKey) -> Iterator[Finding]:
     """Run the checks over HTTP; they end early if the service cannot be reached."""
     parts = urlsplit(url)
     port = parts.port or (443 if parts.scheme == "https" else 80)
@@ -48,7 +48,7 @@ def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Findi
     yield reached
     if reached.state != "ok":
         return
-    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=ApiKey.given().headers()) as http:
+    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=key.headers()) as http:
         alive = _alive(http, budget)
         yield alive
         if alive.state != "ok":
@@ -60,10 +60,10 @@ def check_http(url: str, budget: Budget, responses: Responses) -> Iterator[Findi
             responses.sessions = sessions_of(http, responses.robots, budget)
 
 
-def robots_after(url: str, seconds: float, budget: Budget) -> Robots | None:
+def robots_after(url: str, seconds: float, budget: Budget, key: ApiKey) -> Robots | None:
     """Return the service's report on robots after a number of seconds; None: it no longer responds."""
     time.sleep(budget.step(seconds))
-    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=ApiKey.given().headers()) as http:
+    with httpx2.Client(base_url=url, timeout=_SECONDS, headers=key.headers()) as http:
         return _robots(http, budget)
 
 

@@ -1,7 +1,7 @@
 """Consoles of a process: the one of its own key, and one for each key that browsers have given."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
 from voa_client import AsyncClient
@@ -11,6 +11,9 @@ from voa_console.watching.hub import Hub
 
 Connect = Callable[[str | None], AsyncClient]
 """Function that makes a client with a key; None: with the key of the process, if it has one."""
+
+Closing = Callable[[Console], Awaitable[None]]
+"""Function that ends what was done with the key of a console."""
 
 
 class Consoles:
@@ -26,6 +29,7 @@ class Consoles:
         self._connect = connect
         self._watching: dict[Console, asyncio.Task[None]] = {}
         self._of_keys: dict[str, Console] = {}
+        self._closing: list[Closing] = []
         self.own = self._make(None)
         """Console of the key of this process, or of callers without a key."""
 
@@ -60,11 +64,17 @@ class Consoles:
         self._watch(console)
         return console
 
+    def on_close(self, closing: Closing) -> None:
+        """Call a function with each console that is closed, before its client is."""
+        self._closing.append(closing)
+
     async def close(self, console: Console) -> None:
         """Close a console; that of a key is opened again when a browser gives the key again."""
         for key, each in list(self._of_keys.items()):
             if each is console:
                 del self._of_keys[key]
+        for closing in self._closing:
+            await closing(console)
         watching = self._watching.pop(console, None)
         if watching is not None:
             watching.cancel()

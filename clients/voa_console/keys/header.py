@@ -5,6 +5,8 @@ from nicegui import ui
 from voa_client import Caller
 from voa_console.keys.access import KEY_PATH, Admitted
 
+_FORGET = f'method="post" action="{KEY_PATH}/forget"'
+
 
 def draw_key(admitted: Admitted) -> None:
     """Draw by which key the page calls the service; nothing where the service has no keys.
@@ -15,16 +17,17 @@ def draw_key(admitted: Admitted) -> None:
     caller = admitted.console.caller
     if caller is None or caller.key is None:
         return
-    with ui.row().classes("items-center gap-1 no-wrap text-sm").props('role="group" aria-label="Key"') as row:
-        ui.icon("key", size="xs").classes("max-sm:hidden")
-        ui.label(f"{caller.name}, {caller.role}").classes("truncate max-w-40 max-sm:max-w-24")
-    row.tooltip(describe(caller, is_own=admitted.is_own))
-    if admitted.is_own:
-        ui.link("Use another key", KEY_PATH).classes("voa-link text-sm max-sm:hidden")
-        return
-    with ui.element("form").props(f'method="post" action="{KEY_PATH}/forget"'):
-        button = ui.button("Forget the key", icon="logout").props('type="submit" flat dense color=white')
-        button.props('aria-label="Forget the key"').classes("voa-forget")
+    row = ui.row().classes("items-center gap-2 no-wrap text-sm max-sm:w-full max-sm:order-last max-sm:pl-2")
+    with row.props('role="group" aria-label="Key"'):
+        with ui.row().classes("items-center gap-1 no-wrap min-w-0") as name:
+            ui.icon("key", size="xs")
+            ui.label(f"{caller.name}, {caller.role}").classes("truncate max-w-48")
+        name.tooltip(describe(caller, is_own=admitted.is_own))
+        if admitted.is_own:
+            ui.link("Use another key", KEY_PATH).classes("voa-link")
+            return
+        with ui.element("form").props(_FORGET):
+            ui.button("Forget the key", icon="logout").props('type="submit" flat dense color=white')
 
 
 def describe(caller: Caller, *, is_own: bool) -> str:

@@ -13,8 +13,8 @@ _ROLES = (
     ("operator", "does everything: opens and ends sessions, makes objects, claims robots"),
 )
 _STYLE = """
-.voa-key-field { width: 100%; padding: 0.6rem 0.75rem; border: 1px solid #767676; border-radius: 4px; font: inherit;
-  background: white; color: black; }
+.voa-key-field { flex: 1 1 auto; min-width: 0; padding: 0.6rem 0.75rem; border: 1px solid #767676; border-radius: 4px;
+  font: inherit; background: white; color: black; }
 .body--dark .voa-key-field { background: #1d1d1d; color: white; border-color: #9a9a9a; }
 .voa-key-field:focus { outline: 3px solid #E69F00; outline-offset: 1px; }
 """
@@ -64,7 +64,7 @@ def _draw(access: Access, to: str, sentence: str) -> None:
 def _why(url: str, caller: Caller | None) -> str:
     """Write why a key is given."""
     if caller is None:
-        return f"The service at {url} answers callers with a key alone."
+        return f"The service at {url} answers only callers that have a key."
     if caller.key is None:
         return f"The service at {url} has no keys: everybody may do everything, and you need none."
     return (
@@ -79,7 +79,7 @@ def _form(to: str) -> None:
         .props(f'method="post" action="{KEY_PATH}"')
         .classes("w-full flex gap-3 items-stretch max-sm:flex-col")
     ):
-        field = ui.element("input").classes("voa-key-field grow").style("flex: 1 1 12rem; width: auto")
+        field = ui.element("input").classes("voa-key-field")
         field.props('type="password" name="key" required autofocus autocomplete="current-password" maxlength="512"')
         field.props('aria-label="Key" placeholder="voa_..." spellcheck="false"')
         hidden = ui.element("input").props('type="hidden" name="to"')

@@ -30,10 +30,10 @@ by processes of their own: `voa_setup` and the simulator are imported there alon
 | `page`            | the page                                                         |
 """
 
+from voa_console.keys.access import Access
 from voa_console.new_object import page
-from voa_console.settings import ConsoleSettings
 
 
-def register(settings: ConsoleSettings) -> None:
+def register(access: Access) -> None:
     """Declare the page `/new`."""
-    page.register(settings)
+    page.register(access)

@@ -17,6 +17,8 @@ from voa_console.new_object.process import TaskFailed, WorkerProcess
 from voa_console.new_object.wording import sentence, without_path
 
 _LOG = "worker.log"
+IDLE_S = 600.0
+"""Time after which a process that has nothing to do ends, seconds: it may hold some hundred megabytes."""
 
 
 @dataclass(eq=False)
@@ -26,6 +28,7 @@ class Bench:
     Attributes:
         id: in the address of its page.
         url: address of the service.
+        key: that a browser gave, by which its processes call the service; None: the key of the console's own process.
         folder: for the mesh file, pictures and a scenario that is only downloaded.
         draft: choices so far; None: there is no mesh yet.
         previews: what is known about the draft.
@@ -33,6 +36,9 @@ class Bench:
         target: folder that the person named for the scenario.
         busy: words for the preview that is under way; empty: none.
         revision: number of changes.
+        used_at: time of the last change, by a clock that never goes back.
+        idle_s: time after which the process for previews ends that had nothing to do, seconds; it is started again
+            when there is something to do.
     """
 
     id: str
@@ -45,7 +51,10 @@ class Bench:
     busy: str = ""
     revision: int = 0
     used_at: float = field(default_factory=time.monotonic)
+    key: str | None = field(default=None, repr=False)
+    idle_s: float = IDLE_S
     _process: WorkerProcess | None = None
+    _idle: asyncio.TimerHandle | None = None
     _previewing: asyncio.Task[None] | None = None
     _making: asyncio.Task[None] | None = None
 
@@ -119,8 +128,7 @@ class Bench:
         """Kill all processes of this bench."""
         await self.cancel()
         await self._stop_previews()
-        if self._process is not None:
-            self._process.kill()
+        self._end_process()
 
     async def _make(self, job: Job, task: Task) -> None:
         def report(reply: Reply) -> None:
@@ -128,7 +136,7 @@ class Bench:
             self._changed()
 
         try:
-            process = await WorkerProcess.start(self.url, self.folder / _LOG)
+            process = await self._start()
             try:
                 job.made = Made.model_validate_json(await process.do(task, None, report))
             finally:
@@ -162,9 +170,30 @@ class Bench:
 
     async def _preview(self, task: Task) -> str:
         """Do a preview in the process of this bench, which is started again where it has ended; raises TaskFailed."""
+        self._stay()
         if self._process is None or not self._process.is_running:
-            self._process = await WorkerProcess.start(self.url, self.folder / _LOG)
-        return await self._process.do(task, SECONDS[task.step], lambda _: None)
+            self._process = await self._start()
+        try:
+            return await self._process.do(task, SECONDS[task.step], lambda _: None)
+        finally:
+            self._stay()
+            self._idle = asyncio.get_running_loop().call_later(self.idle_s, self._end_process)
+
+    async def _start(self) -> WorkerProcess:
+        return await WorkerProcess.start(self.url, self.folder / _LOG, self.key)
+
+    def _stay(self) -> None:
+        """Let the process not end for being idle."""
+        if self._idle is not None:
+            self._idle.cancel()
+            self._idle = None
+
+    def _end_process(self) -> None:
+        """End the process for previews."""
+        self._stay()
+        if self._process is not None:
+            self._process.kill()
+            self._process = None
 
     async def _stop_previews(self) -> None:
         if self._previewing is not None:

@@ -3,10 +3,11 @@
 import re
 from pathlib import Path
 
-from fastapi import HTTPException
+from fastapi import HTTPException, Request
 from fastapi.responses import FileResponse, Response
 from nicegui import app, run
 
+from voa_console.keys.admission import admitted_of
 from voa_console.new_object.folders import archive
 from voa_console.new_object.workshop import Workshop
 
@@ -26,8 +27,8 @@ def register(workshop: Workshop) -> None:
     """
 
     @app.get("/new/files/{id_}/{file}")
-    async def serve(id_: str, file: str) -> Response:
-        bench = workshop.bench(id_)
+    async def serve(id_: str, file: str, request: Request) -> Response:
+        bench = workshop.bench(id_, admitted_of(request).console.key)
         if bench is not None and _PICTURE.fullmatch(file) and (bench.folder / file).is_file():
             return FileResponse(bench.folder / file)
         made = None if bench is None or bench.job is None else bench.job.made

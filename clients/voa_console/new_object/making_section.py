@@ -110,7 +110,8 @@ class MakingSection:
         """Use the folder that the person named, if it can be used and no other scenario is being made."""
         other = self._workshop.making()
         if other is not None:
-            ui.notify(f"{other.name} is being made: wait for its end, or cancel it.", type="warning")
+            name = other.name if other.key == self._bench.key else "An object of somebody else"
+            ui.notify(f"{name} is being made: wait for its end, or cancel it.", type="warning")
             return
         try:
             folder = target_folder(self._bench.target, Path.cwd(), anywhere=self._anywhere)

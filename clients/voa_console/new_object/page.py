@@ -7,6 +7,7 @@ from nicegui import app, ui
 from voa_client import VoaClientError
 from voa_console import layout
 from voa_console.context import Console
+from voa_console.keys.access import KEY_PATH, Access
 from voa_console.new_object import files
 from voa_console.new_object.bench import Bench
 from voa_console.new_object.fields import notice
@@ -21,28 +22,31 @@ from voa_console.new_object.result_section import ResultSection
 from voa_console.new_object.start import draw_start
 from voa_console.new_object.workshop import Workshop
 from voa_console.sentences import sentence_of
-from voa_console.settings import ConsoleSettings
 from voa_msgs.lidars import LidarPreset
 
 _UPDATE_S = 0.2
 
 
-def register(settings: ConsoleSettings) -> None:
+def register(access: Access) -> None:
     """Declare the page `/new` and the files that it shows.
 
     Args:
-        settings: of the console.
+        access: of browsers to the pages.
     """
-    workshop = Workshop(settings.url)
+    workshop = Workshop(access.settings.url)
+    access.consoles.on_close(lambda console: workshop.forget(console.key))
     app.on_shutdown(workshop.close)
     files.register(workshop)
 
     @ui.page("/new")
     async def new_object(of: str = "") -> None:
         with layout.page("New object") as console:
-            bench = workshop.bench(of)
+            if not console.may("scenario.create"):
+                _refuse(console)
+                return
+            bench = workshop.bench(of, console.key)
             if bench is None or bench.draft is None:
-                draw_start(workshop)
+                draw_start(workshop, console.key)
                 return
             try:
                 lidars = (await console.client.lidars()).items
@@ -51,6 +55,16 @@ def register(settings: ConsoleSettings) -> None:
                 ui.button("Try again", on_click=ui.navigate.reload)
                 return
             _draw(console, workshop, bench, list(lidars))
+
+
+def _refuse(console: Console) -> None:
+    """Say why no object can be made by the key of the page."""
+    caller = console.caller
+    if caller is None:
+        notice("The service does not respond yet; this page continues by itself.")
+        return
+    notice(f"Making an object needs a key with the role operator. The key {caller.name} has the role {caller.role}.")
+    ui.link("Give another key", KEY_PATH)
 
 
 def _draw(console: Console, workshop: Workshop, bench: Bench, lidars: list[LidarPreset]) -> None:

@@ -13,12 +13,12 @@ from voa_console.new_object.messages import Reply, Task
 
 _LINE_BYTES = 64 * 2**20
 _PASSED_ON = (
-    "HOME", "LANG", "LC_", "LD_LIBRARY_PATH", "MPLCONFIGDIR", "NUMBA_", "PATH", "PYTHON", "TMPDIR", "VIRTUAL_ENV",
-    "XDG_CACHE_HOME",
+    "HOME", "LANG", "LC_", "LD_LIBRARY_PATH", "MPLCONFIGDIR", "NUMBA_", "PATH", "PYTHON", "SSL_CERT_FILE", "TMPDIR",
+    "VIRTUAL_ENV", "XDG_CACHE_HOME",
 )  # fmt: skip
 """Environment variables that the process needs to run; none of them is a secret."""
-_FOR_THE_SERVICE = ("SSL_CERT_FILE", "VOA_KEY", "VOA_KEY_FILE")
-"""Environment variables by which the process calls the service as the console does."""
+_KEYS = ("VOA_KEY", "VOA_KEY_FILE")
+"""Environment variables with the key by which the process calls the service."""
 
 
 class TaskFailed(Exception):
@@ -36,11 +36,21 @@ class WorkerProcess:
         self._process = process
 
     @classmethod
-    async def start(cls, url: str, log: Path) -> Self:
-        """Start a process for the service at `url`, with its stderr in a file; raises TaskFailed."""
-        environment = {
-            name: value for name, value in os.environ.items() if name.startswith(_PASSED_ON) or name in _FOR_THE_SERVICE
-        }
+    async def start(cls, url: str, log: Path, key: str | None = None) -> Self:
+        """Start a process.
+
+        Args:
+            url: address of the service.
+            log: file for its stderr.
+            key: by which it calls the service; None: the key of this process, if it has one.
+
+        Raises:
+            TaskFailed: no process can be started.
+        """
+        passed_on = _PASSED_ON if key is not None else (*_PASSED_ON, *_KEYS)
+        environment = {name: value for name, value in os.environ.items() if name.startswith(passed_on)}
+        if key is not None:
+            environment["VOA_KEY"] = key
         threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         try:
             with log.open("ab") as errors:

@@ -29,11 +29,12 @@ _SENDING = """
 """
 
 
-def draw_start(workshop: Workshop) -> None:
+def draw_start(workshop: Workshop, key: str | None) -> None:
     """Draw the field for a mesh file, and below it the new objects that were begun.
 
     Args:
         workshop: with them.
+        key: that the browser gave; None: the console's own.
     """
     ui.add_css(_STYLE)
     with ui.card().classes("w-full gap-3"):
@@ -49,7 +50,7 @@ def draw_start(workshop: Workshop) -> None:
             message.set_text("")
             busy.set_visibility(True)
             try:
-                bench = await _begun(workshop, event)
+                bench = await _begun(workshop, key, event)
             except (TaskFailed, ValueError) as error:
                 message.set_text(str(error))
                 upload.reset()
@@ -70,15 +71,15 @@ def draw_start(workshop: Workshop) -> None:
         upload.props(f'accept="{",".join(f".{ending}" for ending in ENDINGS)}" flat').classes("w-full voa-drop")
         upload.add_slot("header", _DROP)
         upload.add_slot("list", _SENDING)
-    _begun_before(workshop)
+    _begun_before(workshop, key)
 
 
-async def _begun(workshop: Workshop, event: events.UploadEventArguments) -> Bench:
+async def _begun(workshop: Workshop, key: str | None, event: events.UploadEventArguments) -> Bench:
     """Begin with the file that was received; raises TaskFailed or ValueError with a sentence."""
     if event.file.size() > MOST_BYTES:
         raise ValueError(f"The file is larger than {MOST_BYTES // 1_000_000} MB: simplify the mesh.")
     name = file_name(event.file.name)
-    bench = await workshop.new()
+    bench = await workshop.new(key)
     mesh = bench.folder / "mesh" / name
     await event.file.save(mesh)
     try:
@@ -89,13 +90,13 @@ async def _begun(workshop: Workshop, event: events.UploadEventArguments) -> Benc
     return bench
 
 
-def _begun_before(workshop: Workshop) -> None:
+def _begun_before(workshop: Workshop, key: str | None) -> None:
     """Draw a line for each new object that was begun, with the progress of its scenario."""
     column = ui.column().classes("w-full gap-2")
     shown: list[tuple[str, str]] = []
 
     def update() -> None:
-        lines = [(bench.id, _state(bench)) for bench in workshop.benches]
+        lines = [(bench.id, _state(bench)) for bench in workshop.benches(key)]
         if lines == shown:
             return
         shown[:] = lines

@@ -23,28 +23,32 @@ class Workshop:
         self._url = url
         self._benches: dict[str, Bench] = {}
 
-    @property
-    def benches(self) -> list[Bench]:
-        """Benches with a mesh, the last used first."""
-        used = [bench for bench in self._benches.values() if bench.draft is not None]
+    def benches(self, key: str | None = None) -> list[Bench]:
+        """List the benches of a key that have a mesh, the last used first; None: of the console's own key."""
+        used = [bench for bench in self._benches.values() if bench.draft is not None and bench.key == key]
         return sorted(used, key=lambda bench: -bench.used_at)
 
-    def bench(self, id_: str) -> Bench | None:
-        """Return the bench of that identifier; None: there is none, or no longer."""
-        return self._benches.get(id_)
+    def bench(self, id_: str, key: str | None = None) -> Bench | None:
+        """Return the bench of that identifier; None: there is none of that key, or no longer."""
+        bench = self._benches.get(id_)
+        return bench if bench is not None and bench.key == key else None
 
     def making(self) -> Bench | None:
         """Return the bench whose scenario is being made; None: none is."""
         return next((bench for bench in self._benches.values() if bench.is_making), None)
 
-    async def new(self) -> Bench:
-        """Make an empty bench; beyond the most that there may be, the one that waits for the longest time ends."""
+    async def new(self, key: str | None = None) -> Bench:
+        """Make an empty bench; beyond the most that there may be, the one that waits for the longest time ends.
+
+        Args:
+            key: that a browser gave; None: the console's own.
+        """
         waiting = [bench for bench in self._benches.values() if not bench.is_making]
         if len(self._benches) >= MOST and waiting:
             await self.remove(min(waiting, key=lambda bench: bench.used_at))
         id_ = secrets.token_hex(8)
         folder = Path(tempfile.mkdtemp(prefix="voa-console-"))
-        self._benches[id_] = Bench(id_, self._url, folder, used_at=time.monotonic())
+        self._benches[id_] = Bench(id_, self._url, folder, used_at=time.monotonic(), key=key)
         return self._benches[id_]
 
     async def remove(self, bench: Bench) -> None:
@@ -52,6 +56,11 @@ class Workshop:
         self._benches.pop(bench.id, None)
         await bench.close()
         shutil.rmtree(bench.folder, ignore_errors=True)
+
+    async def forget(self, key: str | None) -> None:
+        """End the benches of a key that a browser gave, with their processes."""
+        for bench in [each for each in self._benches.values() if key is not None and each.key == key]:
+            await self.remove(bench)
 
     async def close(self) -> None:
         """End all benches."""

@@ -60,6 +60,10 @@ class Card:
                 ui.label(summary.others).classes("text-xs opacity-70 max-sm:hidden")
             if summary.absent is not None:
                 ui.label(summary.absent).classes("text-sm max-sm:text-xs")
+            if summary.problem:
+                with ui.row().classes("w-full items-start gap-2 no-wrap").props('role="status"'):
+                    ui.icon("sync_problem", size="xs").classes("mt-1")
+                    ui.label(summary.problem).classes("text-sm break-words min-w-0")
             self._robots = [_draw_robot(line) for line in summary.robots]
 
 
@@ -101,6 +105,7 @@ def _without_ages(summary: Summary) -> tuple[object, ...]:
         summary.grasp,
         summary.score,
         summary.absent,
+        summary.problem,
         summary.poses,
         summary.others,
         robots,

@@ -29,7 +29,8 @@ def opening_dialog(console: Console) -> Callable[[], Awaitable[None]]:
             ui.notify(sentence_of(error), type="negative", multi_line=True)
             return
         scenario.set_options(names, value=next(iter(names), None))
-        mapped = [report.robot for report in console.hub.robots() if report.source == "ros2"]
+        reports = console.hub.robots()
+        mapped = [each.robot for each in reports if each.source == "ros2" and console.may_use_robot(each.robot)]
         robots.set_options(mapped, value=[])
         robots.set_visibility(bool(mapped))
         hint.set_text(

@@ -8,11 +8,14 @@ from voa_console.context import Console
 from voa_console.now.cards import Card
 from voa_console.now.opening import opening_dialog
 from voa_console.now.summary import Summary, robot_line, summarise
+from voa_console.sentences import not_followed
 
-_EMPTY = (
-    "No session moved in the last hour. Open one here, or let a program of yours open one; its card appears by itself. "
-    "To see something at once: voa fleet --url {url}"
+_EMPTY = "No session moved in the last hour."
+_OPENING = (
+    "Open one here, or let a program of yours open one; its card appears by itself. To see something at once: "
+    "voa fleet --url {url}"
 )
+_WATCHING = "When somebody opens one that your key is for, its card appears by itself."
 
 
 def register() -> None:
@@ -36,14 +39,16 @@ class _Now:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._cards: dict[str, Card] = {}
+        may_open = console.may("session.create")
         ui.label("Sessions that moved in the last hour.").classes("text-sm")
         with ui.row().classes("items-center gap-4"):
-            if console.may("session.create"):
+            if may_open:
                 ui.button("Open a session", icon="add", on_click=opening_dialog(console))
             self._filter = ui.input("Filter by name", on_change=self._update)
             self._filter.props('dense outlined clearable debounce=200 aria-label="Filter by name"')
         self._waiting = ui.label("Waiting for the service.")
-        self._empty = ui.label(_EMPTY.format(url=console.settings.url)).classes("text-base max-w-2xl")
+        hint = (_OPENING if may_open else _WATCHING).format(url=console.settings.url)
+        self._empty = ui.label(f"{_EMPTY} {hint}").classes("text-base max-w-2xl")
         self._nothing = ui.label().classes("text-base")
         self._grid = ui.element("div").classes("w-full grid gap-4 max-sm:gap-2").style(_COLUMNS)
         self._more = ui.label().classes("text-sm")
@@ -101,4 +106,6 @@ class _Now:
         now = hub.now()
         robots = [robot_line(report, hub.refusal_of(report), now) for report in hub.robots_of(listed.id)]
         newest = None if watched is None else watched.newest
-        return summarise(session, hub.known_scenario(listed.scenario), robots, now, newest)
+        error = None if watched is None or hub.error is not None else watched.error
+        problem = "" if error is None else not_followed(error, is_known=known is not None)
+        return summarise(session, hub.known_scenario(listed.scenario), robots, now, newest, problem)

@@ -46,6 +46,7 @@ class Summary:
         poses: likeliest poses, the likeliest first.
         others: poses that are not shown, in words; "": all are shown.
         robots: sentences about the robots whose scans are applied to the session.
+        problem: reason why the session is not followed at the moment; "": it is.
     """
 
     session_id: str
@@ -58,6 +59,7 @@ class Summary:
     poses: tuple[PoseBar, ...]
     others: str
     robots: tuple[RobotLine, ...]
+    problem: str = ""
 
     @property
     def is_alarming(self) -> bool:
@@ -71,6 +73,7 @@ def summarise(
     robots: Sequence[RobotLine],
     now: datetime,
     newest: HistoryEntry | None = None,
+    problem: str = "",
 ) -> Summary:
     """Make the texts and bars of a card.
 
@@ -80,6 +83,7 @@ def summarise(
         robots: sentences about its robots.
         now: time by the clock of the service.
         newest: newest entry of its history that is known; None: none.
+        problem: reason why the session is not followed at the moment; "": it is.
     """
     bars: tuple[PoseBar, ...] = ()
     others = ""
@@ -101,6 +105,7 @@ def summarise(
         bars,
         others,
         tuple(robots),
+        problem,
     )
 
 

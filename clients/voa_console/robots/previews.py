@@ -4,10 +4,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from voa_client import AsyncClient, NotFoundError, RobotReport, RobotScan, Scan, Scenario, VoaClientError
+from voa_client import AsyncClient, DeniedError, NotFoundError, RobotReport, RobotScan, Scan, Scenario, VoaClientError
 from voa_console.robots.comparing import Comparison, compare, place_of, predicted
 from voa_console.robots.readings import AS_MEASURED, Reading, differs
-from voa_console.sentences import sentence_of
+from voa_console.sentences import needs_key, sentence_of
 from voa_console.watching.hub import Hub
 from voa_msgs.geometry import UncertainSensorPose
 from voa_ros.look_taker import MOVE_ON
@@ -94,7 +94,9 @@ class Previews:
         name = report.robot
         try:
             scan = await self._client.robot_scan(name)
-        except NotFoundError:  # none of its scans could be decoded
+        except (NotFoundError, DeniedError) as error:  # none of its scans could be decoded, or the key is not for it
+            if needs_key(error):
+                raise
             self._previews.pop(name, None)
             return
         before = self._previews.get(name)
@@ -146,7 +148,7 @@ class Previews:
             if session_id not in self._scenario_of:
                 self._scenario_of[session_id] = (await self._client.get_session(session_id)).scenario
             return await self._hub.scenario(self._scenario_of[session_id])
-        except NotFoundError:  # it was deleted in the meantime
+        except (NotFoundError, DeniedError):  # it was deleted in the meantime, or the key is not for it
             return None
 
 

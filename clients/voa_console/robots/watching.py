@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
 
-from voa_client import VoaClientError
+from voa_client import ApiKey, VoaClientError
 from voa_console.context import Console
 from voa_console.robots.previews import Previews
 from voa_console.robots.readings import Reading
@@ -28,15 +28,24 @@ _BEFORE = 5
 """Number of reports, one per second, over which refusals count as present."""
 
 
+Examination = Callable[[str, str | None], list[Finding]]
+"""Function that returns the findings about the service at a URL, given a key; None: the key of this process."""
+
+
+def examine_by(url: str, key: str | None) -> list[Finding]:
+    """Examine the service at a URL by a key; None: by the key of this process, if it has one."""
+    return examine(url, key=ApiKey.given(key))
+
+
 class RobotsWatch:
     """Findings about the service and its robots, and previews of their scans, while a page subscribes.
 
     Args:
         console: parts of the console.
-        examination: returns the findings about the service at a URL; it runs in a thread.
+        examination: returns the findings about a service; it runs in a thread.
     """
 
-    def __init__(self, console: Console, examination: Callable[[str], list[Finding]] = examine) -> None:
+    def __init__(self, console: Console, examination: Examination = examine_by) -> None:
         self.findings: list[Finding] | None = None
         """Newest findings about the service, without those about robots; None: there are none yet."""
         self.examined_at: datetime | None = None
@@ -116,7 +125,7 @@ class RobotsWatch:
             advice = "for a full examination: voa doctor --url http://SERVICE:8000 --zenoh tcp/ROUTER:7447"
             return [Finding("service", "ok", f"this console reaches it by Zenoh ({url})", advice)]
         try:
-            return of_service(await asyncio.to_thread(self._examination, url))
+            return of_service(await asyncio.to_thread(self._examination, url, self._console.key))
         except Exception as error:  # a check that fails must not end the examinations
             logging.getLogger("voa.console").exception("the examination failed")
             return [Finding("examination", "wrong", f"it failed: {error}", "run voa doctor, and report the mistake")]

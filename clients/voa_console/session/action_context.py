@@ -3,7 +3,7 @@
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from voa_client import VoaClientError
+from voa_client import RobotReport, VoaClientError
 from voa_console.context import Console
 from voa_console.session.dialogs import ActionDialog, check_version, refusal_sentence
 from voa_console.session.facts import Facts
@@ -28,6 +28,11 @@ class ActionContext:
     def session_id(self) -> str:
         """Identifier of the session."""
         return self.watched.id
+
+    def robots(self) -> list[RobotReport]:
+        """List the robots of the session that the key is for."""
+        every = self.console.hub.robots_of(self.session_id)
+        return [report for report in every if self.console.may_use_robot(report.robot)]
 
     def dialog(
         self, title: str, confirm: str, act: Callable[[int], Awaitable[str]], *, danger: bool = False

@@ -4,10 +4,10 @@ from functools import partial
 
 from nicegui import ui
 
-from voa_client import VoaClientError
+from voa_client import DeniedError, VoaClientError
 from voa_console import layout
 from voa_console.context import Console
-from voa_console.sentences import sentence_of
+from voa_console.sentences import not_followed, sentence_of
 from voa_console.session.action_context import ActionContext
 from voa_console.session.actions import action_buttons
 from voa_console.session.facts import Facts
@@ -19,6 +19,7 @@ from voa_console.session.panels import (
     belief_panel,
     grasp_panel,
     past_bar,
+    problem_bar,
     steps_panel,
     update_panel,
 )
@@ -83,6 +84,7 @@ class SessionPage:
             ui.link("Go to the sessions that moved lately", "/").classes("text-white")
         ended.set_visibility(False)
         self._ended = ended
+        self._problem = problem_bar()
         self._content = ui.column().classes("w-full gap-3")
         with self._content:
             self._buttons = action_buttons(self._context)
@@ -110,12 +112,20 @@ class SessionPage:
     def _changed(self) -> None:
         """Show a new version, or that the session has ended."""
         self._ended.set_visibility(self._watched.ended)
+        self._show_problem()
         self._enable_actions()
         session = self._watched.session
         if session is not None and not self._watched.ended and session.version != self._seen:
             self._seen = session.version
             self._gathering.show()
             self._gathering.gather()
+
+    def _show_problem(self) -> None:
+        """Show why the session is not followed; that the service does not respond, the frame of the page shows."""
+        watched, hub = self._watched, self._console.hub
+        error = None if watched.ended or hub.error is not None else watched.error
+        self._problem("" if error is None else not_followed(error, is_known=watched.session is not None))
+        self._content.set_visibility(watched.session is not None or not isinstance(error, DeniedError))
 
     def _enable_actions(self) -> None:
         """Let a person act on the newest version alone."""
@@ -126,6 +136,7 @@ class SessionPage:
 
     def _robots_changed(self) -> None:
         """Show robots that moved; the hub also reports what happens in other sessions."""
+        self._show_problem()
         robots = self._console.hub.robots_of(self._watched.id)
         if robots != self._robots and not self._watched.ended:
             self._robots = robots

@@ -58,6 +58,22 @@ def past_bar(back: Callable[[], None]) -> Update:
     return update
 
 
+def problem_bar() -> Callable[[str], None]:
+    """Draw the bar that says why the session is not followed; return the function that shows a sentence; "": none."""
+    with (
+        ui.row().classes("w-full items-center no-wrap bg-negative text-white rounded p-3").props('role="alert"') as bar
+    ):
+        ui.icon("sync_problem", size="md")
+        text = ui.label().classes("min-w-0 break-words")
+    bar.set_visibility(False)
+
+    def show(sentence: str) -> None:
+        bar.set_visibility(bool(sentence))
+        text.set_text(sentence)
+
+    return show
+
+
 def advice_panel() -> tuple[Update, Callable[[str], None]]:
     """Draw the panel of the advice; return the functions that update it, and that show why there is none."""
     with panel("Advice"):

@@ -12,7 +12,7 @@ _NO_ROBOT = "No robot is mapped to this session. Claim one first; robots.toml of
 
 def request_look(context: ActionContext) -> None:
     """Open the dialog that requests a look of a robot of the session, from where it stands."""
-    robots = [report.robot for report in context.console.hub.robots_of(context.session_id)]
+    robots = [report.robot for report in context.robots()]
 
     async def act(seen: int) -> str:
         context.check(seen)
@@ -48,7 +48,7 @@ def announce_look(context: ActionContext) -> None:
         return
     names = [sensor.name for sensor in facts.scenario.sensors]
     advice = None if facts.ranking is None else facts.ranking.recommendation
-    robots = [report.robot for report in context.console.hub.robots_of(context.session_id)]
+    robots = [report.robot for report in context.robots()]
     with dialog.content:
         first = advice.sensor if isinstance(advice, Look) else names[0]
         place = ui.select(names, value=first, label="Place").classes("w-full")
@@ -64,7 +64,7 @@ def claim_robot(context: ActionContext) -> None:
     robots = {
         report.robot: _described(report, context.session_id)
         for report in context.console.hub.robots()
-        if report.source == "ros2"
+        if report.source == "ros2" and context.console.may_use_robot(report.robot)
     }
 
     async def act(seen: int) -> str:

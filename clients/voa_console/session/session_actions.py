@@ -11,7 +11,7 @@ from voa_recordings.session_file import SessionFile
 def open_session(context: ActionContext) -> None:
     """Open the dialog that opens another session on the scenario of this one."""
     facts = context.facts()
-    robots = [report.robot for report in context.console.hub.robots_of(context.session_id) if report.source == "ros2"]
+    robots = [report.robot for report in context.robots() if report.source == "ros2"]
 
     async def act(seen: int) -> str:
         context.check(seen)

@@ -3,11 +3,22 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from voa_client import AsyncClient, HistoryEntry, NotFoundError, Ranking, Scenario, Session, VoaClientError
+from voa_client import (
+    AsyncClient,
+    DeniedError,
+    HistoryEntry,
+    NotFoundError,
+    Ranking,
+    Scenario,
+    Session,
+    VoaClientError,
+)
 from voa_console.watching.news import Callback, News
 
 _AGAIN_S = 1.0
 """Pause before a session is followed again that could not be, seconds."""
+_DENIED_AGAIN_S = 10.0
+"""Pause before a session is followed again that the key may not see, seconds."""
 
 
 class WatchedSession:
@@ -97,7 +108,7 @@ class WatchedSession:
             except VoaClientError as error:
                 self.error = error
                 self._news.publish()
-                await asyncio.sleep(_AGAIN_S)
+                await asyncio.sleep(_DENIED_AGAIN_S if isinstance(error, DeniedError) else _AGAIN_S)
 
     def _change(self, session: Session) -> None:
         self.session = session
