@@ -25,7 +25,6 @@ _FRESH_S = 2.0
 """Time for which an identified caller is not identified again for another request, seconds."""
 _LEAVE_S = 10.0
 """Longest time in which the pages of a key that was forgotten leave, seconds."""
-_CLOSED = "The service needs a key."
 
 
 @dataclass(frozen=True)
@@ -57,14 +56,16 @@ class Access:
         self, settings: ConsoleSettings, connect: Connect, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.settings = settings
-        self.consoles = Consoles(settings, connect)
+        self.consoles = Consoles(settings, connect, clock)
         self.notices = Notices()
         self._visits = Visits(self._close_unused, clock)
         self._clock = clock
         self._closing: set[asyncio.Task[None]] = set()
 
     async def admit(self, secret: str | None) -> Admitted | str:
-        """Return by which key the pages of a browser call the service, or a sentence that says why by none.
+        """Return by which key the pages of a browser call the service, or why by none.
+
+        The reason is a sentence, or "" for a browser that has given no key.
 
         While the service does not respond, a browser is admitted as before, and sees the last state.
 
@@ -134,7 +135,7 @@ class Access:
             await self.consoles.close(console)
 
     async def _refusal(self, console: Console) -> str | None:
-        """Identify the caller of a console; return a sentence if the service accepts none, else None."""
+        """Identify the caller of a console; return None if the service accepts it, else a sentence, as `admit` does."""
         hub = console.hub
         if hub.caller is not None and self._clock() - hub.identified_s < _FRESH_S:
             return None
@@ -142,15 +143,11 @@ class Access:
             async with asyncio.timeout(_IDENTIFY_S):
                 await hub.identify()
         except VoaClientError as error:
-            return _sentence(console, error) if needs_key(error) else None
+            if needs_key(error):
+                return "" if console.key is None else sentence_of(error)
         except TimeoutError:
-            return None
+            pass
         return None
-
-
-def _sentence(console: Console, error: VoaClientError) -> str:
-    """Write why a key is needed: none was given yet, or the given one is no longer accepted."""
-    return _CLOSED if console.key is None else sentence_of(error)
 
 
 def own_page(to: str) -> str:

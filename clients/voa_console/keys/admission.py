@@ -17,6 +17,7 @@ from voa_console.keys.access import KEY_PATH, Access, Admitted
 
 _PUBLIC = (KEY_PATH, f"{KEY_PATH}/forget", "/livez", "/favicon.ico")
 _NICEGUI = ("/_nicegui/", "/_nicegui_ws/")
+_NEEDED = "The service needs a key."
 _FILES = ("/meshes/", "/new/files/")
 
 
@@ -51,7 +52,7 @@ class Admission:
     def _refusal(self, scope: Scope, sentence: str) -> Response:
         path: str = scope["path"]
         if scope["method"] not in ("GET", "HEAD") or path.startswith(_FILES):
-            return PlainTextResponse(f"{sentence} Open {KEY_PATH} to give one.", 401)
+            return PlainTextResponse(f"{sentence or _NEEDED} Open {KEY_PATH} to enter one.", 401)
         query = scope["query_string"].decode("latin-1")
         to = f"{path}?{query}" if query else path
         return RedirectResponse(self._access.key_page(to, sentence), 303, headers={"Cache-Control": "no-store"})

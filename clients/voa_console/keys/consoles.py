@@ -1,6 +1,7 @@
 """Consoles of a process: the one of its own key, and one for each key that browsers have given."""
 
 import asyncio
+import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
@@ -22,11 +23,15 @@ class Consoles:
     Args:
         settings: of this console.
         connect: makes a client.
+        clock: returns seconds that never go back.
     """
 
-    def __init__(self, settings: ConsoleSettings, connect: Connect) -> None:
+    def __init__(
+        self, settings: ConsoleSettings, connect: Connect, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self._settings = settings
         self._connect = connect
+        self._clock = clock
         self._watching: dict[Console, asyncio.Task[None]] = {}
         self._of_keys: dict[str, Console] = {}
         self._closing: list[Closing] = []
@@ -89,7 +94,7 @@ class Consoles:
 
     def _make(self, key: str | None) -> Console:
         client = self._connect(key)
-        return Console(self._settings, client, Hub(client, recent_s=self._settings.recent_s), key)
+        return Console(self._settings, client, Hub(client, self._settings.recent_s, clock=self._clock), key)
 
     def _watch(self, console: Console) -> None:
         self._watching[console] = asyncio.create_task(console.hub.run(), name="voa-console-hub")

@@ -8,9 +8,9 @@ from voa_console.keys.access import KEY_PATH, Access, own_page
 
 _ROLES = (
     ("viewer", "sees everything, and values looks"),
-    ("sensor", "also requests and announces looks"),
-    ("arm", "also reports outcomes of grasps"),
-    ("operator", "does everything: opens and ends sessions, makes objects, claims robots"),
+    ("sensor", "as a viewer, and requests and announces looks"),
+    ("arm", "as a viewer, and reports outcomes of grasps"),
+    ("operator", "does everything: opens and ends sessions, claims robots, makes objects"),
 )
 _STYLE = """
 .voa-key-field { flex: 1 1 auto; min-width: 0; padding: 0.6rem 0.75rem; border: 1px solid #767676; border-radius: 4px;
@@ -35,7 +35,7 @@ def register(access: Access) -> None:
 def _draw(access: Access, to: str, sentence: str) -> None:
     """Draw what a key is, and the form for it."""
     caller = access.consoles.own.caller
-    ui.label("Give your key").classes("text-2xl").props('role=heading aria-level="1"')
+    ui.label("Enter your key").classes("text-2xl").props('role=heading aria-level="1"')
     if sentence:
         with ui.row().classes("w-full items-center no-wrap rounded p-3 bg-warning text-white").props('role="alert"'):
             ui.icon("info", size="sm")
@@ -56,8 +56,9 @@ def _draw(access: Access, to: str, sentence: str) -> None:
                     ui.label(role).classes("font-mono w-20 shrink-0")
                     ui.label(does)
     ui.label(
-        "This console keeps your key in its memory until you forget it, close the browser, or it stops. It writes the "
-        "key to no disk and no log, and calls the service with it for your pages alone."
+        "This console keeps the key in its memory until you press Forget the key, until none of your pages was open "
+        "for 12 hours, or until it stops. It writes the key to no file and no log, and calls the service with it for "
+        "your pages alone."
     ).classes("text-sm opacity-80")
 
 

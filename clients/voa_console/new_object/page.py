@@ -64,7 +64,7 @@ def _refuse(console: Console) -> None:
         notice("The service does not respond yet; this page continues by itself.")
         return
     notice(f"Making an object needs a key with the role operator. The key {caller.name} has the role {caller.role}.")
-    ui.link("Give another key", KEY_PATH)
+    ui.link("Enter another key", KEY_PATH)
 
 
 def _draw(console: Console, workshop: Workshop, bench: Bench, lidars: list[LidarPreset]) -> None:

@@ -59,7 +59,8 @@ def test_a_failure_is_not_kept() -> None:
 
 def test_the_route_serves_a_mesh_that_browsers_may_keep_and_503_without_the_service() -> None:
     app = FastAPI()
-    serve_meshes(app, MeshCache(Meshes().fetch))
+    cache = MeshCache(Meshes().fetch)
+    serve_meshes(app, lambda _: cache)
     with TestClient(app) as http:
         answer = http.get(mesh_url("mug"))
         assert answer.content == b"m" * 10

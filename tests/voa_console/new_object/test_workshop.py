@@ -22,7 +22,7 @@ def test_the_object_that_waits_for_the_longest_time_makes_room_but_none_that_is_
         assert workshop.bench(benches[0].id) is benches[0]
         assert workshop.bench(benches[1].id) is None
         assert not benches[1].folder.exists()
-        assert workshop.benches[0].name == str(MOST - 1)
+        assert workshop.benches()[0].name == str(MOST - 1)
         assert newest.name == "new object"
         await workshop.close()
         assert not any(bench.folder.exists() for bench in [newest, *benches])
