@@ -108,7 +108,7 @@ class WatchedSession:
             except VoaClientError as error:
                 self.error = error
                 self._news.publish()
-                await asyncio.sleep(_DENIED_AGAIN_S if isinstance(error, DeniedError) else _AGAIN_S)
+                await asyncio.sleep(pause_after(error))
 
     def _change(self, session: Session) -> None:
         self.session = session
@@ -141,6 +141,11 @@ class WatchedSession:
         self.ended = True
         self._first.set()
         self._news.publish()
+
+
+def pause_after(error: VoaClientError) -> float:
+    """Return the pause before a session is followed again, seconds; longer where the key may not see it."""
+    return _DENIED_AGAIN_S if isinstance(error, DeniedError) else _AGAIN_S
 
 
 def _failed(ranking: asyncio.Task[Ranking]) -> bool:

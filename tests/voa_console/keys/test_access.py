@@ -138,9 +138,7 @@ def test_a_key_that_is_revoked_is_refused_with_the_reason_and_forgotten(
         assert isinstance(refusal, str)
         assert "was revoked: use another one" in refusal
         assert console.caller is None
-        async with asyncio.timeout(20.0):
-            while not closed:
-                await asyncio.sleep(0)
+        await asyncio.gather(*bench.access._closing)
         assert closed == [console]
         assert bench.lines.made[-1].is_closed
         assert await bench.access.admit(secret) == ""

@@ -23,11 +23,11 @@ def task(mesh: Path, step: str = "measure") -> Task:
     return Task(step=step, draft=Draft(mesh=str(mesh)), folder=str(mesh.parent))  # type: ignore[arg-type]
 
 
-def with_process(folder: Path, use: Callable[[WorkerProcess], Awaitable[None]]) -> None:
+def with_process(folder: Path, use: Callable[[WorkerProcess], Awaitable[None]], key: str | None = None) -> None:
     """Use a process whose service nobody serves; it is gone afterwards."""
 
     async def whole() -> None:
-        process = await WorkerProcess.start(NOBODY, folder / "log")
+        process = await WorkerProcess.start(NOBODY, folder / "log", key)
         try:
             await use(process)
         finally:
@@ -101,6 +101,23 @@ def test_of_the_secrets_of_the_console_only_the_key_for_the_service_reaches_the_
         assert os.getpgid(process._process.pid) == process._process.pid
 
     with_process(tmp_path, use)
+
+
+def test_the_key_of_a_browser_takes_the_place_of_the_console_s_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VOA_KEY_FILE", "of the console")
+
+    async def use(process: WorkerProcess) -> None:
+        content = await asyncio.to_thread(
+            wait_for, Path(f"/proc/{process._process.pid}/environ").read_bytes, "an environment"
+        )
+        assert b"VOA_KEY=of a browser" in content
+        assert b"of the console" not in content
+        command = await asyncio.to_thread(Path(f"/proc/{process._process.pid}/cmdline").read_bytes)
+        assert b"of a browser" not in command
+
+    with_process(tmp_path, use, "of a browser")
 
 
 @pytest.mark.parametrize("part", ["mujoco", "trimesh"])

@@ -30,6 +30,26 @@ def test_the_object_that_waits_for_the_longest_time_makes_room_but_none_that_is_
     run(whole())
 
 
+def test_the_objects_of_a_key_are_seen_with_that_key_alone_and_go_with_it() -> None:
+    async def whole() -> None:
+        workshop = Workshop(NOBODY)
+        own, hers, his = [await workshop.new(key) for key in (None, "hers", "his")]
+        for bench in (own, hers, his):
+            bench.draft = Draft(mesh="part.stl")
+        assert [workshop.benches(key) for key in (None, "hers", "his", "other")] == [[own], [hers], [his], []]
+        assert workshop.bench(hers.id, "hers") is hers
+        assert workshop.bench(hers.id, "his") is None
+        assert workshop.bench(hers.id) is None
+        assert "hers" not in repr(hers)
+        await workshop.forget("hers")
+        await workshop.forget(None)
+        assert [workshop.benches(key) for key in (None, "hers", "his")] == [[own], [], [his]]
+        assert not hers.folder.exists()
+        await workshop.close()
+
+    run(whole())
+
+
 def test_a_folder_that_a_person_named_stays(tmp_path: Path) -> None:
     async def whole() -> None:
         workshop = Workshop(NOBODY)

@@ -5,12 +5,15 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager, suppress
 from datetime import timedelta
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.support.serving import Service, scan_of
+from tests.support.api_keys import key_for
+from tests.support.serving import Service, data_scenario, scan_of, serving
 from voa_client import AsyncClient, AsyncInProcessTransport, NotFoundError, Retries, UnreachableError
+from voa_console.sentences import needs_key
 from voa_console.watching.hub import Hub
 from voa_service.rpc.entry import Rpc
 
@@ -280,3 +283,24 @@ def test_old_sessions_are_not_shown(service: Service, session: str) -> None:
         assert hub.sessions() == []
 
     run(service, story)
+
+
+def test_what_a_key_has_received_is_forgotten_when_the_service_no_longer_accepts_it(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with serving(tmp_path) as service:
+        session = service.open(service.create(data_scenario()))
+
+        async def story(bench: Bench) -> None:
+            bench.hub.open_page()
+            await bench.until(lambda: bench.hub.followed(session) is not None)
+            assert (await bench.hub.identify()).name == "anonymous"
+            key_for(service, "operator")
+            await bench.until(lambda: needs_key(bench.hub.error))
+            assert bench.hub.caller is None
+            assert bench.hub.sessions() == []
+            assert bench.hub.robots() == []
+            assert bench.hub.followed(session) is None
+
+        run(service, story)
+    assert not caplog.records

@@ -1,0 +1,124 @@
+"""Keys in real browsers, beside a real service that needs them: entered, obeyed, revoked and forgotten."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx2
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from tests.support.api_keys import bearer, make_key, revoke_key, url_of
+from tests.support.browser import NARROW, console_of, opened, picture
+from tests.support.serving import data_scenario
+from tests.support.waiting import wait_for
+from voa_client import Client, ScenarioRequest, SessionRequest
+from voa_client.local import local_service
+from voa_msgs.callers import Role
+
+
+@dataclass(frozen=True)
+class Lab:
+    """Service that needs keys, with a session, and a console without a key of its own."""
+
+    service: str
+    database: str
+    console: str
+    session: str
+
+    def key(self, role: Role, *sessions: str) -> str:
+        """Make a key, and wait until the service knows it."""
+        text = make_key(self.database, role, sessions=sessions or None)
+        url = f"{self.service}/v1/caller"
+        wait_for(lambda: httpx2.get(url, headers=bearer(text)).is_success, "the key")
+        return text
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    folder = tmp_path_factory.mktemp("keys")
+    with local_service(folder) as service, console_of(service, folder) as console:
+        with Client(service) as client:
+            scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
+            session = client.create_session(SessionRequest(scenario=scenario.id)).id
+        yield Lab(service, url_of(folder / "voa.db"), console, session)
+
+
+@pytest.fixture(scope="module")
+def viewer(lab: Lab) -> str:
+    return lab.key("viewer")
+
+
+def enter(page: Page, key: str) -> None:
+    """Send the form with a key."""
+    expect(page.get_by_role("heading", name="Enter your key")).to_be_visible()
+    page.get_by_label("Key", exact=True).fill(key)
+    page.get_by_role("button", name="Open the console").click()
+
+
+def actions(page: Page) -> Locator:
+    """Buttons of the page of a session."""
+    return page.get_by_role("toolbar", name="Actions").get_by_role("button")
+
+
+def test_a_viewer_enters_a_key_sees_a_session_without_actions_and_leaves_when_the_key_is_revoked(
+    browser: Browser, lab: Lab, viewer: str, tmp_path: Path
+) -> None:
+    with opened(browser, NARROW, dark=True) as page:
+        page.goto(f"{lab.console}/sessions/{lab.session}")
+        expect(page.get_by_role("alert")).to_have_count(0)
+        picture(page, "key-narrow-dark", tmp_path)
+        enter(page, "voa_000000000000_" + "0" * 64)
+        expect(page.get_by_role("alert")).to_contain_text("The service does not accept the key")
+        enter(page, viewer)
+        page.wait_for_url(f"{lab.console}/sessions/{lab.session}")
+        expect(actions(page)).to_have_text(["Export"])
+        expect(page.get_by_role("group", name="Key")).to_contain_text("viewer-1, viewer")
+        expect(page.get_by_role("link", name="New object")).to_have_count(0)
+        assert page.evaluate("document.documentElement.scrollWidth") <= NARROW[0]
+        assert page.evaluate("document.cookie") == "", "no script reads the secret"
+        assert viewer not in page.content()
+        picture(page, "viewer-narrow-dark", tmp_path)
+        page.goto(f"{lab.console}/new")
+        expect(page.get_by_text("Making an object needs a key with the role operator.")).to_be_visible()
+        page.goto(lab.console)
+        expect(page.get_by_role("article")).to_have_count(1)
+        expect(page.get_by_role("button", name="Open a session")).to_have_count(0)
+        revoke_key(lab.database, viewer)
+        expect(page.get_by_role("alert")).to_contain_text(re.compile("the key 'viewer-1' .* was revoked"))
+        expect(page.get_by_role("heading", name="Enter your key")).to_be_visible()
+
+
+def test_browsers_with_other_keys_see_other_actions_and_all_pages_leave_when_a_key_is_forgotten(
+    browser: Browser, lab: Lab
+) -> None:
+    arm, operator = lab.key("arm"), lab.key("operator")
+    with opened(browser) as page, opened(browser) as other:
+        for each, key in ((page, arm), (other, operator)):
+            each.goto(f"{lab.console}/sessions/{lab.session}")
+            enter(each, key)
+        expect(actions(page)).to_have_text([re.compile("Report an outcome"), re.compile("Export")])
+        expect(actions(other)).to_have_count(8)
+        page.get_by_role("button", name="Report an outcome").click()
+        page.get_by_role("dialog").get_by_role("button", name="Report outcome").click()
+        expect(page.get_by_text("version 1 of 1, now").first).to_be_visible()
+        expect(other.get_by_text("version 1 of 1, now").first).to_be_visible()
+        second = page.context.new_page()
+        second.goto(f"{lab.console}/robots")
+        expect(second.get_by_role("group", name="Key")).to_contain_text("arm-1, arm")
+        second.get_by_role("button", name="Forget the key").click()
+        for each in (second, page):
+            expect(each.get_by_role("heading", name="Enter your key")).to_be_visible()
+        expect(second.get_by_role("alert")).to_have_text(re.compile("The key is forgotten."))
+        expect(actions(other)).to_have_count(8)
+
+
+def test_no_page_and_no_log_has_what_a_key_is_needed_for(lab: Lab, viewer: str) -> None:
+    for path in ("/", "/new", "/robots", f"/sessions/{lab.session}", "/new/files/0a/rest-1.png", "/meshes/a.stl"):
+        answer = httpx2.get(f"{lab.console}{path}", timeout=30.0)
+        assert answer.status_code in (303, 401), path
+        assert lab.session not in answer.text
+    log = (Path(lab.database.removeprefix("sqlite:///")).parent / "console.log").read_text()
+    assert viewer.rpartition("_")[2] not in log
+    assert "Traceback" not in log
