@@ -12,6 +12,7 @@ _ROLES = (
     ("arm", "as a viewer, and reports outcomes of grasps"),
     ("operator", "does everything: opens and ends sessions, claims robots, makes objects"),
 )
+_FORM = f'method="post" action="{KEY_PATH}"'
 _STYLE = """
 .voa-key-field { flex: 1 1 auto; min-width: 0; padding: 0.6rem 0.75rem; border: 1px solid #767676; border-radius: 4px;
   font: inherit; background: white; color: black; }
@@ -75,11 +76,7 @@ def _why(url: str, caller: Caller | None) -> str:
 
 
 def _form(to: str) -> None:
-    with (
-        ui.element("form")
-        .props(f'method="post" action="{KEY_PATH}"')
-        .classes("w-full flex gap-3 items-stretch max-sm:flex-col")
-    ):
+    with ui.element("form").props(_FORM).classes("w-full flex gap-3 items-stretch max-sm:flex-col"):
         field = ui.element("input").classes("voa-key-field")
         field.props('type="password" name="key" required autofocus autocomplete="current-password" maxlength="512"')
         field.props('aria-label="Key" placeholder="voa_..." spellcheck="false"')

@@ -1,4 +1,4 @@
-"""Nothing but the page of the key, the health and NiceGUI's own files is served to a browser without a valid key."""
+"""A browser without a valid key receives the page of the key, the health and the files of NiceGUI alone."""
 
 import pytest
 from starlette.websockets import WebSocketDisconnect
