@@ -35,7 +35,7 @@ def create(settings: ConsoleSettings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        access.consoles.start()
+        access.start()
         try:
             yield
         finally:

@@ -19,10 +19,12 @@ from voa_console.settings import ConsoleSettings
 KEY_PATH = "/key"
 """Path of the page on which a person gives a key, and of the form that sends it."""
 _OWN_PAGES = re.compile(r"/(new(\?of=[0-9a-f]+)?|robots|sessions/[A-Za-z0-9_.-]+)?")
-_IDENTIFY_S = 1.5
+_IDENTIFY_S = 4.0
 """Time for which a page waits for the service to identify its caller, seconds."""
 _FRESH_S = 2.0
 """Time for which an identified caller is not identified again for another request, seconds."""
+_SWEEP_S = 600.0
+"""Interval at which visits end that were not used for a long time, seconds."""
 _LEAVE_S = 10.0
 """Longest time in which the pages of a key that was forgotten leave, seconds."""
 
@@ -50,17 +52,28 @@ class Access:
         settings: of the console.
         connect: makes a client of the service.
         clock: returns seconds that never go back.
+        identify_s: time for which a page waits for the service to identify its caller, seconds.
     """
 
     def __init__(
-        self, settings: ConsoleSettings, connect: Connect, clock: Callable[[], float] = time.monotonic
+        self,
+        settings: ConsoleSettings,
+        connect: Connect,
+        clock: Callable[[], float] = time.monotonic,
+        identify_s: float = _IDENTIFY_S,
     ) -> None:
         self.settings = settings
         self.consoles = Consoles(settings, connect, clock)
         self.notices = Notices()
         self._visits = Visits(self._close_unused, clock)
         self._clock = clock
-        self._closing: set[asyncio.Task[None]] = set()
+        self._identify_s = identify_s
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def start(self) -> None:
+        """Let the hub of the own console watch, and idle visits end, from now on."""
+        self.consoles.start()
+        self._tasks.add(asyncio.create_task(self._end_idle(), name="voa-console-visits"))
 
     async def admit(self, secret: str | None) -> Admitted | str:
         """Return by which key the pages of a browser call the service, or why by none.
@@ -75,10 +88,11 @@ class Access:
         visit = self._visits.get(secret)
         if visit is not None and secret is not None:
             refusal = await self._refusal(visit.console)
-            if refusal is None:
+            if refusal is not None:
+                self.leave(secret)
+                return refusal
+            if self._visits.get(secret) is visit:  # it may have ended in the meantime
                 return Admitted(visit.console, False, lambda leave: self._visits.open_page(visit, leave))
-            self.leave(secret)
-            return refusal
         refusal = await self._refusal(self.consoles.own)
         return Admitted(self.consoles.own, True, lambda _: lambda: None) if refusal is None else refusal
 
@@ -117,15 +131,20 @@ class Access:
 
     async def close(self) -> None:
         """Close every console."""
-        for task in self._closing:
+        for task in self._tasks:
             task.cancel()
         await self.consoles.close_all()
 
     def _close_unused(self, console: Console) -> None:
         """Close the console of a key that no browser uses any more, once its pages have left."""
         task = asyncio.create_task(self._close_soon(console), name="voa-console-close")
-        self._closing.add(task)
-        task.add_done_callback(self._closing.discard)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _end_idle(self) -> None:
+        while True:
+            await asyncio.sleep(_SWEEP_S)
+            self._visits.end_idle()
 
     async def _close_soon(self, console: Console) -> None:
         with suppress(TimeoutError):
@@ -140,7 +159,7 @@ class Access:
         if hub.caller is not None and self._clock() - hub.identified_s < _FRESH_S:
             return None
         try:
-            async with asyncio.timeout(_IDENTIFY_S):
+            async with asyncio.timeout(self._identify_s):
                 await hub.identify()
         except VoaClientError as error:
             if needs_key(error):

@@ -83,6 +83,8 @@ class Visits:
             leave: called when the visit ends.
         """
         visit.pages.append(leave)
+        if visit not in self._visits.values():  # it has ended while the page was requested
+            leave()
 
         def close() -> None:
             if leave in visit.pages:

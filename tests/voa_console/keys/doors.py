@@ -1,6 +1,6 @@
 """Console without pages of NiceGUI, over a service in this process: its page names the key by which it was admitted."""
 
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +10,7 @@ from starlette.responses import PlainTextResponse
 from starlette.testclient import TestClient
 
 from tests.support.serving import Service
+from tests.support.waiting import SECONDS
 from voa_client import ApiKey, AsyncClient, AsyncInProcessTransport, Retries, UnreachableError
 from voa_console.keys.access import Access
 from voa_console.keys.admission import Admission, admitted_of
@@ -76,15 +77,15 @@ class Doors:
 
 
 @contextmanager
-def doors(service: Service, own: str | None = None, clock: Callable[[], float] | None = None) -> Iterator[Doors]:
+def doors(service: Service, own: str | None = None) -> Iterator[Doors]:
     """Open a console whose own key is `own`; None: it has none."""
     lines = Lines(service, own)
     settings = ConsoleSettings(URL)
-    access = Access(settings, lines.connect) if clock is None else Access(settings, lines.connect, clock)
+    access = Access(settings, lines.connect, identify_s=SECONDS)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        access.consoles.start()
+        access.start()
         yield
         await access.close()
 

@@ -10,6 +10,7 @@ import pytest
 
 from tests.support.api_keys import key_for, make_key, revoke_key, url_of
 from tests.support.serving import Service
+from tests.support.waiting import SECONDS
 from tests.voa_console.keys.doors import URL, Lines
 from voa_client import DeniedError
 from voa_console.context import Console
@@ -23,7 +24,7 @@ class Bench:
     def __init__(self, service: Service, own: str | None = None) -> None:
         self.now = 0.0
         self.lines = Lines(service, own)
-        self.access = Access(ConsoleSettings(URL), self.lines.connect, lambda: self.now)
+        self.access = Access(ConsoleSettings(URL), self.lines.connect, lambda: self.now, SECONDS)
 
     async def console(self, secret: str | None) -> Console:
         """Console by which a browser is admitted."""
@@ -35,7 +36,7 @@ class Bench:
 @asynccontextmanager
 async def opened(service: Service, own: str | None = None) -> AsyncIterator[Bench]:
     bench = Bench(service, own)
-    bench.access.consoles.start()
+    bench.access.start()
     yield bench
     await bench.access.close()
     assert all(line.is_closed for line in bench.lines.made)
@@ -138,7 +139,7 @@ def test_a_key_that_is_revoked_is_refused_with_the_reason_and_forgotten(
         assert isinstance(refusal, str)
         assert "was revoked: use another one" in refusal
         assert console.caller is None
-        await asyncio.gather(*bench.access._closing)
+        await asyncio.gather(*(task for task in bench.access._tasks if task.get_name() == "voa-console-close"))
         assert closed == [console]
         assert bench.lines.made[-1].is_closed
         assert await bench.access.admit(secret) == ""
@@ -186,6 +187,23 @@ def test_a_console_with_a_key_of_its_own_serves_everybody_by_it_and_a_browser_ma
         assert await bench.console(secret) is bench.access.consoles.own
 
     run(service, story, own=viewer)
+
+
+def test_a_key_that_is_forgotten_while_a_page_is_requested_admits_it_no_more(
+    service: Service, sessions: tuple[str, str]
+) -> None:
+    key = key_for(service, "viewer")
+
+    async def story(bench: Bench) -> None:
+        secret = await bench.access.enter(key, None)
+        assert secret is not None
+        bench.now = 10.0
+        requested = asyncio.create_task(bench.access.admit(secret))
+        await asyncio.sleep(0)  # it waits for the service
+        bench.access.leave(secret)
+        assert await requested == ""
+
+    run(service, story)
 
 
 def test_a_key_that_expires_is_refused(service: Service, sessions: tuple[str, str]) -> None:

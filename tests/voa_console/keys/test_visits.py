@@ -68,6 +68,8 @@ def test_pages_leave_when_their_visit_ends() -> None:
     own.end(secret)
     assert (left, ended) == (["open"], [CONSOLE])
     assert not own.is_visited(CONSOLE)
+    own.open_page(visit, lambda: left.append("opened too late"))
+    assert left == ["open", "opened too late"]
 
 
 def test_beyond_the_most_visits_the_one_that_waits_for_the_longest_time_ends() -> None:
