@@ -24,16 +24,21 @@ ACTIONS: tuple[tuple[str, str, str, Callable[[ActionContext], None]], ...] = (
 
 
 def action_buttons(context: ActionContext) -> list[ui.button]:
-    """Draw a button for each action that the key allows, which opens its dialog."""
-    row = ui.row().classes("w-full gap-2 max-sm:flex-nowrap max-sm:overflow-x-auto max-sm:pb-2")
+    """Draw a button for each action that the key allows, which opens its dialog; a sentence says where some lack."""
+    console = context.console
+    allowed = [action for action in ACTIONS if console.may(action[2])]
+    row = ui.row().classes("w-full gap-2 items-center max-sm:flex-nowrap max-sm:overflow-x-auto max-sm:pb-2")
     with row.props('role="toolbar" aria-label="Actions"'):
-        return [
+        buttons = [
             ui.button(name, icon=icon, on_click=partial(open_dialog, context), color=_colour(name))
             .props("outline dense no-caps no-wrap")
             .classes("px-3 shrink-0")
-            for name, icon, call, open_dialog in ACTIONS
-            if context.console.may(call)
+            for name, icon, _, open_dialog in allowed
         ]
+        if console.caller is not None and len(allowed) < len(ACTIONS):
+            text = f"The key {console.caller.name} ({console.caller.role}) allows no other action."
+            ui.label(text).classes("text-sm opacity-80")
+    return buttons
 
 
 def _colour(name: str) -> str | None:

@@ -4,7 +4,7 @@ from functools import partial
 
 from nicegui import ui
 
-from voa_client import DeniedError, VoaClientError
+from voa_client import VoaClientError
 from voa_console import layout
 from voa_console.context import Console
 from voa_console.sentences import not_followed, sentence_of
@@ -38,6 +38,10 @@ def register() -> None:
     @ui.page("/sessions/{session_id}")
     def session_page(session_id: str) -> None:
         with layout.page("Session") as console:
+            if console.caller is not None and not console.may_see_session(session_id):
+                problem_bar()(f"The key {console.caller.name} is not for session {session_id}.")
+                ui.link("Go to the sessions that it is for", "/")
+                return
             SessionPage(console, console.part(records_of), session_id)
 
 
@@ -125,7 +129,6 @@ class SessionPage:
         watched, hub = self._watched, self._console.hub
         error = None if watched.ended or hub.error is not None else watched.error
         self._problem("" if error is None else not_followed(error, is_known=watched.session is not None))
-        self._content.set_visibility(watched.session is not None or not isinstance(error, DeniedError))
 
     def _enable_actions(self) -> None:
         """Let a person act on the newest version alone."""

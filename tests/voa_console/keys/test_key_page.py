@@ -29,6 +29,8 @@ class Lab:
     console: str
     session: str
     keys: dict[Role, str]
+    elsewhere: str
+    """Key of an operator for another session."""
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +41,11 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
             scenario = client.create_scenario(ScenarioRequest.model_validate(data_scenario()))
             session = client.create_session(SessionRequest(scenario=scenario.id)).id
         database = url_of(folder / "voa.db")
+        elsewhere = make_key(database, "operator", "elsewhere", sessions=("another",))
         keys = {role: make_key(database, role) for role in ROLES}
         newest = bearer(keys[ROLES[-1]])
         wait_for(lambda: httpx2.get(f"{service}/v1/caller", headers=newest).json().get("key"), "the keys")
-        yield Lab(database, console, session, keys)
+        yield Lab(database, console, session, keys, elsewhere)
 
 
 @pytest.fixture
@@ -74,6 +77,7 @@ def test_a_viewer_enters_a_key_sees_a_session_without_actions_and_leaves_when_th
         enter(page, viewer)
         page.wait_for_url(f"{lab.console}/sessions/{lab.session}")
         expect(actions(page)).to_have_text([re.compile("Export")])
+        expect(page.get_by_text("The key viewer-1 (viewer) allows no other action.")).to_be_visible()
         expect(page.get_by_role("group", name="Key")).to_contain_text("viewer-1, viewer")
         expect(page.get_by_role("link", name="New object")).to_have_count(0)
         assert page.evaluate("document.documentElement.scrollWidth") <= NARROW[0]
@@ -110,6 +114,10 @@ def test_browsers_with_other_keys_see_other_actions_and_all_pages_leave_when_a_k
         for each in (second, page):
             expect(each.get_by_role("heading", name="Enter your key")).to_be_visible()
         expect(second.get_by_role("alert")).to_have_text(re.compile("The key is forgotten."))
+        page.goto(f"{lab.console}/sessions/{lab.session}")
+        enter(page, lab.elsewhere)
+        expect(page.get_by_text(f"The key elsewhere is not for session {lab.session}.")).to_be_visible()
+        expect(actions(page)).to_have_count(0)
         expect(actions(other)).to_have_count(8)
 
 

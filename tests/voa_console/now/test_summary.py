@@ -46,6 +46,11 @@ def test_a_card_says_that_no_grasp_can_succeed_and_that_the_object_may_be_absent
     assert card.others == ""
 
 
+def test_a_card_says_why_its_session_is_not_followed() -> None:
+    assert summarise(session([1.0]), None, [], NOW).problem == ""
+    assert summarise(session([1.0]), None, [], NOW, None, "The service is busy.").problem == "The service is busy."
+
+
 def test_a_session_without_belief_shows_no_poses() -> None:
     fields = session([1.0]).model_dump()
     listed = SessionSummary(**{name: fields[name] for name in SessionSummary.model_fields})

@@ -1,6 +1,13 @@
 """Findings of the examination, sorted by whom they are about."""
 
-from voa_console.robots.watching import of_robot, of_service
+import asyncio
+from typing import NoReturn
+
+from voa_client import AsyncClient, AsyncInProcessTransport
+from voa_console.context import Console
+from voa_console.robots.watching import RobotsWatch, of_robot, of_service
+from voa_console.settings import ConsoleSettings
+from voa_console.watching.hub import Hub
 from voa_doctor.findings import Finding
 
 FINDINGS = [
@@ -27,3 +34,31 @@ def test_a_router_that_the_service_has_reached_is_no_warning() -> None:
 def test_findings_about_a_robot_are_its_own() -> None:
     assert [finding.check for finding in of_robot(FINDINGS, "a")] == ["scans", "poor-fit"]
     assert [finding.check for finding in of_robot(FINDINGS, "ab")] == ["scans"]
+
+
+def test_the_service_is_examined_by_the_key_of_the_page() -> None:
+    examined: list[tuple[str, str | None]] = []
+
+    def examination(url: str, key: str | None) -> list[Finding]:
+        examined.append((url, key))
+        return FINDINGS
+
+    async def whole() -> None:
+        client = AsyncClient(AsyncInProcessTransport(Nobody()))
+        console = Console(ConsoleSettings("http://lab"), client, Hub(client), "of a browser")
+        watch = RobotsWatch(console, examination)
+        arrived = asyncio.Event()
+        leave = watch.subscribe(lambda: arrived.set() if watch.findings else None)
+        async with asyncio.timeout(20.0):
+            await arrived.wait()
+        leave()
+
+    asyncio.run(whole())
+    assert examined == [("http://lab", "of a browser")]
+
+
+class Nobody:
+    """Service that is not called."""
+
+    def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> NoReturn:
+        raise AssertionError(method)
