@@ -2,9 +2,10 @@
 
 from nicegui import ui
 
-from voa_client import Caller
 from voa_console import layout
+from voa_console.context import Console
 from voa_console.keys.access import KEY_PATH, Access, own_page
+from voa_console.sentences import needs_key, sentence_of
 
 _ROLES = (
     ("viewer", "sees everything, and values looks"),
@@ -41,7 +42,7 @@ def _draw(access: Access, to: str, sentence: str) -> None:
         with ui.row().classes("w-full items-center no-wrap rounded p-3 bg-warning text-white").props('role="alert"'):
             ui.icon("info", size="sm")
             ui.label(sentence).classes("min-w-0 break-words")
-    ui.label(_why(access.settings.url, caller)).classes("text-base")
+    ui.label(_why(access.consoles.own)).classes("text-base")
     _form(to)
     if caller is not None:
         ui.link("Continue without a key of your own", to)
@@ -63,8 +64,11 @@ def _draw(access: Access, to: str, sentence: str) -> None:
     ).classes("text-sm opacity-80")
 
 
-def _why(url: str, caller: Caller | None) -> str:
-    """Write why a key is given."""
+def _why(own: Console) -> str:
+    """Write why a key is given, where the console itself calls the service as it does."""
+    url, caller, error = own.settings.url, own.caller, own.hub.error
+    if caller is None and error is not None and not needs_key(error):
+        return f"{url}: {sentence_of(error)}"
     if caller is None:
         return f"The service at {url} answers only callers that have a key."
     if caller.key is None:
