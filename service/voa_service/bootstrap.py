@@ -83,7 +83,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
     """
     limits = settings.limits
     store = open_store(settings.database_url, settings.database_patience_s, settings.wait_for_database)
-    keyring = _keyring(store, now)
+    keyring = _keyring(store, now, required=settings.require_keys)
     memory = budget(settings, available_memory(settings), processors())
     _report(memory)
     threads = Threads(memory.workers)
@@ -165,14 +165,14 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         store.close()
 
 
-def _keyring(store: SqlStore, now: Clock) -> Keyring:
+def _keyring(store: SqlStore, now: Clock, *, required: bool) -> Keyring:
     """Read the keys for the first time.
 
     Raises:
         CannotOpen: the database cannot be used.
     """
     try:
-        return Keyring(store, now)
+        return Keyring(store, now, required=required)
     except BaseException as error:
         store.close()
         if isinstance(error, StoreError):

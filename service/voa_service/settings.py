@@ -87,6 +87,8 @@ class RateSettings(BaseModel):
     """Calls of a key; 40 lidars of 5 Hz that share a key stay within it."""
     heavy: Rate = "600/minute"
     """Rankings, predictions, uploads and other calls of a key that may take long."""
+    refused: Rate = "120/minute"
+    """Calls without a valid key from an address, or on Zenoh from a robot or from all callers of methods together."""
 
 
 class ZenohSettings(BaseModel):
@@ -132,6 +134,8 @@ class Settings(BaseSettings):
     whose host name is made to point to 127.0.0.1 can use it. A service on another address answers to any name unless
     this is set.
     """
+    require_keys: bool = False
+    """True refuses every call but those about health without a valid key, even before the first key is made."""
     insecure: bool = False
     """True allows addresses other than loopback without keys, where anyone can change beliefs."""
     console: bool = False

@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from sqlalchemy import make_url
 
+from voa_store.carrying import CarriedKeys, carry_keys
 from voa_store.drivers import database_file, sqlite_driver
 from voa_store.engines import connect, statement
 from voa_store.migrate import is_current, migrate
@@ -49,11 +50,13 @@ class Restored:
         file: of the database.
         kept: file to which the database from before was moved; None: there was none.
         verified: result of reading every session of the restored database.
+        keys: API keys of the restored database: those of the backup and of the database from before.
     """
 
     file: Path
     kept: Path | None
     verified: Verified
+    keys: CarriedKeys
 
 
 def back_up(url: str, file: Path, *, replace: bool = False) -> BackedUp:
@@ -95,7 +98,8 @@ def back_up(url: str, file: Path, *, replace: bool = False) -> BackedUp:
 def restore(file: Path, url: str, *, even_if_damaged: bool = False) -> Restored:
     """Put a backup in the place of an SQLite database, which no process may have open.
 
-    A backup of an earlier version of the service is migrated. The database from before is kept beside it.
+    A backup of an earlier version of the service is migrated. The database from before is kept beside it, and its API
+    keys and their revocations are carried over: no key that was revoked becomes valid again.
 
     Args:
         file: of the backup.
@@ -120,8 +124,9 @@ def restore(file: Path, url: str, *, even_if_damaged: bool = False) -> Restored:
                 f"{file} has {len(verified.damaged)} damaged sessions and {len(verified.pages)} damaged pages: restore "
                 "another backup, or add --even-if-damaged to keep what can still be read"
             )
-        _sync(part)
         kept = _kept(database)
+        keys = carry_keys(kept, part)
+        _sync(part)
         _clear_beside(database, kept)
         part.replace(database)
         _sync(database.parent)
@@ -129,7 +134,7 @@ def restore(file: Path, url: str, *, even_if_damaged: bool = False) -> Restored:
         raise CannotBackUp(f"{database} cannot be written: {error.strerror or error}") from error
     finally:
         _remove(part)
-    return Restored(database, kept, verified)
+    return Restored(database, kept, verified, keys)
 
 
 def _file_of(url: str, *, must_exist: bool = True) -> Path:
@@ -137,7 +142,7 @@ def _file_of(url: str, *, must_exist: bool = True) -> Path:
     if parsed.get_backend_name() != "sqlite":
         raise CannotBackUp(
             "a PostgreSQL database is backed up by its own tools: pg_dump --format=custom --file=FILE URL, and "
-            "restored by pg_restore --clean --if-exists --dbname=URL FILE"
+            "restored by pg_restore without the table of keys, as deploy/docs/operations.md says"
         )
     file = database_file(parsed)
     if file is None:

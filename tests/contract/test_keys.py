@@ -226,6 +226,16 @@ def test_too_many_calls_are_429_with_a_time_to_wait(tmp_path: Path) -> None:
         assert service.http.get("/readyz", headers=own).status_code == 200
 
 
+def test_a_service_that_requires_keys_answers_nothing_but_health_before_the_first_one(tmp_path: Path) -> None:
+    with serving(tmp_path, require_keys=True) as service:
+        http = service.http
+        assert {http.get(path).status_code for path in HEALTH} == {200}
+        refused = http.post("/v1/sessions", json={})
+        assert (refused.status_code, kind(refused)) == (401, "unauthenticated")
+        assert "makes the first by `voa keys create NAME --role operator`" in refused.json()["detail"]
+        assert http.get("/v1/lidars", headers=bearer(key_for(service, "viewer"))).status_code == 200
+
+
 def test_running_services_of_a_database_notice_keys_within_seconds(tmp_path: Path) -> None:
     with serving(tmp_path) as one, serving(tmp_path) as two:
         url = url_of(one.database)

@@ -5,10 +5,12 @@ import os
 import subprocess
 import sys
 import threading
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from tests.support.api_keys import make_key, revoke_key
 from tests.support.postgres import Server, binaries
 from tests.support.replicas import replicas
 from tests.support.serving import data_scenario
@@ -16,6 +18,7 @@ from voa_client import Client
 from voa_msgs.scenarios import ScenarioRequest
 from voa_msgs.sessions import BeliefRequest, SessionRequest
 from voa_service.backup import main
+from voa_store.starting import open_keys
 
 
 def opened(client: Client) -> str:
@@ -98,3 +101,21 @@ def test_postgresql_is_backed_up_and_restored_by_the_documented_commands(postgre
         [sys.executable, "-m", "voa_store.verify", other], capture_output=True, text=True, check=True
     )
     assert json.loads(verified.stdout)["sessions"] == 1
+
+
+def test_the_documented_commands_leave_the_keys_of_postgresql_as_they_are(postgres: Server, tmp_path: Path) -> None:
+    """A restored table of keys would make revoked keys valid again, and remove those that were made since."""
+    url, dump, listed = postgres.new_database(), tmp_path / "voa.dump", tmp_path / "voa.list"
+    old = make_key(url, "viewer")
+    subprocess.run([binaries() / "pg_dump", "--format=custom", f"--file={dump}", url], check=True)
+    revoke_key(url, old)
+    make_key(url, "operator")
+    restore = binaries() / "pg_restore"
+    contents = subprocess.run([restore, "--list", dump], check=True, capture_output=True, text=True).stdout
+    listed.write_text("".join(line for line in contents.splitlines(keepends=True) if " api_keys" not in line))
+    subprocess.run([restore, "--clean", "--if-exists", f"--use-list={listed}", f"--dbname={url}", dump], check=True)
+    with closing(open_keys(url)) as store:
+        assert [(key.role, key.revoked_at is None) for key in store.list_keys()] == [
+            ("viewer", False),
+            ("operator", True),
+        ]

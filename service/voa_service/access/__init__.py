@@ -1,8 +1,8 @@
 """API keys and roles: who calls, which calls that caller may make, how many per time, and the record of writes.
 
-A service is open until its first key is made, and closed from then on for good: without a valid key only the calls
-about health are answered. Keys are made by the command `voa keys`, in the database that all processes of the service
-share.
+A service is open until its first key is made, unless its operator requires keys from the start, and closed from then on
+for good: without a valid key only the calls about health are answered. Keys are made by the command `voa keys`, in the
+database that all processes of the service share.
 
 | file      | purpose                                                                                      |
 |-----------|----------------------------------------------------------------------------------------------|

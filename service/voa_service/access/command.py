@@ -115,7 +115,7 @@ def _list(store: KeyStore, options: argparse.Namespace, now: datetime) -> None:
     elif every:
         print("no key is valid: the service refuses every caller; --all shows the revoked and expired ones")
     else:
-        print("there are no keys: the service answers everybody who reaches it")
+        print("there are no keys: the service answers everybody who reaches it, unless it runs with VOA_REQUIRE_KEYS=1")
 
 
 def _revoke(store: KeyStore, options: argparse.Namespace, now: datetime) -> None:

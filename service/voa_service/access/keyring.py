@@ -25,6 +25,12 @@ REFRESH_SECONDS = 2.0
 _STORED_AFTER = timedelta(seconds=60)
 """Time for which a stored last use is recent enough."""
 _END_SECONDS = 1.0
+_NEEDS_KEY = "this service needs a key: expected `Authorization: Bearer <key>`, on Zenoh `key` in the attachment"
+FIRST_KEY = (
+    "it has no key yet: its operator makes the first by `voa keys create NAME --role operator`, with the database of "
+    "the service"
+)
+"""Explanation of how to make the first key of a service that was started with `VOA_REQUIRE_KEYS`."""
 
 
 class KeyStore(Protocol):
@@ -44,19 +50,25 @@ class Keyring:
         store: of the keys.
         now: clock.
         refresh_seconds: interval at which the keys are read from the store.
+        required: True: callers without a valid key are refused even before the first key is made.
 
     Raises:
         StoreError: the keys cannot be read for the first time.
     """
 
-    def __init__(self, store: KeyStore, now: Clock, refresh_seconds: float = REFRESH_SECONDS) -> None:
+    def __init__(
+        self, store: KeyStore, now: Clock, refresh_seconds: float = REFRESH_SECONDS, *, required: bool = False
+    ) -> None:
         self._store = store
         self._now = now
         self._known: dict[str, tuple[StoredKey, Caller]] = {}
         self._used: dict[str, datetime] = {}
-        self.is_closed = False
-        """True once a key exists or has existed: callers without a valid key are refused from then on, for good."""
+        self.is_closed = required
+        """True where keys are required, and once a key exists or has existed: callers without a valid key are refused
+        from then on, for good."""
         self.refresh()
+        if not self._known and required:
+            structlog.get_logger("voa").warning(f"every call but those about health is refused: {FIRST_KEY}")
         self._refresh_seconds = refresh_seconds
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="voa-keys", daemon=True)
@@ -79,9 +91,7 @@ class Keyring:
         if not self.is_closed:
             return ANONYMOUS
         if text is None:
-            raise Unauthenticated(
-                "this service needs a key: expected `Authorization: Bearer <key>`, on Zenoh `key` in the attachment"
-            )
+            raise Unauthenticated(_NEEDS_KEY if self._known else f"{_NEEDS_KEY}; {FIRST_KEY}")
         id_ = id_of(text)
         known = None if id_ is None else self._known.get(id_)
         if known is None or not hmac.compare_digest(digest_of(text), known[0].digest):

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 
 import pytest
+from structlog.testing import capture_logs
 
 from tests.support.waiting import wait_for
 from voa_service.access.callers import ANONYMOUS
@@ -80,6 +81,22 @@ def test_the_first_key_closes_the_service(ring: Keyring, shelf: Shelf) -> None:
     assert (caller.sessions, caller.robots) == (frozenset({"s1"}), frozenset({"r1"}))
     assert "needs a key" in refused(ring, None)
     assert not ring.is_valid(ANONYMOUS)
+
+
+def test_a_service_that_requires_keys_is_closed_before_the_first_one(shelf: Shelf) -> None:
+    with capture_logs() as lines:
+        ring = Keyring(shelf, shelf.now, refresh_seconds=3600.0, required=True)
+    try:
+        assert ["voa keys create NAME --role operator" in line["event"] for line in lines] == [True]
+        assert "it has no key yet: its operator makes the first by `voa keys create NAME" in refused(ring, None)
+        assert not ring.is_valid(ANONYMOUS)
+        refused(ring, "nonsense")
+        made = shelf.make()
+        ring.refresh()
+        assert ring.identify(made.text).key == made.id
+        assert "no key yet" not in refused(ring, None)
+    finally:
+        ring.close()
 
 
 def test_every_other_text_is_refused_and_not_repeated(ring: Keyring, shelf: Shelf) -> None:
