@@ -1,6 +1,6 @@
 """Ports of the use cases: the store, the clock, the source of ids and the mesh reader that they are built with."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from datetime import datetime
 from typing import Protocol
@@ -157,6 +157,9 @@ class Store(Protocol):
         The claim is durable, and the first of several processes decides: all of them return the same session.
         """
 
+    def claimed_session(self, robot: str) -> str | None:
+        """Return the session that a robot was claimed for, on whichever scenario; None: none, or it was deleted."""
+
     def claim_robot(self, robot: str, session: str | None) -> bool:
         """Claim a robot for a session, or release it from every session (None); False: there is no such session."""
 
@@ -172,8 +175,10 @@ class Store(Protocol):
     def keys_used(self, used: Mapping[str, datetime]) -> None:
         """Store when API keys were last used, by their ids; of several processes, the newest time stays."""
 
-    def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
-        """List at most `limit` sessions after a cursor, oldest first."""
+    def list_sessions(
+        self, limit: int, after: str | None, only: Collection[str] | None = None
+    ) -> Listed[ListedSession]:
+        """List at most `limit` sessions after a cursor, oldest first: those with the ids `only`, or all (None)."""
 
     def change(self, id_: str, write: Write) -> AbstractContextManager[SessionChange]:
         """Change a session within one transaction, which is committed when the `with` block ends.

@@ -21,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="voa restore",
         description="Puts a backup of `voa backup` in the place of an SQLite database, after verifying every session "
-        "of it. Stop the service first. The database from before is kept beside it, and its API keys and their revocations "
+        "of it. Stop the service first. The database from before is kept beside it; its API keys and their revocations "
         "stay in force.",
     )
     parser.add_argument("file", type=Path, metavar="FILE", help="the backup")

@@ -1,7 +1,7 @@
 """Carries API keys from a database into the backup that replaces it, so that no restored key outlives its revocation.
 
-Keys are the one thing of a database that must not go back in time: a restored backup would know keys again that were
-revoked since, lack those that were made since, and open the service where it is from before the first key.
+Keys must not go back in time with the rest of a database: a backup alone would make keys valid that were revoked since,
+lack those that were made since, and open the service if it was made before the first key.
 """
 
 from collections.abc import Mapping

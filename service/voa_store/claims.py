@@ -63,6 +63,15 @@ def find(connection: Connection, robot: str, scenario: str) -> Assignment:
     return _assignment(connection, connection.execute(_CLAIM, {"by_robot": robot}).one_or_none(), scenario)
 
 
+def claimed(connection: Connection, robot: str) -> str | None:
+    """Return the session that a robot was claimed for, on whichever scenario; None: none, or it was deleted."""
+    row = connection.execute(_CLAIM, {"by_robot": robot}).one_or_none()
+    if row is None or row.session is None:
+        return None
+    session = connection.execute(_SESSION, {"by_id": row.session}).one_or_none()
+    return None if session is None else str(session.id)
+
+
 def settle(connection: Connection, robot: str, scenario: str) -> str | None:
     """Claim a robot for the session that `find` returns; if several processes do so at once, the first one decides."""
     row = connection.execute(_LOCK_CLAIM, {"by_robot": robot}).one_or_none()

@@ -19,6 +19,11 @@ class RobotRecords:
         with statement(self._single) as connection:
             return claims.find(connection, robot, scenario).id
 
+    def claimed_session(self, robot: str) -> str | None:
+        """Return the session that a robot was claimed for, on whichever scenario; None: there is none."""
+        with statement(self._single) as connection:
+            return claims.claimed(connection, robot)
+
     def settle_robot(self, robot: str, scenario: str) -> str | None:
         """Claim a robot for the session that `robot_session` finds; returns that session, None: there is none."""
         with statement(self._single) as connection:

@@ -7,7 +7,7 @@ for each other and never retry. A response is sent only after its transaction is
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 
@@ -196,10 +196,12 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         row = None if "\0" in id_ else first(self._single, self._mark, "by_id", id_)
         return None if row is None else SessionMark(*row)
 
-    def list_sessions(self, limit: int, after: str | None) -> Listed[ListedSession]:
+    def list_sessions(
+        self, limit: int, after: str | None, only: Collection[str] | None = None
+    ) -> Listed[ListedSession]:
         """List at most `limit` sessions after a cursor, oldest first."""
         with statement(self._single) as connection:
-            return list_sessions(connection, limit, after)
+            return list_sessions(connection, limit, after, only)
 
     @contextmanager
     def change(self, id_: str, write: Write) -> Iterator[SessionChange]:

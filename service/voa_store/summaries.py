@@ -1,6 +1,7 @@
 """Reads lists of objects, scenarios and sessions without their meshes, bodies and beliefs."""
 
 import json
+from collections.abc import Collection
 from datetime import datetime
 from typing import Any
 
@@ -48,6 +49,7 @@ _SESSIONS = _page(
     ).where(sessions.c.version > GONE),
     sessions,
 )
+_SOME_SESSIONS = _SESSIONS.where(sessions.c.id.in_(bindparam("by_ids", expanding=True)))
 
 
 def object_summary(mesh: Object) -> str:
@@ -68,18 +70,30 @@ def list_scenarios(connection: Connection, limit: int, after: str | None) -> Lis
     return Listed([ListedScenario(row.id, row.name, row.summary, _time(row.created_at)) for row in rows], more)
 
 
-def list_sessions(connection: Connection, limit: int, after: str | None) -> Listed[ListedSession]:
-    """List at most `limit` sessions after a cursor, oldest first, without deleted ones."""
-    rows, more = _rows(connection, _SESSIONS, limit, after)
+def list_sessions(
+    connection: Connection, limit: int, after: str | None, only: Collection[str] | None = None
+) -> Listed[ListedSession]:
+    """List at most `limit` sessions after a cursor, oldest first, without deleted ones.
+
+    Args:
+        connection: of the transaction.
+        limit: most sessions to list.
+        after: cursor; None: from the start.
+        only: ids of the only sessions to list; None: all.
+    """
+    if only is None:
+        rows, more = _rows(connection, _SESSIONS, limit, after)
+    else:
+        rows, more = _rows(connection, _SOME_SESSIONS, limit, after, by_ids=sorted(only))
     return Listed([_session(row) for row in rows], more)
 
 
 def _rows(
-    connection: Connection, query: Select[Any], limit: int, after: str | None
+    connection: Connection, query: Select[Any], limit: int, after: str | None, **more: Any
 ) -> tuple[list[Row[Any]], str | None]:
     """Read a page of rows; returns it with the cursor of the next page, None: this is the last one."""
     start = _START if after is None else int(after)
-    rows = list(connection.execute(query, {"by_seq": start, "by_limit": limit + 1}).all())
+    rows = list(connection.execute(query, {"by_seq": start, "by_limit": limit + 1, **more}).all())
     return rows[:limit], str(rows[limit - 1].seq) if len(rows) > limit else None
 
 

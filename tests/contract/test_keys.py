@@ -97,10 +97,12 @@ def test_each_role_makes_its_calls(
 
 def test_a_key_for_a_session_is_for_no_other(closed: Service, sessions: list[str]) -> None:
     own = bearer(key_for(closed, "sensor", sessions=(sessions[0],)))
+    opening = key_for(closed, "operator", sessions=(sessions[0],))
     statuses = [closed.http.post(f"/v1/sessions/{id_}/scans", json=GOOD, headers=own).status_code for id_ in sessions]
     assert statuses == [200, 403]
     assert closed.http.get(f"/v1/sessions/{sessions[1]}", headers=own).status_code == 403
-    assert closed.http.get("/v1/sessions", headers=own).status_code == 403
+    scenario = {"scenario": closed.http.get("/v1/scenarios", headers=own).json()["items"][0]["id"]}
+    assert closed.http.post("/v1/sessions", json=scenario, headers=bearer(opening)).status_code == 403
     assert closed.http.get("/v1/scenarios", headers=own).status_code == 200
 
 
@@ -108,7 +110,7 @@ def test_a_key_for_a_robot_is_for_no_other(closed: Service, sessions: list[str])
     own, path = bearer(key_for(closed, "operator", robots=("r1",))), f"/v1/sessions/{sessions[0]}/looks"
     http = closed.http
     looks = [http.post(path, json={"sensor": "Q1"} | named, headers=own) for named in ({}, {"robot": "r1"})]
-    assert [answer.status_code for answer in looks] == [201, 201]
+    assert [answer.status_code for answer in looks] == [403, 201]
     assert http.post(path, json={"sensor": "Q1", "robot": "r2"}, headers=own).status_code == 403
     assert http.post("/v1/robots/r2/look", headers=own).status_code == 403
     assert http.post("/v1/robots/r1/look", headers=own).status_code == 404, "no robot of this name is mapped"
@@ -127,7 +129,7 @@ def test_no_way_of_writing_a_path_passes_the_binding_of_a_key(
         ("PUT", f"{other}/belief"),
         ("POST", f"{other}/scans"),
         ("DELETE", other),
-        ("GET", "/v1/sessions"),
+        ("POST", "/v1/sessions"),
         ("GET", other),
     ):
         answer = closed.http.request(method, path + end, headers=own, json={"belief": None}, follow_redirects=False)

@@ -18,8 +18,8 @@ from voa_store.carrying import CarriedKeys
 from voa_store.records import StoredKey
 from voa_store.starting import open_keys
 
-LATER = NOON + timedelta(days=1)
-NEWER = replace(KEY, id="newer", name="tb3_2", created_at=LATER, robots=("tb3_2",))
+NEXT_DAY = NOON + timedelta(days=1)
+NEWER = replace(KEY, id="newer", name="tb3_2", created_at=NEXT_DAY, robots=("tb3_2",))
 
 
 def put(database: Path, *keys: StoredKey) -> None:
@@ -30,7 +30,7 @@ def put(database: Path, *keys: StoredKey) -> None:
 
 def revoke(database: Path, *ids: str) -> None:
     with closing(open_keys(url_of(database))) as store:
-        assert all(store.revoke_key(id_, LATER) for id_ in ids)
+        assert all(store.revoke_key(id_, NEXT_DAY) for id_ in ids)
 
 
 def keys_of(database: Path) -> Sequence[StoredKey]:
@@ -54,18 +54,18 @@ def backup(database: Path) -> Path:
 def test_a_key_that_was_revoked_since_the_backup_stays_revoked(database: Path, backup: Path) -> None:
     revoke(database, KEY.id)
     assert restore(backup, url_of(database)).keys == CarriedKeys("read", 0, 1, 1, 0)
-    assert keys_of(database) == [replace(KEY, revoked_at=LATER)]
+    assert keys_of(database) == [replace(KEY, revoked_at=NEXT_DAY)]
 
 
 def test_a_key_that_was_made_since_the_backup_stays(database: Path, backup: Path) -> None:
     put(database, NEWER)
     with closing(open_keys(url_of(database))) as store:
-        store.keys_used({KEY.id: LATER})
+        store.keys_used({KEY.id: NEXT_DAY})
     assert restore(backup, url_of(database)).keys == CarriedKeys("read", 1, 0, 2, 2)
-    assert keys_of(database) == [replace(KEY, last_used_at=LATER), NEWER]
+    assert keys_of(database) == [replace(KEY, last_used_at=NEXT_DAY), NEWER]
 
 
-def test_a_backup_of_later_keeps_its_own_revocations(database: Path, backup: Path) -> None:
+def test_a_newer_backup_keeps_its_own_revocations(database: Path, backup: Path) -> None:
     """A person restores an old backup first, and then the one of a moment ago."""
     put(database, NEWER)
     revoke(database, KEY.id)
@@ -73,7 +73,7 @@ def test_a_backup_of_later_keeps_its_own_revocations(database: Path, backup: Pat
     database.unlink()
     restore(backup, url_of(database))
     assert restore(late, url_of(database)).keys == CarriedKeys("read", 0, 0, 2, 1)
-    assert keys_of(database) == [replace(KEY, revoked_at=LATER), NEWER]
+    assert keys_of(database) == [replace(KEY, revoked_at=NEXT_DAY), NEWER]
 
 
 def test_a_backup_from_before_the_first_key_does_not_open_the_service(tmp_path: Path) -> None:
@@ -83,7 +83,7 @@ def test_a_backup_from_before_the_first_key_does_not_open_the_service(tmp_path: 
     put(database, KEY)
     revoke(database, KEY.id)
     assert restore(backup, url_of(database)).keys == CarriedKeys("read", 1, 0, 1, 0)
-    assert keys_of(database) == [replace(KEY, revoked_at=LATER)]
+    assert keys_of(database) == [replace(KEY, revoked_at=NEXT_DAY)]
 
 
 def test_tables_of_other_versions_are_read_as_they_are(tmp_path: Path, backup: Path) -> None:

@@ -3,11 +3,22 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Protocol
 
 from voa_msgs import callers as messages
 from voa_msgs.callers import Role
 from voa_service.access.roles import CALLS, UNLISTED, Call
 from voa_service.failures import Forbidden
+
+
+class RobotClaims(Protocol):
+    """Claims of robots for sessions, as keys that are bound to robots need them."""
+
+    def session_of(self, robot: str) -> str | None:
+        """Return the session that a robot belongs to; None: there is none."""
+
+    def is_open(self, session: str) -> bool:
+        """Return True if a session exists."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +40,11 @@ class Caller:
     sessions: frozenset[str] | None = None
     robots: frozenset[str] | None = None
     expires_at: datetime | None = None
+
+    @property
+    def withdraws_as(self) -> str | None:
+        """Name under which this caller may withdraw announced looks, its own alone; None: it may withdraw any."""
+        return None if self.role == "operator" else self.name
 
     def message(self) -> messages.Caller:
         """Return the message about this caller, with the names of the calls that its role may make."""
@@ -70,7 +86,7 @@ class Caller:
         if call is UNLISTED and (self.sessions, self.robots) != (None, None):
             raise Forbidden(f"the key {self.name!r} is for certain sessions or robots only, not for this path")
         if call.on == "sessions" and self.sessions is not None:
-            raise Forbidden(f"{call.name}: the key {self.name!r} is for certain sessions only, not for their list")
+            raise Forbidden(f"{call.name}: the key {self.name!r} is for certain sessions only, and may not open others")
         if call.on == "session" and subject is not None:
             self.check_session(subject)
         if call.on == "robot" and subject is not None:
@@ -80,6 +96,48 @@ class Caller:
         """Return if the key is for a session, or none is named; raises Forbidden if it is for others only."""
         if self.sessions is not None and session is not None and session not in self.sessions:
             raise Forbidden(f"the key {self.name!r} is not for session {session[:80]!r}")
+
+    def check_acting(self, session: str, robot: str | None, claims: RobotClaims) -> None:
+        """Return if the key is bound to no robots, or may write to a session as one of its robots.
+
+        A call that names a robot must name one of the key's, and a robot that a session has claimed acts in that
+        session alone. A call that names none is for keys that are bound to the session as well, and for the robots
+        that the session has claimed. A session that does not exist is nobody's: the call then says so, or repeats its
+        first response.
+
+        Args:
+            session: id of the session that the call changes.
+            robot: name of the robot that the call names; None: it names none.
+            claims: of robots for sessions.
+
+        Raises:
+            Forbidden: the key is for other robots, or for robots that have nothing to do with the session.
+        """
+        if self.robots is None:
+            return
+        if robot is not None:
+            self.check_robot(robot)
+            claimed = claims.session_of(robot)
+            if claimed not in (None, session):
+                raise Forbidden(
+                    f"the key {self.name!r} acts as robot {robot[:80]!r}, which session {claimed!r} has claimed: claim "
+                    f"it for session {session[:80]!r} first"
+                )
+        elif (
+            session not in (self.sessions or ())
+            and all(claims.session_of(each) != session for each in self.robots)
+            and claims.is_open(session)
+        ):
+            raise Forbidden(
+                f"the key {self.name!r} is for robots only, and the call names none that session {session[:80]!r} has "
+                "claimed: claim one of its robots for the session, name the robot where the call can (as scans on "
+                "`scan/<session>/<robot>` do), or bind a key to the session"
+            )
+
+    def sees_robot(self, robot: str, session: str | None) -> bool:
+        """Return True if the key is for a robot, and for the session that its scans are applied to."""
+        is_bound_to_others = self.robots is not None and robot not in self.robots
+        return not is_bound_to_others and (None in (self.sessions, session) or session in (self.sessions or ()))
 
     def check_session_of(self, session_of_robot: Callable[[], str | None]) -> None:
         """Return if the key is for the session that a robot's scans are applied to, or is bound to none.

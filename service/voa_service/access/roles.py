@@ -18,7 +18,7 @@ OPERATORS: frozenset[Role] = frozenset({"operator"})
 
 Concern = Literal["session", "robot", "sessions"]
 """Subject of a call to which keys may be bound: one session, one robot, or sessions in general, which a key that is
-bound to sessions may not list or open."""
+bound to sessions may not open. Lists show a bound key what it may read."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ CALLS: tuple[Call, ...] = (
     _write("scenario.create", OPERATORS, "POST /v1/scenarios", heavy=True),
     _write("scenario.delete", OPERATORS, "DELETE /v1/scenarios/{scenario}"),
     _read("session.get", f"GET {_SESSION}", on="session"),
-    _read("session.list", "GET /v1/sessions", on="sessions"),
+    _read("session.list", "GET /v1/sessions"),
     _read("session.follow", f"GET {_SESSION}/events", on="session"),
     _read("history.get", f"GET {_SESSION}/history", on="session"),
     _read("voa.rank", f"GET {_SESSION}/voa", f"POST {_SESSION}/voa", on="session", heavy=True),

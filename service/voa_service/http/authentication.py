@@ -18,6 +18,7 @@ from voa_service.access.routing import Matched, Routes
 from voa_service.failures import Failure, NotFound
 from voa_service.http.headers import created_id, version_of
 from voa_service.http.problems import problem_response
+from voa_service.services import Services
 
 _CALLER = "voa.caller"
 
@@ -80,6 +81,17 @@ def caller_of(request: HTTPConnection) -> Caller:
     """Return the caller of a request that was admitted."""
     caller: Any = request.scope.get(_CALLER, ANONYMOUS)
     return caller if isinstance(caller, Caller) else ANONYMOUS
+
+
+def check_acting(request: HTTPConnection, services: Services, session: str, robot: str | None = None) -> None:
+    """Return if the key of a request may change a session, as a robot that the request may name.
+
+    Reads the claims of robots from the store where the key is bound to robots: call it in a worker thread.
+
+    Raises:
+        Forbidden: the key is bound to other robots, or to robots that have nothing to do with the session.
+    """
+    caller_of(request).check_acting(session, robot, services.claims)
 
 
 def _record(caller: Caller | None, matched: Matched, status: int, headers: Headers) -> None:

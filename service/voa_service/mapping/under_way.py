@@ -1,5 +1,6 @@
 """Announced looks that are under way: from messages to the text that the store keeps, and back."""
 
+import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import replace
@@ -16,6 +17,8 @@ from voa_store.records import SessionState
 
 LASTS = timedelta(seconds=120)
 """Time after which an announcement ends by itself."""
+
+_MARK_BYTES = 8
 
 _LOOKS: TypeAdapter[list[AnnouncedLook]] = TypeAdapter(list[AnnouncedLook])
 
@@ -42,6 +45,25 @@ def announced(id_: str, request: LookAnnouncement, now: datetime) -> AnnouncedLo
         robot=request.robot,
         expires_at=now + LASTS,
     )
+
+
+def marked_id(id_: str, by: str | None) -> str:
+    """Return the id of an announcement, marked with the caller that made it; unmarked where the service has no keys.
+
+    The caller stands in the id because a process of an earlier version, which may run beside this one during an
+    update, refuses announcements with a field that it does not know.
+    """
+    return id_ if by is None else f"{id_}-{_mark(id_, by)}"
+
+
+def is_marked(id_: str, by: str) -> bool:
+    """Return True if the id of an announcement, which is under way, is marked with a caller."""
+    own, dash, mark = id_.rpartition("-")
+    return bool(dash) and mark == _mark(own, by)
+
+
+def _mark(id_: str, by: str) -> str:
+    return hashlib.blake2b(f"{id_}\n{by}".encode(), digest_size=_MARK_BYTES).hexdigest()
 
 
 def check_announced(scenario: Scenario, request: LookAnnouncement) -> None:

@@ -25,6 +25,7 @@ class Call:
         subject: id of the session that the call concerns, once it was taken; for the audit.
         robot: name of the robot that the call concerns, once it was taken; for the audit.
         size: bytes of the payload.
+        writes: True if the call changes what it concerns.
     """
 
     fields: dict[str, Any]
@@ -32,6 +33,7 @@ class Call:
     services: Services
     size: int
     caller: Caller = ANONYMOUS
+    writes: bool = False
     subject: str | None = None
     robot: str | None = None
 
@@ -44,13 +46,17 @@ class Call:
         """Take the id of the session that the call concerns, `session` or `id`, out of the payload.
 
         Raises:
-            Failure: there is none, or the caller's key is not for that session.
+            Failure: there is none, or the caller's key is not for that session, or may not change it.
         """
         if "session" not in self.fields and "id" in self.fields:
             self.fields["session"] = self.fields.pop("id")
         taken: InSession = self.take(InSession)
         self.subject = taken.session
         self.caller.check_session(taken.session)
+        if self.writes:
+            robot = self.fields.get("robot")
+            named = robot if isinstance(robot, str) else None
+            self.caller.check_acting(taken.session, named, self.services.claims)
         return taken.session
 
     def id(self) -> str:

@@ -104,7 +104,7 @@ class Rpc:
         if beside.wire not in (None, WIRE_VERSION):
             raise wire_failure(beside.wire)
         fields = self._services.reader.fields(payload)
-        record.made = Call(fields, beside, self._services, len(payload), record.caller)
+        record.made = Call(fields, beside, self._services, len(payload), record.caller, record.call.writes)
         response = known.work(record.made)
         if isinstance(response, StoredResponse):
             record.version = response.version

@@ -7,6 +7,7 @@ bodies of HTTP. Beside the methods of the contract there is one for each HTTP re
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from pydantic import BaseModel
@@ -41,8 +42,7 @@ class Method:
 
 def methods_of(services: Services) -> Mapping[str, Method]:
     """Make the table of all methods, by name."""
-    objects, scenarios, sessions, rankings = services.objects, services.scenarios, services.sessions, services.rankings
-    updates = services.updates
+    objects, scenarios, rankings, updates = services.objects, services.scenarios, services.rankings, services.updates
     reads, writes, heavy = services.reads, services.writes, services.heavy
     return {
         "object.create": Method(_create_object, services.meshes),
@@ -60,9 +60,9 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "scenario.predict": Method(lambda call: scenarios.predict(call.id(), call.body(PredictionsRequest)), heavy),
         "session.create": Method(_create_session, writes),
         "session.get": Method(_get_session, reads),
-        "session.list": Method(_listing(sessions.list), reads),
+        "session.list": Method(_list_sessions, reads),
         "session.delete": Method(_delete_session, writes),
-        "look.announce": Method(_write("look", LookAnnouncement, services.looks.announce), writes),
+        "look.announce": Method(_announce_look, writes),
         "look.cancel": Method(_cancel_look, writes),
         "belief.put": Method(_write("belief", BeliefRequest, updates.put_belief), writes),
         "scan.apply": Method(_write("scan", ScanRequest, updates.apply_scan), writes),
@@ -73,7 +73,7 @@ def methods_of(services: Services) -> Mapping[str, Method]:
         "update.compute": Method(_given(UpdateRequest, updates.update_once), reads),
         "ranking.compute": Method(_ranked(lambda call: rankings.once(call.body(RankingRequest))), heavy),
         "service.health": Method(_given(NoParameters, lambda _: services.health.ready()), services.probes),
-        "robot.list": Method(_given(NoParameters, lambda _: services.robots.reports()), reads),
+        "robot.list": Method(_list_robots, reads),
         "robot.scan": Method(_robot_scan, reads),
         "robot.look": Method(_request_look, reads),
         "caller.get": Method(_caller, reads),
@@ -140,19 +140,23 @@ def _write(kind: WriteKind, body: type[Message], act: Callable[[str, Any, Any], 
             add_place(call.fields, call.attachment)
         received = call.received()
         request = call.body(body)
-        if isinstance(request, LookAnnouncement):
-            call.caller.check_robot(request.robot)
         key = idempotency_key(call.attachment.id, scope_of(id_), kind, request)
         return act(id_, request, write_of(kind, received, key))
 
     return work
 
 
+def _announce_look(call: Call) -> BaseModel | StoredResponse | bytes:
+    caller = call.caller
+    by = None if caller.key is None else caller.name
+    return _write("look", LookAnnouncement, partial(call.services.looks.announce, by=by))(call)
+
+
 def _cancel_look(call: Call) -> BaseModel:
     id_ = call.session()
     look: Announced = call.body(Announced)
     key = idempotency_key(call.attachment.id, scope_of(id_), f"cancel look {look.look}", None)
-    call.services.looks.cancel(id_, look.look, write_of("look", b"", key))
+    call.services.looks.cancel(id_, look.look, write_of("look", b"", key), call.caller.withdraws_as)
     return NoParameters()
 
 
@@ -179,6 +183,11 @@ def _create_session(call: Call) -> StoredResponse:
         call.caller.check_robot(robot)
     key = idempotency_key(call.attachment.id, scope_of_caller(call.caller.name), "create session", request)
     return call.services.sessions.create(request, write_of("prior", received, key))
+
+
+def _list_sessions(call: Call) -> BaseModel:
+    page: Page = call.body(Page)
+    return call.services.sessions.list(page.limit, page.after, call.caller.sessions)
 
 
 def _get_session(call: Call) -> StoredResponse:
@@ -212,7 +221,14 @@ def _robot_scan(call: Call) -> BaseModel:
     request: LookRequest = call.body(LookRequest)
     call.robot = request.robot
     call.caller.check_robot(request.robot)
-    return call.services.robots.scan(request.robot)
+    scan = call.services.robots.scan(request.robot)
+    call.caller.check_session(scan.session)
+    return scan
+
+
+def _list_robots(call: Call) -> BaseModel:
+    call.body(NoParameters)
+    return call.services.robots.reports(call.caller.sees_robot)
 
 
 def _caller(call: Call) -> BaseModel:

@@ -43,6 +43,20 @@ class Claims:
         """
         return self.store.settle_robot(robot, scenario)
 
+    def session_of(self, robot: str) -> str | None:
+        """Return the session that a robot belongs to: that of its mapping, or the one that has claimed it; None: none.
+
+        Other than `peek` it does not choose a session for a robot that was never claimed.
+        """
+        mapped = self.robots.mapped_to(robot)
+        if mapped is not None and mapped.session is not None:
+            return mapped.session
+        return self.store.claimed_session(robot)
+
+    def is_open(self, session: str) -> bool:
+        """Return True if a session exists."""
+        return self.store.session_mark(session) is not None
+
     def claim(self, robot: str, session: str | None) -> None:
         """Claim a mapped robot for a session, or release it from every session until the next claim (None).
 

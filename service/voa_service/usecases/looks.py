@@ -4,8 +4,15 @@ from dataclasses import dataclass, replace
 
 from voa_msgs.looks import LookAnnouncement
 from voa_msgs.rankings import MOST_PENDING
-from voa_service.failures import not_found
-from voa_service.mapping.under_way import announced, announced_looks, check_announced, stored_text
+from voa_service.failures import Forbidden, not_found
+from voa_service.mapping.under_way import (
+    announced,
+    announced_looks,
+    check_announced,
+    is_marked,
+    marked_id,
+    stored_text,
+)
 from voa_service.usecases.sessions import Sessions
 from voa_store.records import StoredResponse, Write
 
@@ -20,10 +27,16 @@ class AnnouncedLooks:
 
     sessions: Sessions
 
-    def announce(self, id_: str, request: LookAnnouncement, write: Write) -> StoredResponse:
+    def announce(self, id_: str, request: LookAnnouncement, write: Write, by: str | None = None) -> StoredResponse:
         """Announce a look that is under way.
 
         A session keeps the newest `MOST_PENDING` announcements.
+
+        Args:
+            id_: of the session.
+            request: look with its place.
+            write: its idempotency key and body.
+            by: name of the caller, which may withdraw the announcement; None: the service has no keys.
 
         Raises:
             UnknownName: the session's scenario has no such sensor configuration.
@@ -36,17 +49,24 @@ class AnnouncedLooks:
             if state is not None:
                 check_announced(sessions.model_of(state).scenario, request)
                 now = sessions.now()
-                look = announced(sessions.new_id(), request, now)
+                look = announced(marked_id(sessions.new_id(), by), request, now)
                 looks = [*announced_looks(state.under_way, now), look][-MOST_PENDING:]
                 response = StoredResponse(look.model_dump_json(), state.version)
                 change.respond(response, replace(state, under_way=stored_text(looks)))
         return change.response
 
-    def cancel(self, id_: str, look: str, write: Write) -> StoredResponse:
+    def cancel(self, id_: str, look: str, write: Write, by: str | None = None) -> StoredResponse:
         """Withdraw an announced look; the response has no body.
+
+        Args:
+            id_: of the session.
+            look: id of the announcement.
+            write: its idempotency key.
+            by: name of the caller, which may withdraw its own announcements alone; None: it may withdraw any.
 
         Raises:
             NotFound: no such look is under way in the session.
+            Forbidden: another caller announced it.
             StoreError: there is no such session, or the idempotency key was used for another request.
         """
         with self.sessions.store.change(id_, write) as change:
@@ -56,5 +76,10 @@ class AnnouncedLooks:
                 left = [each for each in looks if each.id != look]
                 if len(left) == len(looks):
                     raise not_found("look under way", look)
+                if by is not None and not is_marked(look, by):
+                    raise Forbidden(
+                        f"the look {look!r} was not announced by a key {by!r}: the key that announced it may withdraw "
+                        "it, or an operator"
+                    )
                 change.respond(StoredResponse("", state.version), replace(state, under_way=stored_text(left)))
         return change.response

@@ -171,20 +171,23 @@ class Robots:
             self._keep(before.model_copy(update=counted))
         return why != before.last_refusal
 
-    def reports(self) -> RobotsMessage:
-        """List the reports on all robots, sorted by name."""
+    def reports(self, shows: Callable[[str, str | None], bool] = lambda *_: True) -> RobotsMessage:
+        """List the reports on robots, sorted by name.
+
+        Args:
+            shows: returns True for the robots to list, by name and session; default: all.
+        """
         with self._lock:
             reports, mapped = sorted(self._reports.items()), dict(self._mapped)
             places = {robot: self._scans.get(robot, "scan") for robot, source in self._reports if source == "scan"}
-        return RobotsMessage(
-            mapping_error=self.mapping_error,
-            items=[
-                self._shown(report, mapped[robot])
-                if source == "ros2" and robot in mapped
-                else at_place(report, places.get(robot))
-                for (robot, source), report in reports
-            ],
-        )
+        shown = [
+            self._shown(report, mapped[robot])
+            if source == "ros2" and robot in mapped
+            else at_place(report, places.get(robot))
+            for (robot, source), report in reports
+        ]
+        items = [report for report in shown if shows(report.robot, report.session)]
+        return RobotsMessage(mapping_error=self.mapping_error, items=items)
 
     def report(self, robot: str) -> RobotReport:
         """Return the report on a mapped robot.

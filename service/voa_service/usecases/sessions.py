@@ -1,8 +1,9 @@
 """Sessions: open, read, list and delete them, and read their histories."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary
 from voa_msgs.warnings import ProbableMistake
@@ -98,13 +99,19 @@ class Sessions:
         cached = self.responses.get(key, lambda: self._cached_response(id_))
         return StoredResponse(cached.body, cached.version)
 
-    def list(self, limit: int, after: str | None) -> SessionPage:
+    def list(self, limit: int, after: str | None, only: Collection[str] | None = None) -> SessionPage:
         """List sessions without their beliefs, oldest first, in pages.
+
+        Args:
+            limit: most sessions of the page.
+            after: `next` of the page before; None: from the start.
+            only: ids of the only sessions to list; None: all.
 
         Raises:
             InvalidRequest: `after` is not a cursor.
         """
-        return SessionPage(**page(self.store.list_sessions, self._summary, limit, after))
+        listing = partial(self.store.list_sessions, only=only)
+        return SessionPage(**page(listing, self._summary, limit, after))
 
     def delete(self, id_: str, key: IdempotencyKey | None, if_match: frozenset[int] | None) -> None:
         """Delete a session with its history.

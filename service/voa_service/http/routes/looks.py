@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Request, Response
 
 from voa_msgs.looks import AnnouncedLook, LookAnnouncement
 from voa_service.failures import Damaged, IdempotencyKeyReused, MeshRequired, NotFound, UnknownReference
-from voa_service.http.authentication import caller_of
+from voa_service.http.authentication import caller_of, check_acting
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import Key
 from voa_service.http.openapi import problems
@@ -34,12 +34,13 @@ def routes(services: Services) -> APIRouter:
         looks as `under_way`, and its rankings count them as `pending`. An announcement makes no version. A session
         keeps the newest 64.
         """
-        body = await http.body()
-        caller_of(http).check_robot(request.robot)
+        body, caller = await http.body(), caller_of(http)
 
         def done() -> StoredResponse:
+            check_acting(http, services, id, request.robot)
             named = idempotency_key(key, scope_of(id), "look", request)
-            return services.looks.announce(id, request, write_of("look", body, named))
+            by = None if caller.key is None else caller.name
+            return services.looks.announce(id, request, write_of("look", body, named), by)
 
         return await versioned(services.writes, done, 201)
 
@@ -52,13 +53,18 @@ def routes(services: Services) -> APIRouter:
     async def cancel_look(
         id: SessionId,
         look: Annotated[str, Path(description="Identifier of the announced look.")],
+        http: Request,
         key: Key = None,
     ) -> Response:
-        """Withdraw an announced look."""
+        """Withdraw an announced look.
+
+        In a service with keys, the key that announced it may do so, and every operator.
+        """
 
         def done() -> StoredResponse:
+            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), f"cancel look {look}", None)
-            return services.looks.cancel(id, look, write_of("look", b"", named))
+            return services.looks.cancel(id, look, write_of("look", b"", named), caller_of(http).withdraws_as)
 
         await services.writes.run(done)
         return Response(status_code=204)

@@ -19,6 +19,7 @@ from voa_service.failures import (
     StaleVersion,
     UnknownReference,
 )
+from voa_service.http.authentication import check_acting
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, versions
 from voa_service.http.openapi import problems
@@ -56,6 +57,7 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
+            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "scan", request)
             return updates.apply_scan(id, request, write_of("scan", body, named, versions(if_match)))
 
@@ -78,6 +80,7 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
+            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "belief", request)
             return updates.put_belief(id, request, write_of("belief", body, named, versions(if_match)))
 
@@ -103,6 +106,7 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
+            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "outcome", request)
             return updates.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
 

@@ -16,12 +16,13 @@ def routes(services: Services) -> APIRouter:
     router = APIRouter(prefix="/v1/robots", tags=["robots"], route_class=strict_route(services.reader))
 
     @router.get("", response_model=Robots, response_description="The robots, by name.")
-    async def list_robots() -> Response:
+    async def list_robots(http: Request) -> Response:
         """List the robots whose scans were received, or whose topics are mapped.
 
-        The counts are of the scans that this process of the service has received since it started.
+        The counts are of the scans that this process of the service has received since it started. A key that is bound
+        to robots is shown these, and one that is bound to sessions the robots of these, and robots without a session.
         """
-        return await answer(services.reads, services.robots.reports)
+        return await answer(services.reads, lambda: services.robots.reports(caller_of(http).sees_robot))
 
     @router.post(
         "/{robot}/look",
@@ -47,12 +48,18 @@ def routes(services: Services) -> APIRouter:
         responses=problems(NotFound),
         response_description="The scan, and where it was taken.",
     )
-    async def robot_scan(robot: RobotName) -> Response:
+    async def robot_scan(robot: RobotName, http: Request) -> Response:
         """Get the newest scan of a robot, whether it was accepted or not.
 
         It is the newest one that this process of the service could decode since it started.
         """
-        return await answer(services.reads, lambda: services.robots.scan(robot))
+
+        def newest() -> RobotScan:
+            scan = services.robots.scan(robot)
+            caller_of(http).check_session(scan.session)
+            return scan
+
+        return await answer(services.reads, newest)
 
     @router.put(
         "/{robot}/session",

@@ -19,7 +19,7 @@ from voa_service.failures import (
     StaleVersion,
     UnknownReference,
 )
-from voa_service.http.authentication import caller_of
+from voa_service.http.authentication import caller_of, check_acting
 from voa_service.http.calls import strict_route
 from voa_service.http.headers import IfMatch, Key, location, versions
 from voa_service.http.openapi import problems
@@ -60,9 +60,12 @@ def routes(services: Services) -> APIRouter:
         return response
 
     @router.get("/sessions", response_model=SessionPage, response_description="A page of sessions, oldest first.")
-    async def list_sessions(limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
-        """List the sessions without their beliefs, oldest first."""
-        return await answer(services.reads, lambda: sessions.list(limit, after))
+    async def list_sessions(http: Request, limit: PageLimit = DEFAULT_PAGE, after: After = None) -> Response:
+        """List the sessions without their beliefs, oldest first.
+
+        A key that is bound to sessions is shown these.
+        """
+        return await answer(services.reads, lambda: sessions.list(limit, after, caller_of(http).sessions))
 
     @router.get(
         "/sessions/{id}",
@@ -82,12 +85,17 @@ def routes(services: Services) -> APIRouter:
     )
     async def delete_session(
         id: SessionId,
+        http: Request,
         key: Key = None,
         if_match: IfMatch = None,
     ) -> Response:
         """Delete a session and its history."""
-        named = idempotency_key(key, scope_of(id), "delete", None)
-        await services.writes.run(lambda: sessions.delete(id, named, versions(if_match)))
+
+        def done() -> None:
+            check_acting(http, services, id)
+            sessions.delete(id, idempotency_key(key, scope_of(id), "delete", None), versions(if_match))
+
+        await services.writes.run(done)
         return Response(status_code=204)
 
     @router.get(
