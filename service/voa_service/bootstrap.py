@@ -148,7 +148,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 probes=probes,
                 feeds=feeds,
                 reader=Reader(limits, reading),
-                gate=Gate(keyring, Rates(settings.rates.calls, settings.rates.heavy)),
+                gate=Gate(keyring, Rates(**settings.rates.model_dump())),
                 names=settings.names,
                 heavy=heavy,
                 meshes=meshes,

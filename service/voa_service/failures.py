@@ -62,9 +62,9 @@ class Unauthenticated(Failure):
 
 
 class TooManyRequests(Failure):
-    """More calls than a key may make in that time."""
+    """More calls than a key may make in that time, or more without a valid key than one origin may make."""
 
-    kind, status, title = "too-many-requests", 429, "Too many calls with this key"
+    kind, status, title = "too-many-requests", 429, "Too many calls with this key, or without one"
     members = ("retry_after_s",)
 
 

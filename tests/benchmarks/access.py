@@ -77,7 +77,7 @@ def main() -> None:
     made = [new_key() for _ in range(KEYS)]
     stored = [StoredKey(each.id, each.digest, f"k{each.id}", "operator", utc_now()) for each in made]
     rings = [Keyring(Shelf(keys), utc_now, NEVER_S) for keys in ([], stored)]
-    without, closed = (Authentication(nothing, Gate(ring, Rates(RATE, RATE))) for ring in rings)
+    without, closed = (Authentication(nothing, Gate(ring, Rates(RATE, RATE, RATE))) for ring in rings)
     headers = [(b"host", b"127.0.0.1"), (b"authorization", f"Bearer {made[7].text}".encode())]
     read = {"type": "http", "method": "GET", "path": "/v1/sessions/0123456789abcdef", "headers": headers}
     write = read | {"method": "POST", "path": "/v1/sessions/0123456789abcdef/scans"}

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import pytest
 from fastapi import FastAPI
+from structlog.testing import capture_logs
 
 from tests.support.api_keys import bearer, key_for, make_key, revoke_key, url_of
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
@@ -26,7 +27,7 @@ HEALTH = {"/livez", "/readyz"}
 @pytest.fixture(scope="module")
 def closed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with a session, for which keys were made."""
-    with serving(tmp_path_factory.mktemp("closed")) as service:
+    with serving(tmp_path_factory.mktemp("closed"), rates=RateSettings(refused="100000/second")) as service:
         scenario = service.create(data_scenario())
         for id_ in ("one", "two"):
             service.post("/v1/sessions", {"scenario": scenario}, **{"Idempotency-Key": id_})
@@ -236,6 +237,24 @@ def test_a_service_that_requires_keys_answers_nothing_but_health_before_the_firs
         assert (refused.status_code, kind(refused)) == (401, "unauthenticated")
         assert "makes the first by `voa keys create NAME --role operator`" in refused.json()["detail"]
         assert http.get("/v1/lidars", headers=bearer(key_for(service, "viewer"))).status_code == 200
+
+
+def test_too_many_calls_without_a_valid_key_from_an_address_are_429_and_not_in_the_audit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voa_service.access.audit.is_wanted", lambda _: True)
+    with serving(tmp_path, rates=RateSettings(refused="3/hour")) as service, capture_logs() as lines:
+        own, guessed = (
+            bearer(key_for(service, "viewer")),
+            [{}, bearer("nonsense"), bearer(f"voa_{'0' * 12}_{'0' * 64}")],
+        )
+        refused = [service.http.post("/v1/objects", headers=each) for each in (*guessed, *guessed)]
+        assert [answer.status_code for answer in refused] == [401, 401, 401, 429, 429, 429]
+        assert kind(refused[-1]) == "too-many-requests"
+        assert int(refused[-1].headers["Retry-After"]) > 3_000
+        assert service.http.get("/v1/lidars", headers=own).status_code == 200, "a valid key is accepted everywhere"
+        assert service.http.get("/readyz").status_code == 200
+    assert [line["result"] for line in lines if line["event"] == "audit"] == [401, 401, 401]
 
 
 def test_running_services_of_a_database_notice_keys_within_seconds(tmp_path: Path) -> None:

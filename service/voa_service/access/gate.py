@@ -1,9 +1,10 @@
-"""The gate before every call: identifies the caller, checks its role, and counts the call."""
+"""The gate before every call: identifies the caller, counts the call, and checks the role and bindings of its key."""
 
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.keyring import Keyring
 from voa_service.access.rates import Rates
 from voa_service.access.roles import Call
+from voa_service.failures import Unauthenticated
 
 
 class Gate:
@@ -11,24 +12,33 @@ class Gate:
 
     Args:
         keyring: the known keys.
-        rates: counts the calls of each key.
+        rates: counts the calls of each key, and calls without a valid key by their origin.
     """
 
     def __init__(self, keyring: Keyring, rates: Rates) -> None:
         self.keyring = keyring
         self._rates = rates
 
-    def identify(self, key: str | None, call: Call) -> Caller:
+    def identify(self, key: str | None, call: Call, origin: str) -> Caller:
         """Return the caller of a call; `admit` says whether it may make the call.
 
         Args:
             key: text of the key that the caller sent; None: it sent none.
             call: that is made; public ones may be made by anybody.
+            origin: of the call as far as it is known without a key, such as an address; a valid key is accepted from
+                every origin.
 
         Raises:
             Unauthenticated: there is no valid key, though the service needs one.
+            TooManyRequests: as well, and too many such calls had this origin.
         """
-        return ANONYMOUS if call.public else self.keyring.identify(key)
+        if call.public:
+            return ANONYMOUS
+        try:
+            return self.keyring.identify(key)
+        except Unauthenticated:
+            self._rates.count_refused(origin)
+            raise
 
     def admit(self, caller: Caller, call: Call, subject: str | None = None) -> None:
         """Return if a caller may make a call now.
@@ -40,8 +50,9 @@ class Gate:
 
         Raises:
             Forbidden: the role of the key may not make the call, or the key is for other sessions or robots.
-            TooManyRequests: the key has made too many calls.
+            TooManyRequests: the key has made too many calls, refused ones included.
         """
+        self._rates.count(caller)
         caller.check_role(call)
         caller.check_subject(call, subject)
-        self._rates.count(caller, call)
+        self._rates.count_heavy(caller, call)

@@ -3,6 +3,7 @@
 Writes are recorded in the audit when their response begins.
 """
 
+import ipaddress
 from typing import Any
 
 import structlog
@@ -15,7 +16,7 @@ from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.gate import Gate
 from voa_service.access.roles import CALLS
 from voa_service.access.routing import Matched, Routes
-from voa_service.failures import Failure, NotFound
+from voa_service.failures import Failure, NotFound, TooManyRequests
 from voa_service.http.headers import created_id, version_of
 from voa_service.http.problems import problem_response
 from voa_service.services import Services
@@ -44,14 +45,14 @@ class Authentication:
         matched = self._routes.match(scope["method"], scope["path"])
         caller: Caller | None = None
         try:
-            caller = self._gate.identify(key_of(Headers(scope=scope)), matched.call)
+            caller = self._gate.identify(key_of(Headers(scope=scope)), matched.call, origin_of(scope))
             if caller.key is not None:
                 structlog.contextvars.bind_contextvars(caller=caller.name)
             self._gate.admit(caller, matched.call, matched.subject)
             if not scope["path"].isprintable():  # the routes' patterns would ignore a newline at the end
                 raise NotFound("there is no such path: it has a control character")
         except Failure as failure:
-            if matched.call.writes:
+            if matched.call.writes and not (caller is None and isinstance(failure, TooManyRequests)):
                 _record(caller, matched, failure.status, Headers())
             await problem_response(failure)(scope, receive, send)
             return
@@ -75,6 +76,21 @@ def key_of(headers: Headers) -> str | None:
         return None
     scheme, _, key = given.partition(" ")
     return key.strip() if scheme.lower() == "bearer" else ""
+
+
+def origin_of(scope: Scope) -> str:
+    """Return the address that a request comes from; of IPv6 the network, for a host has all addresses of its own."""
+    client = scope.get("client")
+    address = str(client[0]) if client else "an unknown address"
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv4Address):
+        return address
+    if parsed.ipv4_mapped is not None:
+        return str(parsed.ipv4_mapped)
+    return str(ipaddress.IPv6Network((parsed, 64), strict=False))
 
 
 def caller_of(request: HTTPConnection) -> Caller:

@@ -1,4 +1,5 @@
-"""Queries on `rpc/<method>`: each is answered by a worker thread, or refused at once where too many are waiting."""
+"""Queries on `rpc/<method>`: each is answered by a worker thread, or refused at once: without a valid key, or where too
+many are waiting."""
 
 import threading
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ from zenoh.handlers import Callback
 from voa_msgs import WIRE_VERSION
 from voa_msgs.keys import Keys
 from voa_service.failures import Failure, NotReady, Overloaded, TooLarge, document
-from voa_service.rpc.entry import Rpc
+from voa_service.rpc.entry import Admitted, Rpc
 from voa_service.runtime.metrics import Metrics
 
 _END_SECONDS = 0.4
@@ -54,15 +55,25 @@ class Queries:
             self._refuse(query, NotReady("the service is stopping: try again, writes under the same id"))
 
     def _receive(self, query: zenoh.Query) -> None:
-        """Queue a query for a worker thread, or refuse it; called in a Zenoh thread."""
+        """Queue a query for a worker thread, or refuse it; called in a Zenoh thread.
+
+        The key is checked first: calls of strangers take no place in a queue.
+        """
         method = self._keys.last(str(query.key_expr))
         size = 0 if query.payload is None else len(query.payload)
         with self._closed:
             self._open[id(query)] = query
             self._bytes += size
+        attachment = None if query.attachment is None else query.attachment.to_bytes()
+        try:
+            admitted = self._rpc.admit(method, attachment)
+        except Failure as failure:
+            self._refuse(query, failure)
+            self._answered(query, size)
+            return
         try:
             self._check_size(size)
-            self._rpc.queue(method).submit(partial(self._answer, method, query, size))
+            self._rpc.queue(method).submit(partial(self._answer, admitted, query, size))
         except Failure as failure:
             self._metrics.rpc("none", failure.status, 0.0)
             self._refuse(query, failure)
@@ -88,13 +99,12 @@ class Queries:
         except zenoh.ZError:
             self._metrics.zenoh("response not delivered")
 
-    def _answer(self, method: str, query: zenoh.Query, size: int) -> None:
+    def _answer(self, admitted: Admitted, query: zenoh.Query, size: int) -> None:
         """Answer a query, in a worker thread; `with` drops the query, without which its caller would wait on."""
         try:
             with query:
                 payload = b"" if query.payload is None else query.payload.to_bytes()
-                attachment = None if query.attachment is None else query.attachment.to_bytes()
-                answer = self._rpc.answer(method, payload, attachment)
+                answer = self._rpc.perform(admitted, payload)
                 if answer.is_problem:
                     query.reply_err(answer.body, encoding=Encoding.APPLICATION_JSON)
                 else:
@@ -106,7 +116,7 @@ class Queries:
                     )
         except zenoh.ZError as error:  # the caller or the router has gone; a write stays done
             self._metrics.zenoh("response not delivered")
-            structlog.get_logger().warning("a response was not sent", method=method, error=str(error))
+            structlog.get_logger().warning("a response was not sent", method=admitted.method, error=str(error))
         finally:
             self._answered(query, size)
 

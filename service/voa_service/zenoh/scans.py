@@ -25,7 +25,7 @@ from voa_ros.topics import LASER_SCAN, type_name
 from voa_service.access.audit import record_write
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.roles import SCAN_PUT
-from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge
+from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge, TooManyRequests
 from voa_service.guard import guarded
 from voa_service.requests.attachments import add_place, read_attachment
 from voa_service.requests.bodies import json_object, message
@@ -119,17 +119,15 @@ class Scans:
             self._services.metrics.zenoh("scan refused: no single session and robot")
             return
         session, robot = key.split("/")[-2:]
+        attachment = None if sample.attachment is None else sample.attachment.to_bytes()
+        caller = self._admitted(attachment, session, robot, key)
+        if caller is None:
+            return
         self._services.robots.received(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
             failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
             self._refuse(session, robot, key, failure)
-            return
-        attachment = None if sample.attachment is None else sample.attachment.to_bytes()
-        try:
-            caller = self._admitted(attachment, session, robot)
-        except Failure as refusal:
-            self._refuse(session, robot, key, refusal)
             return
         payload = sample.payload.to_bytes()
         named = name_of(sample, payload)
@@ -142,23 +140,28 @@ class Scans:
             for _ in range(self._deferred.put(replace(scan, is_deferred=True), size)):
                 self._services.metrics.zenoh("scan of another replica dropped")
 
-    def _admitted(self, attachment: bytes | None, session: str, robot: str) -> Caller:
+    def _admitted(self, attachment: bytes | None, session: str, robot: str, key: str) -> Caller | None:
         """Return the caller that put a scan, by the key in its attachment, before the scan takes any room.
 
-        Raises:
-            Failure: it may not put scans for this session and robot, or not so many.
+        None: it may not put scans for this session and robot, or not so many, and that was reported; without a valid
+        key it is reported so many times in a period only.
         """
         gate = self._services.gate
         if not gate.keyring.is_closed:
             return ANONYMOUS
         caller: Caller | None = None
         try:
-            caller = gate.identify(read_attachment(attachment).key, SCAN_PUT)
+            caller = gate.identify(read_attachment(attachment).key, SCAN_PUT, f"robot {robot}")
             caller.check_robot(robot)
             gate.admit(caller, SCAN_PUT, session)
         except Failure as failure:
+            if caller is None and isinstance(failure, TooManyRequests):
+                self._services.metrics.zenoh("scan refused: without a valid key, too often")
+                return None
             record_write(caller, SCAN_PUT.name, failure.status, session=session, robot=robot)
-            raise
+            self._services.robots.received(robot, "scan", key, session)
+            self._refuse(session, robot, key, failure)
+            return None
         return caller
 
     def _hand_on(self, scan: ReceivedScan) -> None:

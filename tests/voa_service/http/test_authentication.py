@@ -12,7 +12,7 @@ from starlette.datastructures import Headers
 from tests.support.api_keys import bearer, key_for, revoke_key, url_of
 from tests.support.serving import Service, data_scenario, json_of, scan_of, serving
 from voa_service.access.keys import id_of
-from voa_service.http.authentication import key_of
+from voa_service.http.authentication import key_of, origin_of
 from voa_service.rpc.entry import Rpc
 
 GOOD = scan_of([0.5, 0.5, None, 1.0])
@@ -31,6 +31,20 @@ GOOD = scan_of([0.5, 0.5, None, 1.0])
 )
 def test_the_key_in_a_header(header: str, key: str) -> None:
     assert key_of(Headers({"authorization": header})) == key
+
+
+@pytest.mark.parametrize(
+    ("client", "origin"),
+    [
+        (("10.0.0.1", 4711), "10.0.0.1"),
+        (("fd00:1:2:3:4:5:6:7", 4711), "fd00:1:2:3::/64"),
+        (("::ffff:10.0.0.1", 1), "10.0.0.1"),
+        (("testclient", 1), "testclient"),
+        (None, "an unknown address"),
+    ],
+)
+def test_the_origin_of_a_request_is_its_address_or_network(client: tuple[str, int] | None, origin: str) -> None:
+    assert origin_of({"client": client}) == origin
 
 
 def test_no_header_is_no_key() -> None:
