@@ -2,7 +2,7 @@
 
 import secrets
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial
@@ -14,6 +14,8 @@ from threadpoolctl import threadpool_limits
 from voa_assets import lidar_presets
 from voa_connections.settings import MEBIBYTE
 from voa_msgs.lidars import LidarPreset
+from voa_service.access.audit import record_write
+from voa_service.access.callers import RETENTION
 from voa_service.access.gate import Gate
 from voa_service.access.keyring import Keyring
 from voa_service.access.rates import Rates
@@ -124,7 +126,9 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         lambda id_, seen: follows.run(partial(guarded()(versions_since), sessions, id_, seen)),
         settings.followers,
     )
-    retention = Retention(store, sessions.delete_version, now, settings.retention_days, settings.response_days)
+    retention = Retention(
+        store, _recorded(sessions.delete_version), now, settings.retention_days, settings.response_days
+    )
     caretaker = Periodic("voa-retention", retention.apply, _RETENTION_SECONDS)
     caretaker.start()
     _gauges(metrics, cache, feeds, _Depths(reads, writes, heavy, meshes, rests, reading))
@@ -178,6 +182,18 @@ def _keyring(store: SqlStore, now: Clock, *, required: bool) -> Keyring:
         if isinstance(error, StoreError):
             raise CannotOpen(str(error)) from error
         raise
+
+
+def _recorded(delete: Callable[[str, int], bool]) -> Callable[[str, int], bool]:
+    """Make the deletion of old sessions record each one in the audit."""
+
+    def deleted(id_: str, version: int) -> bool:
+        done = delete(id_, version)
+        if done:
+            record_write(RETENTION, "session.delete", 204, session=id_)
+        return done
+
+    return deleted
 
 
 def _report(memory: MemoryBudget) -> None:

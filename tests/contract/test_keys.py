@@ -10,9 +10,9 @@ from typing import Any, cast
 
 import pytest
 from fastapi import FastAPI
-from structlog.testing import capture_logs
 
 from tests.support.api_keys import bearer, key_for, make_key, revoke_key, url_of
+from tests.support.audit import audited
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_service.access.test_roles import routes_of
@@ -240,10 +240,9 @@ def test_a_service_that_requires_keys_answers_nothing_but_health_before_the_firs
 
 
 def test_too_many_calls_without_a_valid_key_from_an_address_are_429_and_not_in_the_audit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr("voa_service.access.audit.is_wanted", lambda _: True)
-    with serving(tmp_path, rates=RateSettings(refused="3/hour")) as service, capture_logs() as lines:
+    with serving(tmp_path, rates=RateSettings(refused="3/hour")) as service, audited() as audit:
         own, guessed = (
             bearer(key_for(service, "viewer")),
             [{}, bearer("nonsense"), bearer(f"voa_{'0' * 12}_{'0' * 64}")],
@@ -254,7 +253,7 @@ def test_too_many_calls_without_a_valid_key_from_an_address_are_429_and_not_in_t
         assert int(refused[-1].headers["Retry-After"]) > 3_000
         assert service.http.get("/v1/lidars", headers=own).status_code == 200, "a valid key is accepted everywhere"
         assert service.http.get("/readyz").status_code == 200
-    assert [line["result"] for line in lines if line["event"] == "audit"] == [401, 401, 401]
+    assert audit.of("object.create") == [("unknown", 401)] * 3
 
 
 def test_running_services_of_a_database_notice_keys_within_seconds(tmp_path: Path) -> None:

@@ -1,6 +1,8 @@
 """Keys on Zenoh, through a real router: calls and scans without a valid key have no effect, and robots see why."""
 
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 
 import pytest
 
@@ -11,7 +13,10 @@ from tests.support.serving import Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from voa_client import ApiKey, Client, DeniedError, OverloadedError, Retries, ZenohAddress, ZenohTransport
 from voa_msgs.sessions import Scan, ScanRequest
+from voa_service.access.rates import Rates
+from voa_service.failures import Overloaded
 from voa_service.rpc.methods import methods_of
+from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import RateSettings
 
 GOOD = scan_of([0.5, 0.5, None, 1.0])
@@ -19,7 +24,7 @@ GOOD = scan_of([0.5, 0.5, None, 1.0])
 
 @pytest.fixture(scope="module")
 def endpoint_and_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Service]]:
-    folder, rates = tmp_path_factory.mktemp("bus"), RateSettings(heavy="5/hour")
+    folder, rates = tmp_path_factory.mktemp("bus"), RateSettings(heavy="5/hour", refused="100000/second")
     with router() as own, serving(folder, rates=rates) as service, bridged(service, own):
         yield own.endpoint, service
 
@@ -130,6 +135,67 @@ def test_a_scan_that_is_put_without_a_valid_key_has_no_effect_and_is_reported(
     bus.put_scan(session, GOOD, robot="r1", key=bound)
     wait_for(lambda: version(service, session) == before + 2, "a scan with a key of its own")
     assert not any(key in each.payload.decode() for each in received for key in (sensor, viewer, bound))
+
+
+def fill(queue: WorkQueue, work: Callable[[], object]) -> None:
+    """Submit work until the queue takes no more."""
+    with suppress(Overloaded):
+        while True:
+            queue.submit(work)
+
+
+def test_a_call_of_a_stranger_takes_no_place_in_a_queue(bus: Stranger, service: Service, sessions: list[str]) -> None:
+    viewer, release, reads = key_for(service, "viewer"), threading.Event(), service.inside.reads
+    named = {"session": sessions[0]}
+    try:
+        fill(reads, release.wait)
+        waiting = reads.inside
+        assert kind_of(bus, "session.get", named, key=viewer) == "overloaded"
+        assert kind_of(bus, "session.get", named) == "unauthenticated"
+        assert kind_of(bus, "session.get", named, key="nonsense") == "unauthenticated"
+        assert reads.inside == waiting
+    finally:
+        release.set()
+    wait_for(lambda: reads.inside == 0, "the queue")
+    assert bus.call("session.get", named, key=viewer)["id"] == sessions[0]
+
+
+def test_calls_without_a_valid_key_are_limited_together_and_scans_by_robot(
+    bus: Stranger, service: Service, sessions: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sensor, session = key_for(service, "sensor"), sessions[0]
+    monkeypatch.setattr(service.inside.gate, "_rates", Rates("1000/second", "1000/second", "2/hour"))
+    kinds = [kind_of(bus, method, {}) for method in ("session.get", "session.list", "scan.apply", "robot.list")]
+    assert kinds == ["unauthenticated", "unauthenticated", "too-many-requests", "too-many-requests"]
+    assert bus.call("session.get", {"session": session}, key=sensor)["id"] == session
+    before = version(service, session)
+    for _ in range(5):
+        bus.put_scan(session, GOOD, robot="flooding")
+    bus.put_scan(session, GOOD, robot="flooding", key=sensor)
+    wait_for(lambda: version(service, session) == before + 1, "the scan with a key, put last")
+    (report,) = [each for each in service.inside.robots.reports().items if each.robot == "flooding"]
+    assert (report.scans, report.refused, report.looks) == (3, 2, 1), "five were put without a key, and two reported"
+
+
+def test_a_robot_of_a_session_puts_its_scans_there_alone(bus: Stranger, service: Service, sessions: list[str]) -> None:
+    own, store = key_for(service, "sensor", robots=("claimed",)), service.inside.sessions.store
+    assert store.claim_robot("claimed", sessions[0])
+    before = [version(service, session) for session in sessions]
+    for session in reversed(sessions):
+        bus.put_scan(session, GOOD, robot="claimed", key=own)
+    wait_for(lambda: version(service, sessions[0]) == before[0] + 1, "the scan of its own session")
+    (report,) = [each for each in service.inside.robots.reports().items if each.robot == "claimed"]
+    wait_for(lambda: "which session" in str(_refusal(service, "claimed")), "the refusal")
+    assert report.scans == 2
+    assert version(service, sessions[1]) == before[1]
+    store.claim_robot("claimed", None)
+    bus.put_scan(sessions[1], GOOD, robot="claimed", key=own)
+    wait_for(lambda: version(service, sessions[1]) == before[1] + 1, "a scan of a robot that no session has claimed")
+
+
+def _refusal(service: Service, robot: str) -> str | None:
+    (report,) = [each for each in service.inside.robots.reports().items if each.robot == robot]
+    return report.last_refusal
 
 
 def test_a_client_sends_its_key(endpoint_and_service: tuple[str, Service], sessions: list[str]) -> None:

@@ -1,9 +1,12 @@
-"""The audit: a line in the log for each write, with who made it and what came of it."""
+"""The audit: a line in the log for each write, and for each key that is made or revoked, with who did it."""
+
+from typing import Any, Literal
 
 import structlog
 
 from voa_service.access.callers import Caller
 from voa_service.runtime.logs import is_wanted
+from voa_store.records import StoredKey
 
 
 def record_write(
@@ -37,3 +40,20 @@ def record_write(
         version=version,
         result=result,
     )
+
+
+def record_key(done: Literal["key.create", "key.revoke"], key: StoredKey, by: str, log: Any = None) -> None:
+    """Log that a key was made or revoked.
+
+    Args:
+        done: name of the change.
+        key: that was made or revoked.
+        by: who did it, as far as it is known.
+        log: logger of a command; None: that of the service, where lines of level INFO are logged.
+    """
+    if log is None:
+        if not is_wanted("INFO"):
+            return
+        log = structlog.get_logger()
+    bound = {"sessions": key.sessions, "robots": key.robots}
+    log.info("audit", caller=by, call=done, key=key.id, name=key.name, role=key.role, **bound, result=200)

@@ -159,5 +159,7 @@ class Caller:
 
 MAPPING = Caller("mapping", "sensor")
 """Sender of what arrives on the ROS 2 topics of mapped robots, whose messages carry no key."""
+RETENTION = Caller("retention", "operator")
+"""Caller that deletes old sessions: the service itself, after `VOA_RETENTION_DAYS`."""
 ANONYMOUS = Caller("anonymous", "operator")
 """Anybody, where the service has no keys."""

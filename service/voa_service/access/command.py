@@ -11,24 +11,30 @@ included), operator (everything).
 The first key closes the service to callers without a key, for good. A running service notices a new or revoked key
 within about 2 s, in all its processes. To replace a key: make another one of the same name, give it to the robot, see
 in the list that the old one is no longer used, and revoke the old one.
+
+A line on stderr, of the form of the service's audit, says who made or revoked a key.
 """
 
 import argparse
+import getpass
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
+from voa_service.access.audit import record_key
 from voa_service.access.keyring import REFRESH_SECONDS
 from voa_service.access.keys import PREFIX, id_of, new_key
 from voa_service.access.listing import as_json, as_table, duration
 from voa_service.access.roles import ROLES
+from voa_service.runtime.logs import logger_of_command
 from voa_service.settings import Settings
 from voa_store.errors import StoreError
 from voa_store.keys import KeyStore
@@ -52,6 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     try:
         with closing(open_keys(settings.database_url, settings.database_patience_s)) as store:
+            options.record = partial(record_key, by=_person(), log=logger_of_command(settings.log_level, sys.stderr))
             options.act(store, options, datetime.now(UTC))
     except (StoreError, Refused) as error:
         print(f"voa keys: {error}", file=sys.stderr)
@@ -90,6 +97,7 @@ def _create(store: KeyStore, options: argparse.Namespace, now: datetime) -> None
         except BaseException:
             options.out.unlink()
             raise
+    options.record("key.create", key)
     where = "it is shown this once" if options.out is None else f"it is in {options.out}"
     print(f"voa keys: made key {made.id} ({key.name}, {key.role}); {where}", file=sys.stderr)
     if not before:
@@ -128,11 +136,21 @@ def _revoke(store: KeyStore, options: argparse.Namespace, now: datetime) -> None
     for id_ in ids:
         key = keys[id_]
         done = store.revoke_key(id_, now)
+        if done:
+            options.record("key.revoke", key)
         what = "revoked" if done else "was revoked before:"
         print(f"{what} {id_} ({key.name}, {key.role})")
     print(f"voa keys: running processes refuse it within about {REFRESH_SECONDS:g} s", file=sys.stderr)
     if not any(key.is_active(now) for id_, key in keys.items() if id_ not in ids):
         print("voa keys: no key is valid any more: the service refuses every caller", file=sys.stderr)
+
+
+def _person() -> str:
+    """Return the name of the user that runs this process; where it has none, as in a container, the number."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):
+        return f"user {os.getuid()}"
 
 
 def _id(given: str) -> str:

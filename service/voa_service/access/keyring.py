@@ -6,13 +6,14 @@ While the database does not answer, the keys that are known stay valid: they can
 
 import hmac
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
-from typing import Protocol, cast
+from typing import Literal, Protocol, cast
 
 import structlog
 
 from voa_msgs.callers import Role
+from voa_service.access.audit import record_key
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.keys import digest_of, id_of
 from voa_service.access.roles import ROLES
@@ -26,6 +27,8 @@ _STORED_AFTER = timedelta(seconds=60)
 """Time for which a stored last use is recent enough."""
 _END_SECONDS = 1.0
 _NEEDS_KEY = "this service needs a key: expected `Authorization: Bearer <key>`, on Zenoh `key` in the attachment"
+NOTICED = "voa keys"
+"""Caller in the audit of a process that notices a new or revoked key: the command's own line names the person."""
 FIRST_KEY = (
     "it has no key yet: its operator makes the first by `voa keys create NAME --role operator`, with the database of "
     "the service"
@@ -113,14 +116,23 @@ class Keyring:
         known = self._known.get(caller.key)
         return known is not None and known[0].is_active(self._now())
 
-    def refresh(self) -> None:
+    def refresh(self) -> Sequence[tuple[Literal["key.create", "key.revoke"], StoredKey]]:
         """Read the keys from the store.
+
+        Returns:
+            The keys that were made or revoked since the call before.
 
         Raises:
             StoreError: they cannot be read; those known before stay.
         """
+        before = self._known
         self._known = {key.id: (key, _caller(key)) for key in self._store.list_keys()}
         self.is_closed = self.is_closed or bool(self._known)
+        return [
+            ("key.create" if key.id not in before else "key.revoke", key)
+            for key, _ in self._known.values()
+            if key.id not in before or (key.revoked_at is not None and before[key.id][0].revoked_at is None)
+        ]
 
     def store_uses(self) -> None:
         """Store the last uses of the keys that were used, and whose stored last use is more than a minute old.
@@ -137,7 +149,8 @@ class Keyring:
         failing = False
         while not self._ended.wait(self._refresh_seconds):
             try:
-                self.refresh()
+                for done, key in self.refresh():
+                    record_key(done, key, NOTICED)
                 self.store_uses()
                 failing = False
             except Exception as error:  # whatever it is: a thread that ends would leave revoked keys valid

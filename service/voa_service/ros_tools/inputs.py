@@ -39,7 +39,7 @@ from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
 from voa_service.zenoh.scans import name_of
-from voa_store.records import IdempotencyKey, StoredResponse
+from voa_store.records import IdempotencyKey
 
 _MOST_WAITING = 256
 _MOST_BYTES = 4_096
@@ -115,10 +115,11 @@ class Inputs:
         if sample.kind != zenoh.SampleKind.PUT or named is None:
             return
         if named.type_name not in (None, type_.name):
-            self._refuse(key, InvalidRequest(f"expected a {type_.name} on {topic}, got a {named.type_name}"))
+            self._refuse(type_, key, InvalidRequest(f"expected a {type_.name} on {topic}, got a {named.type_name}"))
             return
         if len(sample.payload) > _MOST_BYTES:
-            self._refuse(key, InvalidRequest(f"expected a {type_.name} on {topic}, got {len(sample.payload)} bytes"))
+            size = len(sample.payload)
+            self._refuse(type_, key, InvalidRequest(f"expected a {type_.name} on {topic}, got {size} bytes"))
             return
         payload = sample.payload.to_bytes()
         received = Received(type_, key, payload, _name(sample, payload))
@@ -129,22 +130,24 @@ class Inputs:
 
     def _hand_on(self, received: Received) -> None:
         if not self._boxes.put(self._mapping.name, received, len(received.payload)):
-            self._refuse(received.key, Overloaded("too many messages of this robot are waiting: send fewer"))
+            detail = "too many messages of this robot are waiting: send fewer"
+            self._refuse(received.type, received.key, Overloaded(detail))
 
     def _work(self, received: Received) -> None:
         """Apply an input, or publish why it had no effect; in a worker thread."""
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=secrets.token_hex(8))
+        session: str | None = None
         try:
             with guarded():
-                self._apply(received)
+                session = self._services.robots.report(self._mapping.name).session
+                self._apply(session, received)
         except IdempotencyKeyReused:  # as the outcome of another grasp, which was the best one then
             self._services.metrics.zenoh("ROS input applied already")
         except Failure as failure:
-            self._refuse(received.key, failure)
+            self._refuse(received.type, received.key, failure, session)
 
-    def _apply(self, received: Received) -> None:
-        session = self._services.robots.report(self._mapping.name).session
+    def _apply(self, session: str | None, received: Received) -> None:
         if session is None:
             raise not_found("session yet of robot", self._mapping.name)
         try:
@@ -165,7 +168,7 @@ class Inputs:
         if self._is_applied(received, key):
             return
         done = self._services.updates.put_belief(session, request, write_of("belief", _body(request), key))
-        self._record("belief.put", session, done)
+        self._record(received.type, session, 200, done.version)
         structlog.get_logger().info("the object was marked", robot=self._mapping.name, session=session)
 
     def _apply_outcome(self, session: str, received: Received) -> None:
@@ -180,12 +183,13 @@ class Inputs:
         if self._is_applied(received, key):
             return
         done = self._services.updates.report_outcome(session, request, write_of("outcome", _body(request), key))
-        self._record("outcome.report", session, done)
+        self._record(received.type, session, 200, done.version)
         structlog.get_logger().info("an outcome was reported", robot=self._mapping.name, grasp=best, success=success)
 
-    def _record(self, call: str, session: str, done: StoredResponse) -> None:
-        """Record an input that was applied in the audit."""
-        record_write(MAPPING, call, 200, session=session, robot=self._mapping.name, version=done.version)
+    def _record(self, type_: MessageType, session: str | None, result: int, version: int | None = None) -> None:
+        """Record an input that was applied or refused in the audit."""
+        call = "outcome.report" if type_ == BOOL else "belief.put"
+        record_write(MAPPING, call, result, session=session, robot=self._mapping.name, version=version)
 
     def _is_applied(self, received: Received, key: IdempotencyKey | None) -> bool:
         """Return True for a deferred input that the responsible replica has applied."""
@@ -194,12 +198,13 @@ class Inputs:
         self._services.metrics.zenoh("ROS input applied already")
         return True
 
-    def _refuse(self, key: str, failure: Failure) -> None:
+    def _refuse(self, type_: MessageType, key: str, failure: Failure, session: str | None = None) -> None:
         why = f"{failure.kind}: {failure.detail}"
         robot = self._mapping.name
         self._services.metrics.zenoh(f"ROS input refused: {failure.kind}")
         structlog.get_logger().warning("an input from ROS was refused", robot=robot, key=key, why=why)
-        if self._replicas.owns(robot):  # else the responsible replica publishes the refusal
+        if self._replicas.owns(robot):  # else the responsible replica records and publishes the refusal
+            self._record(type_, session, failure.status)
             self._outbox.refused(self._mapping.session or "none", robot, failure)
 
 

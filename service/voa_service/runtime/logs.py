@@ -3,7 +3,7 @@
 import logging
 import os
 import sys
-from typing import TextIO
+from typing import Any, TextIO
 
 import structlog
 
@@ -11,6 +11,24 @@ import structlog
 def is_wanted(level: str) -> bool:
     """Return True if lines of a level are logged; callers check first, for composing a line takes time."""
     return logging.getLogger().isEnabledFor(logging.getLevelNamesMapping()[level])
+
+
+def logger_of_command(level: str, stream: TextIO) -> Any:
+    """Make a logger that writes to a stream as the service does, and leaves the logs of this process as they are.
+
+    Args:
+        level: name of the least severe level that is logged, as in `logging`.
+        stream: where lines are written.
+    """
+    return structlog.wrap_logger(
+        structlog.PrintLogger(stream),
+        wrapper_class=structlog.make_filtering_bound_logger(logging.getLevelNamesMapping().get(level, logging.INFO)),
+        processors=[
+            structlog.processors.add_log_level,
+            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            *_renderers(stream),
+        ],
+    )
 
 
 def configure(level: str, stream: TextIO = sys.stderr) -> None:

@@ -21,6 +21,8 @@ from zenoh.handlers import Callback
 from voa_ros.latched import declare_latched_subscriber
 from voa_ros.robots import RobotMapping, Subscription, load
 from voa_ros.topics import POSE_WITH_COVARIANCE_STAMPED, expressions, match_key
+from voa_service.access.audit import record_write
+from voa_service.access.callers import MAPPING
 from voa_service.failures import Failure, InvalidRequest, NotAccepted, Overloaded, TooLarge
 from voa_service.guard import guarded
 from voa_service.services import Services
@@ -214,6 +216,8 @@ class Ros2:
                 outcome = apply_look(self._services.updates, due)
         except Failure as failure:
             robot.rejected(due, failure.kind)
+            session, named = due.ledger.session, robot.name
+            record_write(MAPPING, "look.apply", failure.status, session=session, robot=named)
             raise
         if outcome is None:
             self._services.metrics.zenoh("look applied already")

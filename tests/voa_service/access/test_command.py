@@ -75,6 +75,35 @@ def test_nothing_is_revoked_where_an_id_is_unknown_or_is_the_key_itself(url: str
     assert len(keys(capsys)) == 1
 
 
+def test_who_makes_and_revokes_keys_is_in_a_line_of_the_audit(
+    url: str, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("getpass.getuser", lambda: "anna")
+    assert main(["create", "tb3_1", "--role", "sensor", "--robot", "tb3_1"]) == 0
+    made = capsys.readouterr()
+    id_ = str(id_of(made.out.strip()))
+    assert main(["revoke", id_]) == 0
+    revoked = capsys.readouterr()
+    assert main(["revoke", id_]) == 0
+    again = capsys.readouterr()
+    first, second = (json.loads(printed.err.splitlines()[0]) for printed in (made, revoked))
+    shared: dict[str, object] = {
+        "event": "audit",
+        "level": "info",
+        "caller": "anna",
+        "key": id_,
+        "name": "tb3_1",
+        "role": "sensor",
+    }
+    shared |= {"sessions": None, "robots": ["tb3_1"], "result": 200}
+    assert first == shared | {"call": "key.create", "timestamp": first["timestamp"]}
+    assert second == shared | {"call": "key.revoke", "timestamp": second["timestamp"]}
+    assert "audit" not in again.err, "it was revoked before"
+    monkeypatch.setenv("VOA_LOG_LEVEL", "WARNING")
+    assert main(["create", "tb3_1", "--role", "sensor"]) == 0
+    assert "audit" not in capsys.readouterr().err
+
+
 def test_keys_of_a_name_have_one_role(url: str, capsys: Captured) -> None:
     text = make_key(url, "sensor", "tb3_1")
     assert main(["create", "tb3_1", "--role", "operator"]) == 1

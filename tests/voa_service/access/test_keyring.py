@@ -6,6 +6,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from structlog.testing import capture_logs
 
+from tests.support.audit import audited
 from tests.support.waiting import wait_for
 from voa_service.access.callers import ANONYMOUS
 from voa_service.access.keyring import Keyring
@@ -121,6 +122,22 @@ def test_a_key_that_is_revoked_or_has_expired_is_refused_and_stays_so(ring: Keyr
     assert "was revoked" in refused(ring, two.text)
     assert not ring.is_valid(second)
     assert "needs a key" in refused(ring, None), "the last key's revocation does not open the service"
+
+
+def test_a_process_records_the_keys_that_it_notices(shelf: Shelf) -> None:
+    before = shelf.make()
+    with audited() as audit:
+        ring = Keyring(shelf, shelf.now, refresh_seconds=0.01)
+        try:
+            made = shelf.make(role="viewer")
+            wait_for(lambda: audit.of("key.create"), "the new key")
+            shelf.change(made, revoked_at=NOON)
+            wait_for(lambda: audit.of("key.revoke"), "the revocation")
+        finally:
+            ring.close()
+        assert audit.of("key.create", "caller", "key", "role") == [("voa keys", made.id, "viewer")]
+        assert audit.of("key.revoke", "key") == [(made.id,)]
+        assert before.id in _known(ring), "what was there at the start is no news"
 
 
 def test_a_database_that_lost_its_keys_does_not_open_a_running_service(ring: Keyring, shelf: Shelf) -> None:

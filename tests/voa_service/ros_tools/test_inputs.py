@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
+from tests.support.audit import audited
 from tests.support.ros_tools import RosLab
 from tests.support.serving import Json
 from tests.support.waiting import wait_for
@@ -100,8 +101,10 @@ def test_the_prior_of_the_session_remains_in_force(lab: RosLab) -> None:
 def test_a_marked_pose_that_cannot_be_used_is_refused_with_the_reason(lab: RosLab, payload: bytes, said: str) -> None:
     lab.map(INPUTS)
     refusals = lab.bus.subscribe(lab.bus.keys.refused(lab.session, "tb3_1"))
-    put(lab, "tb3_1/voa/prior", payload)
-    assert said in wait_for_refusal(lab, refusals)
+    with audited() as audit:
+        put(lab, "tb3_1/voa/prior", payload)
+        assert said in wait_for_refusal(lab, refusals)
+    assert audit.of("belief.put", "caller", "robot", "session", "result") == [("mapping", "tb3_1", lab.session, 422)]
     assert state(lab)["version"] == 0
 
 
@@ -129,8 +132,10 @@ def test_an_outcome_states_how_probably_the_attempt_moved_the_object(lab: RosLab
 def test_a_message_that_is_no_bool_is_refused(lab: RosLab) -> None:
     lab.map(INPUTS)
     refusals = lab.bus.subscribe(lab.bus.keys.refused(lab.session, "tb3_1"))
-    put(lab, "tb3_1/voa/outcome", marked(0.0, 0.0, 0.0))
-    assert "expected a std_msgs/msg/Bool" in wait_for_refusal(lab, refusals)
+    with audited() as audit:
+        put(lab, "tb3_1/voa/outcome", marked(0.0, 0.0, 0.0))
+        assert "expected a std_msgs/msg/Bool" in wait_for_refusal(lab, refusals)
+    assert audit.of("outcome.report") == [("mapping", 422)]
 
 
 def test_nothing_is_received_unless_the_mapping_allows_it(lab: RosLab) -> None:

@@ -5,7 +5,9 @@ from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
+from tests.support.audit import audited
 from tests.support.serving import Service, data_scenario, serving
+from tests.support.waiting import wait_for
 from voa_service.bootstrap import utc_now
 from voa_service.usecases.retention import Retention
 
@@ -30,6 +32,14 @@ def test_sessions_are_removed_once_their_newest_version_is_too_old(tmp_path: Pat
         assert retention_of(service, after_days(31), 30.0).apply(lambda _: False) == 2
         assert service.get("/v1/sessions")["items"] == []
         assert {service.http.get(f"/v1/sessions/{id_}").status_code for id_ in (old, other)} == {404}
+
+
+def test_each_removed_session_is_in_the_audit(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        session = service.open(service.create(data_scenario()))
+    with audited() as audit, serving(tmp_path, retention_days=1e-9) as service:
+        wait_for(lambda: service.get("/v1/sessions")["items"] == [], "the removal")
+        assert audit.of("session.delete", "caller", "session", "result") == [("retention", session, 204)]
 
 
 def test_a_session_that_moves_meanwhile_stays(tmp_path: Path) -> None:

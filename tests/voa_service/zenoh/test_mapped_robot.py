@@ -12,6 +12,7 @@ import pytest
 import zenoh
 from zenoh.ext import CacheConfig, declare_advanced_publisher
 
+from tests.support.audit import audited
 from tests.support.bus import Sample
 from tests.support.replaying import replayed
 from tests.support.routers import Router, router
@@ -301,8 +302,10 @@ def test_a_look_that_the_database_did_not_take_is_taken_again(
     received = own.bus.subscribe(own.bus.keys.refused(session, "tb3_1"))
     store = own.service.inside.sessions.store
     monkeypatch.setattr(store, "change", failing_once(store.change))
-    own.revolutions(3)
-    wait_for(lambda: problems(received, "urn:voa:problem:overloaded"), "the refusal")
+    with audited() as audit:
+        own.revolutions(3)
+        wait_for(lambda: problems(received, "urn:voa:problem:overloaded"), "the refusal")
+    assert audit.of("look.apply", "caller", "session", "robot", "result") == [("mapping", session, "tb3_1", 503)]
     assert "not accepted (overloaded)" in own.report()["waiting_for"]
     own.revolutions(3, first=10)
     wait_for(lambda: own.version(session) == 1, "the look")
