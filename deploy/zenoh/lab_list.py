@@ -11,7 +11,9 @@ LOGINS = ("certificates", "passwords", "both")
 """Ways to log in to the router."""
 OUTPUTS = ("belief", "poses", "markers", "grasps", "best_grasp", "place", "numbers/*")
 """Usual topics of the service's outputs for ROS tools, below `voa/` in the namespace of a robot."""
-_TYPES = {str: "a text", int: "a number", list: "a list", dict: "a section"}
+_TYPES = {str: "a text", bool: "true or false", int: "a number", list: "a list", dict: "a section"}
+_MORE = {"robot": {"namespace"}, "viewer": {"scans"}}
+"""Entries that clients of a kind have beside those of all."""
 _ROOT = re.compile(r"[A-Za-z0-9_.-]+(?:/[A-Za-z0-9_.-]+)*")
 _NAME = re.compile(r"[A-Za-z0-9_.-]+")
 _TOPIC = re.compile(r"(?:[A-Za-z0-9_]+|\*)(?:/(?:[A-Za-z0-9_]+|\*))*(?:/\*\*)?")
@@ -32,6 +34,7 @@ class Client:
         receives: ROS 2 topics that it receives, written in the same way.
         outputs: topics of the service's outputs about a robot, of which only the service is a publisher.
         domain: ROS_DOMAIN_ID in the keys of rmw_zenoh.
+        scans: True for a viewer that receives the raw scans of all robots, with the API keys beside them.
     """
 
     kind: str
@@ -40,6 +43,7 @@ class Client:
     receives: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
     domain: int = 0
+    scans: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,7 @@ def _typed(given: Mapping[str, Any], name: str, kind: type, default: Any) -> Any
 def _client(kind: str, given: Any) -> Client:
     if not isinstance(given, dict):
         raise InvalidList(f"expected sections [[{kind}]], got {given!r}")
-    known = {"name", "publishes", "receives", "domain"} | ({"namespace"} if kind == "robot" else set())
+    known = {"name", "publishes", "receives", "domain"} | _MORE.get(kind, set())
     _check_names(given, known, f"[[{kind}]]")
     name = _typed(given, "name", str, "")
     if not _NAME.fullmatch(name):
@@ -114,7 +118,8 @@ def _client(kind: str, given: Any) -> Client:
     for topic in (*publishes, *receives):
         if not _TOPIC.fullmatch(topic):
             raise InvalidList(f"{kind} {name}: expected a topic such as tb3_1/odom or tb3_1/**, got {topic!r}")
-    return Client(kind, name, publishes, receives, outputs, _typed(given, "domain", int, 0))
+    domain, scans = _typed(given, "domain", int, 0), _typed(given, "scans", bool, False)
+    return Client(kind, name, publishes, receives, outputs, domain, scans)
 
 
 def _check_names(given: Mapping[str, Any], known: set[str], what: str) -> None:

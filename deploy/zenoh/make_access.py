@@ -11,10 +11,12 @@ certificate, a user name, or both, as `login` says. The script needs Python 3.11
 | service | belief/*, refused/*/*, outputs for ROS | answers all        | scan/*/*, belief/*, topics of robots    |
 | robot   | scan/*/<name>, topics of its namespace | all                | belief/*, refused/*/<name>, its outputs |
 | arm     |                                        | all                | belief/*                                |
-| viewer  |                                        | those that read    | belief/*, refused/*/*, scan/*/*         |
+| viewer  |                                        | those that read    | belief/*, refused/*/*                   |
 
-`publishes` and `receives` in the list add ROS 2 topics to a row. Everyone listed may see the liveliness tokens of the
-replicas (replica/*), and the service alone may have them. Refusals are silent: Zenoh has no message for them.
+Robots send their API keys beside their scans, so the service alone receives scan/*/*, and a viewer with `scans = true`,
+such as a recorder, which is trusted with the keys of all robots. `publishes` and `receives` in the list add ROS 2
+topics to a row. Everyone listed may see the liveliness tokens of the replicas (replica/*), and the service alone may
+have them. Refusals are silent: Zenoh has no message for them.
 """
 
 import argparse
@@ -137,7 +139,7 @@ def _rules(lab: Lab, client: Client) -> Rules:
     else:
         methods = READING if client.kind == "viewer" else ("*",)
         watched = {"robot": ["belief/*", f"refused/*/{client.name}"], "arm": ["belief/*"]}
-        watched["viewer"] = ["belief/*", "refused/*/*", "scan/*/*"]
+        watched["viewer"] = ["belief/*", "refused/*/*", *(["scan/*/*"] if client.scans else [])]
         rules += both("query", "reply", below(*(f"rpc/{method}" for method in methods)))
         rules += allow("egress", "declare_queryable", below("rpc/*"))
         rules += both(_TAKES, _GETS, below(*watched[client.kind]))

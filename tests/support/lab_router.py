@@ -48,6 +48,7 @@ name = "console"
 [[viewer]]
 name = "recorder"
 receives = ["tb3_1/**"]
+scans = true
 
 [[viewer]]
 name = "rviz"

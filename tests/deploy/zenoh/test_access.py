@@ -167,7 +167,10 @@ SUBSCRIPTIONS = [
     ("tb3_1", f"{REFUSED}tb3_2", f"{REFUSED}tb3_2", False),
     ("ur5e", f"{REFUSED}tb3_1", f"{REFUSED}tb3_1", False),
     ("console", f"{ROOT}/refused/*/*", f"{REFUSED}tb3_1", True),
-    ("console", f"{ROOT}/scan/*/*", f"{SCAN}tb3_1", True),
+    ("recorder", f"{ROOT}/scan/*/*", f"{SCAN}tb3_1", True),  # its `scans` are true
+    *((who, f"{ROOT}/scan/*/*", f"{SCAN}tb3_1", False) for who in ("console", "rviz", "ur5e", "tb3_1")),
+    ("console", f"{SCAN}tb3_1", f"{SCAN}tb3_1", False),
+    ("console", f"{ROOT}/*/*/tb3_1", f"{SCAN}tb3_1", False),
     ("tb3_2", f"{SCAN}tb3_1", f"{SCAN}tb3_1", False),
     ("ur5e", f"{SCAN}tb3_1", f"{SCAN}tb3_1", False),
     ("tb3_2", "tb3_1/scan", "tb3_1/scan", False),

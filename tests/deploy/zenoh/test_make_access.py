@@ -86,6 +86,8 @@ def test_every_rule_belongs_to_one_client_and_names_keys() -> None:
         (f"{SMALL}\n[[robot]]\n", "name of a robot"),
         (f'{SMALL}\n[[robot]]\nname = "voa"\n', "'voa' stands there twice"),
         (f'{SMALL}\n[[robot]]\nname = "r"\ncolour = 1\n', r"\[\[robot\]\] has no 'colour'"),
+        (f'{SMALL}\n[[viewer]]\nname = "r"\nscans = "all"\n', "scans: expected true or false, got 'all'"),
+        (f'{SMALL}\n[[robot]]\nname = "r"\nscans = true\n', r"\[\[robot\]\] has no 'scans'"),
         (f'{SMALL}\n[[arm]]\nname = "r"\nnamespace = "x"\n', r"\[\[arm\]\] has no 'namespace'"),
         (f'{SMALL}\n[[robot]]\nname = "r"\npublishes = ["a b"]\n', "expected a topic such as"),
         (f'{SMALL}\n[[robot]]\nname = "r"\npublishes = ["**"]\n', "expected a topic such as"),
@@ -126,6 +128,21 @@ def test_a_robot_without_a_namespace_publishes_its_topics_alone() -> None:
     )
     puts = [rule["key_exprs"] for rule in rules_of(written, "r") if "put" in rule["messages"]]
     assert ["scan", "3/scan/*/*"] in puts
+
+
+def test_the_keys_beside_scans_reach_the_service_and_who_is_trusted_with_them_alone() -> None:
+    """A subscriber to scans reads the API keys in their attachments."""
+    lab = lists.read((FOLDER / "lab.toml").read_text() + '\n[[viewer]]\nname = "trusted"\nscans = true\n')
+    written, scans = access.configuration(lab), f"{lab.root}/scan/*/*"
+    receiving = {
+        client.name
+        for client in lab.clients
+        for rule in rules_of(written, client.name)
+        if ("egress" in rule["flows"] and "put" in rule["messages"])
+        or ("ingress" in rule["flows"] and "declare_subscriber" in rule["messages"])
+        if any(lists.intersect(key, scans) for key in rule["key_exprs"])
+    }
+    assert receiving == {"voa-service", "trusted"}
 
 
 def test_the_usual_outputs_come_from_the_service_alone_and_the_inputs_do_not() -> None:
