@@ -137,7 +137,8 @@ def _serve(
                 f"{settings.host} can be reached from other machines, and anyone there could change beliefs: "
                 "make a key first, as in\n"
                 "    voa keys create anna --role operator\n"
-                "with the same --database-url, or add --insecure if the network is trusted."
+                "with the same --database-url; or start with VOA_REQUIRE_KEYS=1, and make it meanwhile; or add "
+                "--insecure if the network is trusted."
             )
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots))
         connections = supervised(settings.connections, services.metrics)

@@ -31,13 +31,18 @@ def serve_anywhere(folder: Path, *options: str) -> subprocess.CompletedProcess[s
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, timeout=120)
 
 
-def test_other_addresses_than_loopback_need_a_key_or_insecure(tmp_path: Path) -> None:
+def test_other_addresses_than_loopback_need_a_key_or_insecure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     refused = serve_anywhere(tmp_path)
     assert (refused.returncode, refused.stdout) == (2, "")
     assert "0.0.0.0 can be reached from other machines" in refused.stderr
     assert "voa keys create" in refused.stderr
     assert "--insecure" in refused.stderr
     assert "Traceback" not in refused.stderr
+    monkeypatch.setenv("VOA_REQUIRE_KEYS", "1")
+    required = serve_anywhere(tmp_path)
+    assert required.stdout == "listening\n"
+    assert "its operator makes the first by `voa keys create" in required.stderr
+    monkeypatch.delenv("VOA_REQUIRE_KEYS")
     assert serve_anywhere(tmp_path, "--insecure").stdout == "listening\n"
     url = f"sqlite:///{tmp_path}/voa.db"
     key = make_key(url, "operator")
