@@ -34,6 +34,7 @@ from voa_service.runtime.periodic import Periodic
 from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.services import Services
 from voa_service.settings import Settings
+from voa_service.usecases.acting import ActingRobots
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.following import versions_since
 from voa_service.usecases.health import HealthCheck
@@ -143,6 +144,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 rankings=Rankings(sessions, models, places, threads, Cache(_RANKINGS_BYTES), limits),
                 robots=robots,
                 claims=claims,
+                acting=ActingRobots(claims, sessions),
                 health=HealthCheck(store, now, ids(), memory.message()),
                 changes=changes,
                 metrics=metrics,

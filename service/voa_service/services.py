@@ -9,6 +9,7 @@ from voa_service.runtime.feeds import Feeds
 from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits
+from voa_service.usecases.acting import ActingRobots
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.health import HealthCheck
 from voa_service.usecases.looks import AnnouncedLooks
@@ -33,6 +34,7 @@ class Services:
         rankings: use cases that rank looks and grasps.
         robots: reports on robots.
         claims: use cases about claims of robots.
+        acting: use cases about the part that robots take in sessions.
         health: use case that reports the health of this process.
         changes: notifies followers of committed changes.
         metrics: counters and gauges.
@@ -58,6 +60,7 @@ class Services:
     rankings: Rankings
     robots: Robots
     claims: Claims
+    acting: ActingRobots
     health: HealthCheck
     changes: Changes
     metrics: Metrics

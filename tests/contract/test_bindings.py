@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
@@ -115,6 +115,40 @@ def test_a_key_for_a_robot_changes_the_session_that_claimed_it_and_no_other(
     assert set(statuses(closed, call, session, own)) == {REFUSED}
     both = key_for(closed, "operator", sessions=(session,), robots=("r1",))
     assert REFUSED not in set(statuses(closed, call, session, both))
+
+
+def test_a_robot_that_no_session_claimed_scans_where_it_announced_a_look(closed: Service, session: str) -> None:
+    own, path = bearer(key_for(closed, "sensor", robots=("unmapped",))), f"/v1/sessions/{session}"
+    look = {"sensor": "Q1", "robot": "unmapped"}
+
+    def scanned(**headers: str) -> int:
+        return closed.http.post(f"{path}/scans", json=SCAN, headers=own | headers).status_code
+
+    assert scanned() == REFUSED
+    assert closed.http.post(f"{path}/looks", json=look, headers=own).status_code == 201
+    assert scanned(**{"Idempotency-Key": "k"}) == 200
+    assert scanned(**{"Idempotency-Key": "k"}) == 200, "a repetition gets its first response, though the look is over"
+    assert scanned(**{"Idempotency-Key": "other"}) == REFUSED
+
+
+def test_a_method_takes_scans_of_a_robot_while_its_look_is_under_way(closed: Service, session: str) -> None:
+    own = key_for(closed, "sensor", robots=("tb3_1",))
+
+    def made(method: str, **fields: Any) -> tuple[int, Json]:
+        return called(closed, method, {"session": session} | fields, own)
+
+    assert made("scan.apply", **SCAN)[0] == REFUSED
+    status, look = made("look.announce", sensor="Q2", robot="tb3_1")
+    assert status == 200
+    assert made("scan.apply", **SCAN)[0] == 200, "from another place"
+    assert made("look.cancel", look=look["id"])[0] == 200
+    assert made("scan.apply", **SCAN)[0] == REFUSED
+
+
+def test_a_deletion_is_repeated_with_its_response(closed: Service, operator: Json) -> None:
+    own = bearer(key_for(closed, "operator", robots=("r1",))) | {"Idempotency-Key": "k"}
+    path = f"/v1/sessions/{opened(closed, operator, 'r1')}"
+    assert [closed.http.delete(path, headers=own).status_code for _ in range(2)] == [204, 204]
 
 
 def test_an_announcement_that_names_its_robot_stays_in_the_session_of_the_robot(

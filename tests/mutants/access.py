@@ -77,22 +77,22 @@ MUTANTS = (
     Mutant(
         name="a scan that is put does not check what its key is for",
         file="service/voa_service/zenoh/scans.py",
-        old="        scan.caller.check_acting(scan.session, scan.robot, self._services.claims)\n",
+        old="        scan.caller.check_acting(scan.session, scan.robot, self._services.acting)\n",
         new="",
         tests=_ZENOH_TESTS,
     ),
     Mutant(
         name="a remote call does not check the robots that its key is for",
         file="service/voa_service/rpc/calls.py",
-        old="        if self.writes:\n",
-        new="        if False:\n",
+        old="            self.caller.check_acting(session, robot, acting)\n",
+        new="            pass\n",
         tests=_BINDING_TESTS,
     ),
     Mutant(
         name="a request does not check the robots that its key is for",
         file="service/voa_service/http/authentication.py",
-        old="    caller_of(request).check_acting(session, robot, services.claims)\n",
-        new="    caller_of(request)\n",
+        old="        caller.check_acting(session, robot, acting)\n",
+        new="        pass\n",
         tests=_BINDING_TESTS,
     ),
     Mutant(

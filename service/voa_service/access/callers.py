@@ -1,6 +1,6 @@
 """Callers: who makes a call, by which role, and for which sessions and robots."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Protocol
@@ -11,14 +11,14 @@ from voa_service.access.roles import CALLS, UNLISTED, Call
 from voa_service.failures import Forbidden
 
 
-class RobotClaims(Protocol):
-    """Claims of robots for sessions, as keys that are bound to robots need them."""
+class Acting(Protocol):
+    """Part that robots take in sessions, as keys that are bound to robots are checked by it."""
 
     def session_of(self, robot: str) -> str | None:
-        """Return the session that a robot belongs to; None: there is none."""
+        """Return the session that has claimed a robot; None: there is none."""
 
-    def is_open(self, session: str) -> bool:
-        """Return True if a session exists."""
+    def take_part(self, session: str, robots: Collection[str]) -> bool:
+        """Return True if one of some robots takes part in a session, or there is no such session."""
 
 
 @dataclass(frozen=True)
@@ -97,18 +97,17 @@ class Caller:
         if self.sessions is not None and session is not None and session not in self.sessions:
             raise Forbidden(f"the key {self.name!r} is not for session {session[:80]!r}")
 
-    def check_acting(self, session: str, robot: str | None, claims: RobotClaims) -> None:
+    def check_acting(self, session: str, robot: str | None, acting: Acting) -> None:
         """Return if the key is bound to no robots, or may write to a session as one of its robots.
 
         A call that names a robot must name one of the key's, and a robot that a session has claimed acts in that
-        session alone. A call that names none is for keys that are bound to the session as well, and for the robots
-        that the session has claimed. A session that does not exist is nobody's: the call then says so, or repeats its
-        first response.
+        session alone. A call that names none is for keys that are bound to the session as well, and for robots that
+        take part in the session: it has claimed them, or they have announced a look there.
 
         Args:
             session: id of the session that the call changes.
             robot: name of the robot that the call names; None: it names none.
-            claims: of robots for sessions.
+            acting: part that robots take in sessions.
 
         Raises:
             Forbidden: the key is for other robots, or for robots that have nothing to do with the session.
@@ -117,21 +116,16 @@ class Caller:
             return
         if robot is not None:
             self.check_robot(robot)
-            claimed = claims.session_of(robot)
+            claimed = acting.session_of(robot)
             if claimed not in (None, session):
                 raise Forbidden(
                     f"the key {self.name!r} acts as robot {robot[:80]!r}, which session {claimed!r} has claimed: claim "
                     f"it for session {session[:80]!r} first"
                 )
-        elif (
-            session not in (self.sessions or ())
-            and all(claims.session_of(each) != session for each in self.robots)
-            and claims.is_open(session)
-        ):
+        elif session not in (self.sessions or ()) and not acting.take_part(session, self.robots):
             raise Forbidden(
-                f"the key {self.name!r} is for robots only, and the call names none that session {session[:80]!r} has "
-                "claimed: claim one of its robots for the session, name the robot where the call can (as scans on "
-                "`scan/<session>/<robot>` do), or bind a key to the session"
+                f"the key {self.name!r} is for robots, of which none takes part in session {session[:80]!r}: announce "
+                "the look with the name of the robot, claim the robot for the session, or bind a key to the session"
             )
 
     def sees_robot(self, robot: str, session: str | None) -> bool:

@@ -20,6 +20,7 @@ from voa_service.failures import Failure, NotFound, TooManyRequests
 from voa_service.http.headers import created_id, version_of
 from voa_service.http.problems import problem_response
 from voa_service.services import Services
+from voa_store.records import IdempotencyKey
 
 _CALLER = "voa.caller"
 
@@ -99,15 +100,26 @@ def caller_of(request: HTTPConnection) -> Caller:
     return caller if isinstance(caller, Caller) else ANONYMOUS
 
 
-def check_acting(request: HTTPConnection, services: Services, session: str, robot: str | None = None) -> None:
-    """Return if the key of a request may change a session, as a robot that the request may name.
+def check_acting(
+    request: HTTPConnection, services: Services, session: str, key: IdempotencyKey | None, robot: str | None = None
+) -> None:
+    """Return if the API key of a request may change a session, or the request repeats one that was answered.
 
-    Reads the claims of robots from the store where the key is bound to robots: call it in a worker thread.
+    Reads the store where the API key is bound to robots: call it in a worker thread.
+
+    Args:
+        request: that was admitted.
+        services: the use cases.
+        session: id of the session.
+        key: idempotency key of the request, if it has one.
+        robot: name of the robot that the request names; None: it names none.
 
     Raises:
         Forbidden: the key is bound to other robots, or to robots that have nothing to do with the session.
     """
-    caller_of(request).check_acting(session, robot, services.claims)
+    caller, acting = caller_of(request), services.acting
+    if caller.robots is not None and not acting.is_answered(key):
+        caller.check_acting(session, robot, acting)
 
 
 def _record(caller: Caller | None, matched: Matched, status: int, headers: Headers) -> None:

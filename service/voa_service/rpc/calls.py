@@ -11,6 +11,7 @@ from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.requests.large_json import text
 from voa_service.rpc.parameters import Identified, InSession
 from voa_service.services import Services
+from voa_store.records import IdempotencyKey
 
 
 @dataclass
@@ -25,7 +26,6 @@ class Call:
         subject: id of the session that the call concerns, once it was taken; for the audit.
         robot: name of the robot that the call concerns, once it was taken; for the audit.
         size: bytes of the payload.
-        writes: True if the call changes what it concerns.
     """
 
     fields: dict[str, Any]
@@ -33,7 +33,6 @@ class Call:
     services: Services
     size: int
     caller: Caller = ANONYMOUS
-    writes: bool = False
     subject: str | None = None
     robot: str | None = None
 
@@ -46,18 +45,29 @@ class Call:
         """Take the id of the session that the call concerns, `session` or `id`, out of the payload.
 
         Raises:
-            Failure: there is none, or the caller's key is not for that session, or may not change it.
+            Failure: there is none, or the caller's key is not for that session.
         """
         if "session" not in self.fields and "id" in self.fields:
             self.fields["session"] = self.fields.pop("id")
         taken: InSession = self.take(InSession)
         self.subject = taken.session
         self.caller.check_session(taken.session)
-        if self.writes:
-            robot = self.fields.get("robot")
-            named = robot if isinstance(robot, str) else None
-            self.caller.check_acting(taken.session, named, self.services.claims)
         return taken.session
+
+    def check_acting(self, session: str, key: IdempotencyKey | None, robot: str | None = None) -> None:
+        """Return if the caller's key may change a session, or the call repeats one that was answered.
+
+        Args:
+            session: id of the session.
+            key: idempotency key of the call, if it has one.
+            robot: name of the robot that the call names; None: it names none.
+
+        Raises:
+            Forbidden: the key is bound to other robots, or to robots that have nothing to do with the session.
+        """
+        acting = self.services.acting
+        if self.caller.robots is not None and not acting.is_answered(key):
+            self.caller.check_acting(session, robot, acting)
 
     def id(self) -> str:
         """Take the id of the object or scenario that the call concerns out of the payload; raises Failure."""

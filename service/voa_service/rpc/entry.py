@@ -163,7 +163,7 @@ class Rpc:
             raise wire_failure(beside.wire)
         fields = self._services.reader.fields(payload)
         caller = ANONYMOUS if record.caller is None else record.caller
-        record.made = Call(fields, beside, self._services, len(payload), caller, record.call.writes)
+        record.made = Call(fields, beside, self._services, len(payload), caller)
         response = known.work(record.made)
         if isinstance(response, StoredResponse):
             record.version = response.version

@@ -141,6 +141,7 @@ def _write(kind: WriteKind, body: type[Message], act: Callable[[str, Any, Any], 
         received = call.received()
         request = call.body(body)
         key = idempotency_key(call.attachment.id, scope_of(id_), kind, request)
+        call.check_acting(id_, key, request.robot if isinstance(request, LookAnnouncement) else None)
         return act(id_, request, write_of(kind, received, key))
 
     return work
@@ -156,6 +157,7 @@ def _cancel_look(call: Call) -> BaseModel:
     id_ = call.session()
     look: Announced = call.body(Announced)
     key = idempotency_key(call.attachment.id, scope_of(id_), f"cancel look {look.look}", None)
+    call.check_acting(id_, key)
     call.services.looks.cancel(id_, look.look, write_of("look", b"", key), call.caller.withdraws_as)
     return NoParameters()
 
@@ -199,7 +201,9 @@ def _get_session(call: Call) -> StoredResponse:
 def _delete_session(call: Call) -> BaseModel:
     id_ = call.session()
     call.body(NoParameters)
-    call.services.sessions.delete(id_, idempotency_key(call.attachment.id, scope_of(id_), "delete", None), None)
+    key = idempotency_key(call.attachment.id, scope_of(id_), "delete", None)
+    call.check_acting(id_, key)
+    call.services.sessions.delete(id_, key, None)
     return NoParameters()
 
 

@@ -53,10 +53,6 @@ class Claims:
             return mapped.session
         return self.store.claimed_session(robot)
 
-    def is_open(self, session: str) -> bool:
-        """Return True if a session exists."""
-        return self.store.session_mark(session) is not None
-
     def claim(self, robot: str, session: str | None) -> None:
         """Claim a mapped robot for a session, or release it from every session until the next claim (None).
 

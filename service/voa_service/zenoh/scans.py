@@ -181,7 +181,7 @@ class Scans:
             self._refuse(scan.session, scan.robot, scan.key, failure)
 
     def _apply(self, scan: ReceivedScan) -> None:
-        scan.caller.check_acting(scan.session, scan.robot, self._services.claims)
+        scan.caller.check_acting(scan.session, scan.robot, self._services.acting)
         attachment = read_attachment(scan.attachment)
         fields = _fields(scan, self._services)
         add_place(fields, attachment)

@@ -37,8 +37,8 @@ def routes(services: Services) -> APIRouter:
         body, caller = await http.body(), caller_of(http)
 
         def done() -> StoredResponse:
-            check_acting(http, services, id, request.robot)
             named = idempotency_key(key, scope_of(id), "look", request)
+            check_acting(http, services, id, named, request.robot)
             by = None if caller.key is None else caller.name
             return services.looks.announce(id, request, write_of("look", body, named), by)
 
@@ -62,8 +62,8 @@ def routes(services: Services) -> APIRouter:
         """
 
         def done() -> StoredResponse:
-            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), f"cancel look {look}", None)
+            check_acting(http, services, id, named)
             return services.looks.cancel(id, look, write_of("look", b"", named), caller_of(http).withdraws_as)
 
         await services.writes.run(done)

@@ -57,8 +57,8 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
-            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "scan", request)
+            check_acting(http, services, id, named)
             return updates.apply_scan(id, request, write_of("scan", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
@@ -80,8 +80,8 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
-            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "belief", request)
+            check_acting(http, services, id, named)
             return updates.put_belief(id, request, write_of("belief", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)
@@ -106,8 +106,8 @@ def routes(services: Services) -> APIRouter:
         body = await http.body()
 
         def done() -> StoredResponse:
-            check_acting(http, services, id)
             named = idempotency_key(key, scope_of(id), "outcome", request)
+            check_acting(http, services, id, named)
             return updates.report_outcome(id, request, write_of("outcome", body, named, versions(if_match)))
 
         return await versioned(services.writes, done)

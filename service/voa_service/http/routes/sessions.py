@@ -92,8 +92,9 @@ def routes(services: Services) -> APIRouter:
         """Delete a session and its history."""
 
         def done() -> None:
-            check_acting(http, services, id)
-            sessions.delete(id, idempotency_key(key, scope_of(id), "delete", None), versions(if_match))
+            named = idempotency_key(key, scope_of(id), "delete", None)
+            check_acting(http, services, id, named)
+            sessions.delete(id, named, versions(if_match))
 
         await services.writes.run(done)
         return Response(status_code=204)
