@@ -47,7 +47,7 @@ class LookAnnouncement(AtPlace):
     model_config = exemplified(examples.LOOK)
 
     robot: Name | None = None
-    """Name of the robot that takes the look, for people; null: not stated."""
+    """Name of the robot that takes the look, for people and for keys that are bound to robots; null: not stated."""
 
 
 class AnnouncedLook(Message):

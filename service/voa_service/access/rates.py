@@ -4,6 +4,7 @@ Calls without a valid key are counted by their origin. Nobody guesses 256 bits, 
 line in the log. A valid key is accepted from every origin: else a stranger could lock out all who share its address.
 """
 
+import ipaddress
 import math
 import threading
 import time
@@ -67,7 +68,7 @@ class Rates:
         Raises:
             TooManyRequests: too many had this origin.
         """
-        counted = origin if self._origins.has_room(_MOST_ORIGINS) else _OTHERS
+        counted = network_of(origin) if self._origins.has_room(_MOST_ORIGINS) else _OTHERS
         rate = self._refused
         if self._refusals.hit(rate, counted):
             return
@@ -99,6 +100,19 @@ class Rates:
 def _period(rate: RateLimitItem) -> str:
     name = rate.GRANULARITY.name
     return name if rate.multiples == 1 else f"{rate.multiples} {name}s"
+
+
+def network_of(origin: str) -> str:
+    """Return the network of an IPv6 address, since a host has all addresses of its own; other origins unchanged."""
+    try:
+        address = ipaddress.ip_address(origin)
+    except ValueError:
+        return origin
+    if isinstance(address, ipaddress.IPv4Address):
+        return origin
+    if address.ipv4_mapped is not None:
+        return str(address.ipv4_mapped)
+    return str(ipaddress.IPv6Network((address, 64), strict=False))
 
 
 class _Counters(Storage):

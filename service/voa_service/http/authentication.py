@@ -3,7 +3,6 @@
 Writes are recorded in the audit when their response begins.
 """
 
-import ipaddress
 from typing import Any
 
 import structlog
@@ -80,18 +79,9 @@ def key_of(headers: Headers) -> str | None:
 
 
 def origin_of(scope: Scope) -> str:
-    """Return the address that a request comes from; of IPv6 the network, for a host has all addresses of its own."""
+    """Return the address that a request comes from, as the server or a trusted proxy states it."""
     client = scope.get("client")
-    address = str(client[0]) if client else "an unknown address"
-    try:
-        parsed = ipaddress.ip_address(address)
-    except ValueError:
-        return address
-    if isinstance(parsed, ipaddress.IPv4Address):
-        return address
-    if parsed.ipv4_mapped is not None:
-        return str(parsed.ipv4_mapped)
-    return str(ipaddress.IPv6Network((parsed, 64), strict=False))
+    return str(client[0]) if client else "an unknown address"
 
 
 def caller_of(request: HTTPConnection) -> Caller:

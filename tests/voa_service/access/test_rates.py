@@ -106,3 +106,16 @@ def test_origins_that_a_stranger_makes_up_take_no_more_memory(clock: Clock) -> N
     clock.at += 60
     own.count_refused("newest")
     assert len(own._origins._counters) == 1
+
+
+@pytest.mark.parametrize(
+    ("origin", "network"),
+    [
+        ("10.0.0.1", "10.0.0.1"),
+        ("fd00:1:2:3:4:5:6:7", "fd00:1:2:3::/64"),
+        ("::ffff:10.0.0.1", "10.0.0.1"),
+        ("robot tb3_1", "robot tb3_1"),
+    ],
+)
+def test_addresses_of_a_network_of_ipv6_count_together(origin: str, network: str) -> None:
+    assert rates.network_of(origin) == network

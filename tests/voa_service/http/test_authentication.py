@@ -37,13 +37,10 @@ def test_the_key_in_a_header(header: str, key: str) -> None:
     ("client", "origin"),
     [
         (("10.0.0.1", 4711), "10.0.0.1"),
-        (("fd00:1:2:3:4:5:6:7", 4711), "fd00:1:2:3::/64"),
-        (("::ffff:10.0.0.1", 1), "10.0.0.1"),
-        (("testclient", 1), "testclient"),
         (None, "an unknown address"),
     ],
 )
-def test_the_origin_of_a_request_is_its_address_or_network(client: tuple[str, int] | None, origin: str) -> None:
+def test_the_origin_of_a_request_is_its_address(client: tuple[str, int] | None, origin: str) -> None:
     assert origin_of({"client": client}) == origin
 
 
