@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Builds the image without Docker and without the network, and runs it as deploy/compose.yml would: `make image`.
+# Builds the images of the service, the console and the fleet without Docker and without the network, and runs them as
+# deploy/compose.yml would: `make image`.
 #
 #   BASE_IMAGE=...   a base with Python 3.11 (default: the Dockerfile's, else one made with debootstrap)
-#   IMAGE_ARCHIVE=F  keep the image as an archive for `docker load` or `podman load`
+#   IMAGE_ARCHIVE=F  keep the images as an archive for `docker load` or `podman load`
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,6 +12,7 @@ base_tar=$PWD/build/base-bookworm.tar
 wheels=deploy/wheelhouse
 image=localhost/voa:latest
 name=voa-image-check
+most_start_ms=2000  # the service listens after so many milliseconds at most
 export DISABLE_HC_SYSTEMD=true  # podman: the health check is run from here, not by a timer
 
 say() { printf '\n== %s\n' "$*"; }
@@ -29,15 +31,26 @@ need() {  # need COMMAND...: install what is missing, or say how; each command i
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# vfs works on every file system and copies every layer: gigabytes, in a folder of their own that goes away.
-buildah() { command buildah --root "$work/store" --runroot "$work/run" --storage-driver vfs "$@"; }
+# An own store, which goes away afterwards. Where the file system cannot be laid over another, each layer is a copy.
+choose_storage() {
+  mkdir -p "$work"/trial/{lower,upper,work,merged}
+  driver=vfs
+  if mount -t overlay voa-trial -o "lowerdir=$work/trial/lower,upperdir=$work/trial/upper,workdir=$work/trial/work" \
+    "$work/trial/merged" 2>/dev/null; then
+    umount "$work/trial/merged"
+    driver=overlay
+  fi
+}
+
+buildah() { command buildah --root "$work/store" --runroot "$work/run" --storage-driver "$driver" "$@"; }
 podman() {
-  command podman --root "$work/store" --runroot "$work/run" --tmpdir "$work/tmp" --storage-driver vfs \
+  command podman --root "$work/store" --runroot "$work/run" --tmpdir "$work/tmp" --storage-driver "$driver" \
     --runtime runc --cgroup-manager cgroupfs "$@"
 }
 
 clean() {
   podman rm --force --all >/dev/null 2>&1 || true
+  if mountpoint --quiet "$work/store/overlay"; then umount --recursive "$work/store/overlay" || true; fi
   rm -rf "$work"
   rm -f "$wheels"/*.whl
 }
@@ -45,8 +58,9 @@ clean() {
 gather_wheels() {
   say "gathering wheels for an offline build"
   rm -f "$wheels"/*.whl
-  "$python" -m pip download --quiet --disable-pip-version-check --require-hashes --only-binary :all: --dest "$wheels" \
-    -r deploy/requirements-service.lock -r deploy/requirements-build.lock
+  # The packages of the console hold those of the fleet.
+  "$python" -m pip download --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary :all: \
+    --dest "$wheels" -r deploy/requirements-build.lock -r deploy/requirements-service.lock -r deploy/requirements-console.lock
   du -sh "$wheels"
 }
 
@@ -75,20 +89,21 @@ make_base() {  # Debian with Python, from the mirror that this machine uses; no 
 choose_base() {
   if [ -z "${BASE_IMAGE:-}" ]; then
     BASE_IMAGE=$(sed -n 's/^ARG BASE_IMAGE=//p' deploy/Dockerfile)
-    timeout 60 "$(type -P buildah)" --root "$work/store" --runroot "$work/run" --storage-driver vfs \
+    timeout 60 "$(type -P buildah)" --root "$work/store" --runroot "$work/run" --storage-driver "$driver" \
       pull --quiet "$BASE_IMAGE" >/dev/null 2>&1 || make_base
   fi
-  echo "base image: $BASE_IMAGE"
+  echo "base image: $BASE_IMAGE, $(megabytes "$BASE_IMAGE")"
 }
 
-build() {
-  say "building"
+megabytes() { echo "$(($(podman image inspect --format '{{.Size}}' "$1") / 1000000)) MB"; }
+
+build() {  # build TARGET TAG: stages that were built for an earlier target are taken from it
   local started=$SECONDS
-  buildah build --isolation chroot --format docker --file deploy/Dockerfile --tag "$image" \
+  buildah build --layers --isolation chroot --format docker --file deploy/Dockerfile --target "$1" --tag "$2" \
     --build-arg BASE_IMAGE="$BASE_IMAGE" --build-arg PIP_NO_INDEX=1 \
     --build-arg VERSION="$(sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)" . >"$work/build.log" 2>&1 ||
-    { tail -n 40 "$work/build.log" >&2; fail "the build failed"; }
-  echo "built in $((SECONDS - started)) s, $(($(podman image inspect --format '{{.Size}}' "$image") / 1000000)) MB"
+    { tail -n 40 "$work/build.log" >&2; fail "the build of the $1 failed"; }
+  echo "$1: built in $((SECONDS - started)) s, $(megabytes "$2")"
 }
 
 hardened() {  # hardened ARGUMENTS...: the profile of deploy/compose.yml
