@@ -107,14 +107,15 @@ PANELS = [
 
 
 def dashboard() -> dict[str, Any]:
-    """Make the dashboard as Grafana imports it; its data source is chosen at the import."""
+    """Make the dashboard as Grafana imports or provisions it; a list on the page chooses the data source."""
+    chosen = {"name": "DS_PROMETHEUS", "label": "Prometheus", "type": "datasource", "query": "prometheus"}
     return {
-        "__inputs": [{"name": "DS_PROMETHEUS", "label": "Prometheus", "type": "datasource", "pluginId": "prometheus"}],
         "title": "VOA service",
         "uid": "voa-service",
         "schemaVersion": 39,
         "refresh": "15s",
         "time": {"from": "now-6h", "to": "now"},
+        "templating": {"list": [chosen]},
         "panels": [_panel(number, panel) for number, panel in enumerate(PANELS)],
     }
 
