@@ -6,9 +6,11 @@ guards (an impossible observation gives NaN), so this module checks before it ca
 
 import math
 from dataclasses import dataclass
+from importlib.machinery import PathFinder
+from importlib.util import module_from_spec
+from types import ModuleType
 
 import numpy as np
-from filterpy import discrete_bayes
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats, finite_array, frozen
@@ -16,6 +18,25 @@ from voa_core.errors import InvalidInput
 
 SUM_TOLERANCE = 1e-6
 _NO_SHARE = 1e9
+
+
+def _discrete_bayes() -> ModuleType:
+    """Import `filterpy.discrete_bayes` without the rest of filterpy.
+
+    `import filterpy` imports all of its filters, and scipy.stats for them: half a second of each start of a process.
+    """
+    folders: list[str] | None = None
+    for name in ("filterpy", "discrete_bayes"):
+        spec = PathFinder.find_spec(name, folders)
+        if spec is None or spec.loader is None:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        folders = [f"{folder}/discrete_bayes" for folder in spec.submodule_search_locations or ()]
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+_filter = _discrete_bayes()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +116,7 @@ def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
     if highest == -np.inf:
         return None
     shifted = np.exp(joint - highest)
-    posterior = np.asarray(discrete_bayes.update(shifted, np.ones_like(shifted)))
+    posterior = np.asarray(_filter.update(shifted, np.ones_like(shifted)))
     log_evidence = highest + float(np.log(shifted.sum()))
     return Posterior(Belief(frozen(posterior), frozen(joint - log_evidence)), log_evidence)
 
