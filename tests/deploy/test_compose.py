@@ -1,4 +1,4 @@
-"""The compose files, the balancer and the Dockerfile agree with each other and with deploy/docs/operations.md.
+"""The compose files, the balancer and the Dockerfile agree with each other and with the settings.
 
 These tests read the files that `make image` cannot run.
 """
@@ -11,12 +11,17 @@ from typing import Any
 import pytest
 import yaml  # type: ignore[import-untyped]
 
+from tests.deploy.variables import variables
+from voa_service.settings import Settings
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 DEPLOY = REPOSITORY / "deploy"
 DOCKERFILE = (DEPLOY / "Dockerfile").read_text(encoding="utf-8")
-FINAL_STAGE = DOCKERFILE.rpartition("\nFROM ")[2]
-FILES = ["compose.yml", "compose.postgres.yml"]
-OURS = [("compose.yml", "voa"), ("compose.postgres.yml", "voa-1"), ("compose.postgres.yml", "voa-2")]
+STAGES = {name: text for text, name in re.findall(r"(?ms)^(FROM \S+ AS (\w+)\n.*?)(?=^FROM |\Z)", DOCKERFILE)}
+FILES = ["compose.yml", "compose.lab.yml", "compose.monitoring.yml"]
+SERVICES = [("compose.yml", "voa"), ("compose.lab.yml", "voa-1"), ("compose.lab.yml", "voa-2")]
+OURS = [*SERVICES, ("compose.yml", "console"), ("compose.yml", "fleet"), ("compose.lab.yml", "console")]
+LOCKS = [f"requirements-{name}.lock" for name in ("build", "core", "service", "fleet", "console")]
 
 
 def compose(file: str) -> dict[str, Any]:
@@ -24,23 +29,49 @@ def compose(file: str) -> dict[str, Any]:
     return content
 
 
-@pytest.mark.parametrize(("file", "service"), OURS)
-def test_the_service_runs_hardened(file: str, service: str) -> None:
+def hardened() -> list[tuple[str, str]]:
+    """Every container but the database's, which starts as root and gives that up."""
+    return [(file, name) for file in FILES for name in compose(file)["services"] if name != "postgres"]
+
+
+def stage(name: str) -> str:
+    """The instructions of a stage of the Dockerfile, and those of the stages that it continues."""
+    text = STAGES[name]
+    before = text.split()[1]
+    return (stage(before) if before in STAGES else "") + text
+
+
+@pytest.mark.parametrize(("file", "service"), hardened())
+def test_containers_run_hardened(file: str, service: str) -> None:
     entry = compose(file)["services"][service]
     assert entry["read_only"] is True
     assert entry["cap_drop"] == ["ALL"]
     assert entry["security_opt"] == ["no-new-privileges:true"]
     assert entry["tmpfs"] == ["/tmp"]  # noqa: S108 - in the container
-    assert not {"privileged", "cap_add", "user", "network_mode", "pid"} & set(entry)
+    assert not {"privileged", "cap_add", "network_mode", "pid"} & set(entry)
+    assert "mem_limit" in entry
 
 
 @pytest.mark.parametrize(("file", "service"), OURS)
-def test_the_service_is_built_from_the_dockerfile_and_keeps_its_health_check(file: str, service: str) -> None:
+def test_our_images_are_built_from_the_dockerfile(file: str, service: str) -> None:
     entry = compose(file)["services"][service]
+    target = entry["build"]["target"]
     assert (DEPLOY / entry["build"]["context"]).resolve() == REPOSITORY
     assert (REPOSITORY / entry["build"]["dockerfile"]).is_file()
-    assert {"interval", "timeout", "start_period", "retries"} == set(entry["healthcheck"])
-    assert "/readyz" in FINAL_STAGE.partition("HEALTHCHECK")[2]
+    assert entry["image"] == {"service": "voa"}.get(target, f"voa-{target}")
+    if entry["healthcheck"] != {"disable": True}:
+        assert {"interval", "timeout", "start_period", "retries"} == set(entry["healthcheck"])
+        assert "HEALTHCHECK" in STAGES[target]
+
+
+@pytest.mark.parametrize(("file", "service"), SERVICES)
+def test_replicas_are_checked_stopped_and_found(file: str, service: str) -> None:
+    entry = compose(file)["services"][service]
+    assert "/readyz" in STAGES["service"].partition("HEALTHCHECK")[2]
+    assert float(entry["stop_grace_period"].removesuffix("s")) > Settings.model_fields["stop_seconds"].default
+    assert {name for name in entry["environment"] if name.startswith("VOA_")} <= variables(Settings)
+    (job,) = yaml.safe_load((DEPLOY / "monitoring/prometheus.yml").read_text(encoding="utf-8"))["scrape_configs"]
+    assert job["dns_sd_configs"][0]["names"] == entry["networks"]["default"]["aliases"]
 
 
 def test_the_build_stops_on_an_sqlite_that_can_lose_commits() -> None:
@@ -62,22 +93,24 @@ def test_volumes_and_dependencies_exist(file: str) -> None:
             source = volume.split(":")[0]
             assert (DEPLOY / source).is_file() if source.startswith("./") else source in content["volumes"]
         for other, how in service.get("depends_on", {}).items():
-            assert how == {"condition": "service_healthy"}
             assert other in content["services"]
-            assert "healthcheck" in content["services"][other]
+            if how != {"condition": "service_started"}:
+                assert how == {"condition": "service_healthy"}
+                assert "healthcheck" in content["services"][other]
+        for secret in service.get("secrets", []):
+            assert secret["source"] in content["secrets"]
 
 
 def test_sqlite_is_one_replica_on_the_volume_that_the_image_names() -> None:
-    (service,) = compose("compose.yml")["services"].values()
-    assert service["volumes"] == ["data:/data"]
-    assert "VOA_DATABASE_URL=sqlite:////data/voa.db" in FINAL_STAGE
-    assert "VOLUME /data" in FINAL_STAGE
+    assert compose("compose.yml")["services"]["voa"]["volumes"] == ["data:/data"]
+    assert "VOA_DATABASE_URL=sqlite:////data/voa.db" in STAGES["service"]
+    assert "VOLUME /data" in STAGES["service"]
 
 
 def test_replicas_share_a_database_and_have_nothing_of_their_own() -> None:
-    services = compose("compose.postgres.yml")["services"]
+    services = compose("compose.lab.yml")["services"]
     assert services["voa-1"] == services["voa-2"]
-    assert "volumes" not in services["voa-1"]
+    assert all(volume.endswith(":ro") for volume in services["voa-1"]["volumes"])
     settings = services["voa-1"]["environment"]
     assert settings["VOA_DATABASE_URL"] == "postgresql+psycopg://voa@postgres/voa"
     assert settings["PGPASSWORD"] == services["postgres"]["environment"]["POSTGRES_PASSWORD"]
@@ -88,21 +121,23 @@ def test_replicas_share_a_database_and_have_nothing_of_their_own() -> None:
 
 
 def test_the_balancer_checks_the_readiness_of_every_replica() -> None:
-    services = compose("compose.postgres.yml")["services"]
+    services = compose("compose.lab.yml")["services"]
     configuration = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
     behind = re.findall(r"^ *server (\S+) (\S+):8000$", configuration, flags=re.MULTILINE)
     assert behind == [(name, name) for name in services if name.startswith("voa-")]
-    assert set(services["balancer"]["depends_on"]) == {name for name, _ in behind}
+    assert set(services["balancer"]["depends_on"]) == {"console"} | {name for name, _ in behind}
     assert "uri /readyz" in configuration
+    assert "  server console console:8080\n" in configuration
 
 
 def test_clients_reach_the_balancer_by_https_alone() -> None:
-    content = compose("compose.postgres.yml")
+    content = compose("compose.lab.yml")
     balancer = content["services"]["balancer"]
     configuration = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
     frontends = re.split(r"^(?=frontend )", configuration.partition("\nbackend ")[0], flags=re.MULTILINE)[1:]
-    secured, redirected = frontends
-    assert {port.split(":", 1)[1] for port in balancer["ports"]} == {"8443:8443", "8000:8000"}
+    secured, console, redirected = frontends
+    assert {port.split(":", 1)[1] for port in balancer["ports"]} == {"8443:8443", "8444:8444", "8000:8000"}
+    assert re.search(r"^  bind :8444 ssl crt /run/secrets/voa\.pem\b", console, flags=re.MULTILINE)
     assert re.search(r"^  bind :8443 ssl crt /run/secrets/voa\.pem\b", secured, flags=re.MULTILINE)
     assert "default_backend" not in redirected
     assert re.search(
@@ -112,25 +147,60 @@ def test_clients_reach_the_balancer_by_https_alone() -> None:
 
 
 def test_the_balancer_gets_its_certificate_and_key_as_secrets_that_must_be_named() -> None:
-    content = compose("compose.postgres.yml")
+    content = compose("compose.lab.yml")
     mounted = {secret["source"]: secret["target"] for secret in content["services"]["balancer"]["secrets"]}
     assert mounted == {"certificate": "voa.pem", "private-key": "voa.pem.key"}  # haproxy reads the key beside it
     files = {name: secret["file"] for name, secret in content["secrets"].items()}
-    assert set(files) == set(mounted)
+    assert set(mounted) < set(files)
     assert files["certificate"].startswith("${TLS_CERT:?")
     assert files["private-key"].startswith("${TLS_KEY:?")
-    assert not any("secrets" in service for name, service in content["services"].items() if name != "balancer")
 
 
-def test_the_image_has_an_unprivileged_user_version_and_license() -> None:
+def test_the_router_and_the_service_get_the_files_that_their_configurations_name() -> None:
+    services = compose("compose.lab.yml")["services"]
+    lab = (DEPLOY / "zenoh/lab.toml").read_text(encoding="utf-8")
+    files = tomllib.loads(lab)["files"]
+    named = {files[name] for name in ("ca", "certificate", "key")} | {services["router"]["command"][1]}
+    assert {secret["target"] for secret in services["router"]["secrets"]} == named
+    configuration = (DEPLOY / "zenoh/service.json5").read_text(encoding="utf-8")
+    assert {secret["target"] for secret in services["voa-1"]["secrets"]} == set(re.findall(r'"(/.+?)"', configuration))
+    (mounted,) = services["voa-1"]["volumes"]
+    assert mounted == f"./zenoh/service.json5:{services['voa-1']['environment']['VOA_ZENOH__CONFIG']}:ro"
+
+
+def test_the_example_has_every_variable_of_the_laboratory() -> None:
+    texts = [(DEPLOY / file).read_text(encoding="utf-8") for file in ("compose.lab.yml", "compose.monitoring.yml")]
+    wanted = set(re.findall(r"\$\{(\w+)", "".join(texts)))
+    assert set(re.findall(r"(?m)^(\w+)=", (DEPLOY / "env.example").read_text(encoding="utf-8"))) == wanted
+
+
+def test_grafana_reads_the_dashboard_and_asks_prometheus() -> None:
+    services = compose("compose.monitoring.yml")["services"]
+    grafana = dict(volume.split(":")[:2] for volume in services["grafana"]["volumes"])
+    provisioning = DEPLOY / "monitoring/grafana"
+    (provider,) = yaml.safe_load((provisioning / "dashboards.yml").read_text(encoding="utf-8"))["providers"]
+    assert grafana["./monitoring/dashboard.json"].rpartition("/")[0] == provider["options"]["path"]
+    (source,) = yaml.safe_load((provisioning / "datasources.yml").read_text(encoding="utf-8"))["datasources"]
+    assert (source["type"], source["url"]) == ("prometheus", "http://prometheus:9090")
+    prometheus = dict(volume.split(":")[:2] for volume in services["prometheus"]["volumes"])
+    assert prometheus["./monitoring/rules.yml"] == "/etc/prometheus/rules.yml"
+    (job,) = yaml.safe_load((DEPLOY / "monitoring/prometheus.yml").read_text(encoding="utf-8"))["scrape_configs"]
+    (key,) = services["prometheus"]["secrets"]
+    assert job["authorization"]["credentials_file"] == f"/run/secrets/{key['target']}"
+
+
+@pytest.mark.parametrize("name", ["service", "console", "fleet"])
+def test_images_have_an_unprivileged_user_version_and_license(name: str) -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert "USER 10001:10001" in FINAL_STAGE
-    assert f"ARG VERSION={project['version']}\n" in FINAL_STAGE
-    assert f'org.opencontainers.image.licenses="{project["license"]}"' in FINAL_STAGE
-    assert DOCKERFILE.count("FROM ${BASE_IMAGE}") == DOCKERFILE.count("FROM ") == 2
+    text = stage(name)
+    assert re.findall(r"(?m)^USER (.*)", text)[-1] == "10001:10001"
+    assert f"ARG VERSION={project['version']}\n" in text
+    assert f'org.opencontainers.image.licenses="{project["license"]}"' in text
+    assert f'title="{ {"service": "voa"}.get(name, "voa-" + name) }"' in text
+    assert list(STAGES)[-1] == "service", "the one that a build without a target makes"
 
 
-@pytest.mark.parametrize("name", ["requirements-service.lock", "requirements-build.lock"])
+@pytest.mark.parametrize("name", LOCKS)
 def test_the_image_gets_the_versions_that_the_tests_ran_with(name: str) -> None:
     def pins(path: Path) -> set[str]:
         return set(re.findall(r"^[a-z0-9.-]+==\S+", path.read_text(encoding="utf-8"), flags=re.MULTILINE))
@@ -140,7 +210,7 @@ def test_the_image_gets_the_versions_that_the_tests_ran_with(name: str) -> None:
     assert ours <= pins(REPOSITORY / "requirements.lock")
 
 
-@pytest.mark.parametrize("name", ["requirements-service.lock", "requirements-build.lock"])
+@pytest.mark.parametrize("name", LOCKS)
 def test_every_requirement_has_a_hash_and_none_an_address(name: str) -> None:
     content = (DEPLOY / name).read_text(encoding="utf-8")
     requirements = re.split(r"^(?=[a-z0-9])", content, flags=re.MULTILINE)[1:]

@@ -139,10 +139,12 @@ def test_secrets_stand_in_no_file_and_on_the_page_that_says_how_to_make_them() -
         for each in container("lab")["env"]
         if "valueFrom" in each
     }
-    files = {Path(each).name for each in re.findall(r'"(/etc/voa/[^"]+)"', (DEPLOY / "zenoh/service.json5").read_text())}
+    files = {
+        Path(each).name for each in re.findall(r'"(/etc/voa/[^"]+)"', (DEPLOY / "zenoh/service.json5").read_text())
+    }
     (mounted,) = [each["secret"]["secretName"] for each in pods("lab")["voa"]["volumes"] if "secret" in each]
     wanted |= {(mounted, file) for file in files | {"service.json5"}}
-    text = page("operations").text
+    text = page("deployment").text
     made = {
         (name, Path(re.split("=", entry)[0]).name)
         for name, arguments in re.findall(r"create secret generic (\S+)((?: \\\n +\S+| --\S+)+)", text)
