@@ -57,7 +57,10 @@ def warm_up() -> None:
             evidence = scenario.evidence(scan, sensor, uncertainty)
             evidence.sight.misses_object(possible)
             mistakes_of_scan(scenario, scan, sensor, uncertainty, evidence)
-        SimulatedWeights.of(ScanModel(predictor, rule, UpdatePolicy(), "warm-up", spread=spread), sensor, sampling)
+        model = ScanModel(predictor, rule, UpdatePolicy(), "warm-up", spread=spread)
+        simulated = SimulatedWeights.of(model, sensor, sampling)
+        earlier = np.zeros((len(poses), simulated.copies.per_pose))
+        SimulatedWeights.of(model, sensor, sampling, looks=2, log_sums=earlier)
         evidence_of_scan(scan, sensor, predictor, rule).sight.misses_object(possible)
         for dtype in (np.float32, np.float64):
             for keep in (False, True):

@@ -47,22 +47,22 @@ def session(service: Service, body: dict[str, Any]) -> None:
             request = {"sensor_pose": place | {"std": std}, "scan": {"ranges": ranges, "no_return": nothing}}
             service.post(f"/v1/sessions/{id_}/scans", request)
         service.get(f"/v1/scenarios/{scenario}/warnings")
-    rank_after_looks(service, id_, sensor, elsewhere=bool(body.get("object")))
     service.post(f"/v1/sessions/{id_}/grasp-outcomes", {"grasp": body["grasps"][0]["name"], "success": True})
 
 
-def rank_after_looks(service: Service, session: str, sensor: dict[str, Any], *, elsewhere: bool) -> None:
-    """Rank in a session that was looked at: with a look under way, with another belief, and, with a mesh, elsewhere."""
-    ranking = f"/v1/sessions/{session}/voa"
-    place = {"x": sensor["x"] + 0.01, "y": sensor["y"], "yaw_rad": sensor["yaw_rad"]} if elsewhere else {}
-    poses = len(service.get(f"/v1/sessions/{session}")["belief"])
-    for request in (
-        {"outcomes": True},
-        {"pending": [sensor["name"]], "lookahead": 1},
-        {"sensor_belief": [1 / poses] * poses},
-        *([{"sensors": [place], "sensor_std": {"xy_m": 0.01, "yaw_rad": 0.02}}] if elsewhere else []),
-    ):
-        service.post(ranking, request)
+def rank_after_a_look(service: Service, body: dict[str, Any]) -> None:
+    """Rank over simulated scans before and after a look: alone, with a look under way, and at uncertain places."""
+    scenario = service.create(body)
+    id_ = service.open(scenario)
+    predicted = service.post(f"/v1/scenarios/{scenario}/predictions", {})
+    sensor, ranges = body["sensors"][0], predicted["ranges"][0][0]
+    nothing = [beam for beam, value in enumerate(ranges) if value is None]
+    for _ in range(2):
+        service.get(f"/v1/sessions/{id_}/voa")
+        service.post(f"/v1/sessions/{id_}/scans", scan_of(ranges, sensor["name"], no_return=nothing))
+    place = {"x": sensor["x"] + 0.01, "y": sensor["y"], "yaw_rad": sensor["yaw_rad"]}
+    for request in ({"pending": [sensor["name"]]}, {"sensors": [place], "sensor_std": {"xy_m": 0.01, "yaw_rad": 0.02}}):
+        service.post(f"/v1/sessions/{id_}/voa", request)
 
 
 def main(folder: Path) -> int:
@@ -76,9 +76,11 @@ def main(folder: Path) -> int:
             cup = service.upload((asset_path("mug") / "mug.obj").read_bytes(), "mug.obj")
             service.get(f"/v1/objects/{cup}/stable-poses")
             for rule in RULES:
-                spread = mesh_scenario(box) | {"spread": {"xy_m": 0.005, "yaw_rad": 0.05}}
-                for body in (mesh_scenario(box), data_scenario(), mug | {"object": cup}, spread):
+                for body in (mesh_scenario(box), data_scenario(), mug | {"object": cup}):
                     session(service, body | {"update": {"rule": rule, "on_no_match": "nearest"}})
+            for rule in ("beam", "margin"):  # whose weights of displaced copies have kernels of their own, and which have not
+                spread = {"spread": {"xy_m": 0.005, "yaw_rad": 0.05}, "update": {"rule": rule, "on_no_match": "nearest"}}
+                rank_after_a_look(service, mesh_scenario(box) | spread)
     print(json.dumps(sorted(compiled() - before)))
     return 0
 
