@@ -1,12 +1,15 @@
-"""Check a running container for `make image`: the main job, and the same session again after a restart.
+"""Check running containers for `make image`: the main job, its session again after a restart, and the console's pages.
 
-`check_container.py work URL FILE` stores the mug's scenario, opens a session, ranks, applies a scan, and writes the
-session into FILE; `check_container.py recall URL FILE` requests that session and compares it with FILE.
+`check_container.py work URL FILE` stores the mug's scenario, opens a session, ranks, applies a scan, ranks again, and
+writes the session into FILE; `check_container.py recall URL FILE` requests that session and compares it with FILE;
+`check_container.py page URL FILE` opens the console's page on that session.
 """
 
+import http.client
 import sys
 import time
 from collections.abc import Sequence
+from http import HTTPStatus
 from pathlib import Path
 
 from voa_assets import path as asset_path
@@ -19,8 +22,10 @@ _PAUSE_SECONDS = 0.05
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run `work` or `recall` with its URL and file; return the exit code, 1 if the session differs."""
+    """Run `work`, `recall` or `page` with its URL and file; return the exit code, 1 if the container is wrong."""
     command, url, file = arguments
+    if command == "page":
+        return _page(url, Session.model_validate_json(Path(file).read_text(encoding="utf-8")))
     with Client(url) as client:
         print(f"  /readyz: {_wait(client)}")
         if command == "work":
@@ -60,7 +65,19 @@ def _work(client: Client) -> Session:
     started = time.perf_counter()
     updated = client.apply_scan(session.id, request)
     print(f"  scan applied in {1e3 * (time.perf_counter() - started):.0f} ms: best grasp {updated.best_grasp}")
+    again = client.rank_looks(session.id).recommendation
+    print(f"  recommended then: {again.action}")
     return client.get_session(session.id)
+
+
+def _page(url: str, session: Session) -> int:
+    """Open the console's page on a session; return 1 if it is not served, or does not name the session."""
+    connection = http.client.HTTPConnection(url.removeprefix("http://"), timeout=_START_SECONDS)
+    connection.request("GET", f"/sessions/{session.id}")
+    answer = connection.getresponse()
+    text = answer.read().decode()
+    print(f"  the console's page on the session: {answer.status}, {len(text)} characters")
+    return int(answer.status != HTTPStatus.OK or session.id not in text)
 
 
 if __name__ == "__main__":

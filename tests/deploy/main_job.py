@@ -78,8 +78,14 @@ def main(folder: Path) -> int:
             for rule in RULES:
                 for body in (mesh_scenario(box), data_scenario(), mug | {"object": cup}):
                     session(service, body | {"update": {"rule": rule, "on_no_match": "nearest"}})
-            for rule in ("beam", "margin"):  # whose weights of displaced copies have kernels of their own, and which have not
-                spread = {"spread": {"xy_m": 0.005, "yaw_rad": 0.05}, "update": {"rule": rule, "on_no_match": "nearest"}}
+            for rule in (
+                "beam",
+                "margin",
+            ):  # whose weights of displaced copies have kernels of their own, and which have not
+                spread = {
+                    "spread": {"xy_m": 0.005, "yaw_rad": 0.05},
+                    "update": {"rule": rule, "on_no_match": "nearest"},
+                }
                 rank_after_a_look(service, mesh_scenario(box) | spread)
     print(json.dumps(sorted(compiled() - before)))
     return 0

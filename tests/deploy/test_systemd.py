@@ -1,4 +1,4 @@
-"""The units of `deploy/systemd` are read by systemd without a complaint, run hardened, and name what the service knows."""
+"""The units of `deploy/systemd`: systemd has no complaint, they run hardened, and name what the service knows."""
 
 import re
 import subprocess

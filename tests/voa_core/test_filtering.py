@@ -1,9 +1,13 @@
 import math
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from voa_core import filtering
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief, condition, log_means, mixture, share_equally
 
@@ -86,3 +90,19 @@ def test_a_mixture_of_beliefs(share: float) -> None:
     expected = [0.5 * (1 - share), 0.5 * (1 - share) + 0.2 * share, 0.8 * share]
     np.testing.assert_allclose(mixed.p, expected)
     np.testing.assert_allclose(np.exp(mixed.log_p), expected)
+
+
+def test_filterpys_module_is_imported_without_its_other_filters() -> None:
+    program = (
+        "import sys, voa_core.filtering as f; print(f._filter.__file__, {'scipy.stats', 'filterpy'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    file, others = done.stdout.split(maxsplit=1)
+    assert Path(file).parts[-3:] == ("filterpy", "discrete_bayes", "discrete_bayes.py")
+    assert others.strip() == "set()"
+
+
+def test_without_filterpy_the_message_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(filtering.PathFinder, "find_spec", lambda *_: None)
+    with pytest.raises(ModuleNotFoundError, match="'filterpy'"):
+        filtering._discrete_bayes()
