@@ -53,6 +53,13 @@ system-packages:
 	  else \
 	    echo "the tests need Chromium; on Debian: apt-get install chromium"; exit 1; \
 	  fi
+	@command -v systemd-analyze >/dev/null || \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    echo "installing systemd-analyze for the tests" && apt-get -qq update && \
+	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends systemd >/dev/null; \
+	  else \
+	    echo "the tests need systemd-analyze; on Debian: apt-get install systemd"; exit 1; \
+	  fi
 
 lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .
@@ -74,14 +81,17 @@ bench: setup  ## the ratios beside their gates, median of three whole runs, also
 
 UV_LOCK = $(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --python-version 3.11 \
   --custom-compile-command "make lock"
+IMAGE_LOCK = $(UV_LOCK) --no-annotate -c requirements.lock
 
-lock: setup  ## requirements.lock from pyproject.toml, and from that one what goes into the image
+lock: setup  ## requirements.lock from pyproject.toml, and from that one what goes into the images
 	$(UV_LOCK) --all-extras -o requirements.lock pyproject.toml
-	$(UV_LOCK) --no-annotate -c requirements.lock --extra service --extra postgres \
-	  -o deploy/requirements-service.lock pyproject.toml
-	echo hatchling | $(UV_LOCK) --no-annotate -c requirements.lock -o deploy/requirements-build.lock -
+	$(IMAGE_LOCK) --override deploy/requirements-unused.txt --extra core --extra zenoh -o deploy/requirements-core.lock pyproject.toml
+	$(IMAGE_LOCK) --override deploy/requirements-unused.txt --extra service --extra postgres -o deploy/requirements-service.lock pyproject.toml
+	$(IMAGE_LOCK) --extra fleet -o deploy/requirements-fleet.lock pyproject.toml
+	$(IMAGE_LOCK) --extra console -o deploy/requirements-console.lock pyproject.toml
+	echo hatchling | $(IMAGE_LOCK) -o deploy/requirements-build.lock -
 
-image: setup  ## build the container image without Docker, run it hardened, try it out
+image: setup  ## build the container images without Docker, run them hardened, try them out
 	@deploy/image.sh
 
 clean:  ## remove what the targets built

@@ -30,10 +30,10 @@ need() {  # need COMMAND...: install what is missing, or say how; each command i
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# An own store, which goes away afterwards. Where the file system cannot be laid over another, each layer is a copy.
+# An own store, which goes away afterwards. Where file systems cannot be laid over each other, each layer is a copy.
+driver=vfs
 choose_storage() {
   mkdir -p "$work"/trial/{lower,upper,work,merged}
-  driver=vfs
   if mount -t overlay voa-trial -o "lowerdir=$work/trial/lower,upperdir=$work/trial/upper,workdir=$work/trial/work" \
     "$work/trial/merged" 2>/dev/null; then
     umount "$work/trial/merged"

@@ -5,10 +5,12 @@ guards (an impossible observation gives NaN), so this module checks before it ca
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.machinery import PathFinder
-from importlib.util import module_from_spec
-from types import ModuleType
+from importlib.util import find_spec
+from pathlib import Path
+from runpy import run_path
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,23 +22,19 @@ SUM_TOLERANCE = 1e-6
 _NO_SHARE = 1e9
 
 
-def _discrete_bayes() -> ModuleType:
-    """Import `filterpy.discrete_bayes` without the rest of filterpy.
+def _filterpys_update() -> Callable[[Floats, Floats], Floats]:
+    """Load `filterpy.discrete_bayes.update` without the rest of filterpy.
 
     `import filterpy` imports all of its filters, and scipy.stats for them: half a second of each start of a process.
     """
-    folders: list[str] | None = None
-    for name in ("filterpy", "discrete_bayes"):
-        spec = PathFinder.find_spec(name, folders)
-        if spec is None or spec.loader is None:
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-        folders = [f"{folder}/discrete_bayes" for folder in spec.submodule_search_locations or ()]
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    package = find_spec("filterpy")
+    if package is None or package.origin is None:
+        raise ModuleNotFoundError("No module named 'filterpy'", name="filterpy")
+    names = run_path(str(Path(package.origin).parent / "discrete_bayes" / "discrete_bayes.py"))
+    return cast(Callable[[Floats, Floats], Floats], names["update"])
 
 
-_filter = _discrete_bayes()
+_normalised = _filterpys_update()
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +114,7 @@ def condition(prior: Belief, log_weights: Floats) -> Posterior | None:
     if highest == -np.inf:
         return None
     shifted = np.exp(joint - highest)
-    posterior = np.asarray(_filter.update(shifted, np.ones_like(shifted)))
+    posterior = np.asarray(_normalised(shifted, np.ones_like(shifted)))
     log_evidence = highest + float(np.log(shifted.sum()))
     return Posterior(Belief(frozen(posterior), frozen(joint - log_evidence)), log_evidence)
 

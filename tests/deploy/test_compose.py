@@ -17,7 +17,9 @@ from voa_service.settings import Settings
 REPOSITORY = Path(__file__).resolve().parents[2]
 DEPLOY = REPOSITORY / "deploy"
 DOCKERFILE = (DEPLOY / "Dockerfile").read_text(encoding="utf-8")
-STAGES = {name: text for text, name in re.findall(r"(?ms)^(FROM \S+ AS (\w+)\n.*?)(?=^FROM |\Z)", DOCKERFILE)}
+STAGES: dict[str, str] = {
+    name: text for text, name in re.findall(r"(?ms)^(FROM \S+ AS (\w+)\n.*?)(?=^FROM |\Z)", DOCKERFILE)
+}
 FILES = ["compose.yml", "compose.lab.yml", "compose.monitoring.yml"]
 SERVICES = [("compose.yml", "voa"), ("compose.lab.yml", "voa-1"), ("compose.lab.yml", "voa-2")]
 OURS = [*SERVICES, ("compose.yml", "console"), ("compose.yml", "fleet"), ("compose.lab.yml", "console")]
