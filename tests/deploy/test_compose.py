@@ -67,7 +67,7 @@ def test_our_images_are_built_from_the_dockerfile(file: str, service: str) -> No
 
 
 @pytest.mark.parametrize(("file", "service"), SERVICES)
-def test_replicas_are_checked_stopped_and_found(file: str, service: str) -> None:
+def test_replicas_are_checked_stopped_in_order_and_scraped(file: str, service: str) -> None:
     entry = compose(file)["services"][service]
     assert "/readyz" in STAGES["service"].partition("HEALTHCHECK")[2]
     assert float(entry["stop_grace_period"].removesuffix("s")) > Settings.model_fields["stop_seconds"].default
@@ -176,7 +176,7 @@ def test_the_example_has_every_variable_of_the_laboratory() -> None:
     assert set(re.findall(r"(?m)^(\w+)=", (DEPLOY / "env.example").read_text(encoding="utf-8"))) == wanted
 
 
-def test_grafana_reads_the_dashboard_and_asks_prometheus() -> None:
+def test_grafana_reads_the_dashboard_and_queries_prometheus() -> None:
     services = compose("compose.monitoring.yml")["services"]
     grafana = dict(volume.split(":")[:2] for volume in services["grafana"]["volumes"])
     provisioning = DEPLOY / "monitoring/grafana"

@@ -1,4 +1,4 @@
-"""The service's image lacks what metadata asks for and no module imports: its packages are enough for every module."""
+"""Packages of the service's image: enough for every module, without some that metadata requires and nothing imports."""
 
 import json
 import re

@@ -30,8 +30,8 @@ def pods(name: str) -> dict[str, dict[str, Any]]:
 
 def container(name: str, of: str = "voa") -> dict[str, Any]:
     (only,) = pods(name)[of]["containers"]
-    found: dict[str, Any] = only
-    return found
+    of_one: dict[str, Any] = only
+    return of_one
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -12,7 +12,7 @@ Manifest = dict[str, Any]
 
 _FIELDS = {"apiVersion", "kind", "namespace", "resources", "components", "patches", "labels", "configMapGenerator"}
 _KEYS = {"containers": "name", "env": "name", "volumes": "name", "volumeMounts": "mountPath"}
-"""Field by which the items of a list are told apart when a patch is merged; other lists are replaced."""
+"""Field that identifies the items of a list when a patch is merged; other lists are replaced."""
 
 
 def resolve(folder: Path) -> list[Manifest]:
