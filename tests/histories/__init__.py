@@ -1,0 +1,1 @@
+"""Tests of the checker of recorded calls: each fault planted in a recorded history is found, and no other."""
