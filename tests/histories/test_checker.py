@@ -206,8 +206,8 @@ PLANTED: Sequence[tuple[Callable[[Recorded], None], str]] = [
     (lose_one_and_close_the_gap, "lost"),
     (apply_twice, "twice"),
     (answer_two_writes_with_a_version, "twice"),
-    (make_a_version_of_nothing, "unmade"),
-    (apply_a_refused_write, "unmade"),
+    (make_a_version_of_nothing, "unexplained"),
+    (apply_a_refused_write, "unexplained"),
     (leave_a_gap, "gap"),
     (store_another_request, "lost"),
     (store_another_belief, "lost"),
@@ -225,7 +225,7 @@ PLANTED: Sequence[tuple[Callable[[Recorded], None], str]] = [
 
 
 @pytest.mark.parametrize(("plant", "rule"), PLANTED, ids=[plant.__name__ for plant, _ in PLANTED])
-def test_each_planted_fault_is_found_under_its_rule(plant: Callable[[Recorded], None], rule: str) -> None:
+def test_each_planted_fault_is_reported_under_its_rule(plant: Callable[[Recorded], None], rule: str) -> None:
     for seed in range(5):
         own = recorded(seed)
         plant(own)
@@ -261,12 +261,12 @@ def test_calls_of_one_session_say_nothing_about_another() -> None:
     own = recorded()
     other = [replace(call, session="t") for call in own.calls]
     assert faults_of([*own.calls, *other], {SESSION: own.stored, "t": own.stored}) == []
-    assert tally(faults_of(own.calls, {SESSION: own.stored, "t": own.stored})).keys() == {"unmade"}
+    assert tally(faults_of(own.calls, {SESSION: own.stored, "t": own.stored})).keys() == {"unexplained"}
 
 
 def test_calls_that_end_in_the_instant_in_which_another_begins_may_be_either_way() -> None:
     stored = [Stored(number) for number in range(3)]
     calls = [Call("write", SESSION, 1.0, 2.0, "made", 2), Call("write", SESSION, 2.0, 3.0, "made", 1)]
     assert faults_of(calls, {SESSION: stored}) == []
-    later = [calls[0], replace(calls[1], started=2.001)]
-    assert tally(faults_of(later, {SESSION: stored})) == {"order": 1}
+    apart = [calls[0], replace(calls[1], started=2.001)]
+    assert tally(faults_of(apart, {SESSION: stored})) == {"order": 1}

@@ -10,7 +10,7 @@ alike.
 | `gap` | the versions of a stored history are 0, 1, 2, ... without a gap |
 | `lost` | an answered write is that version of the history, with its request and its belief |
 | `twice` | no two writes made the same version, and no write made two |
-| `unmade` | each version was made by a recorded write that was answered, or that nobody knows the end of |
+| `unexplained` | each version was made by a recorded write that was answered, or that nobody knows the end of |
 | `order` | a call that began after another was answered has no lower version, and a write has a greater one |
 | `repeat` | a repeated write with an idempotency key gets its first response |
 | `other` | a read returns the belief that is stored for its version |
@@ -243,7 +243,7 @@ def _stored_faults(session: str, writes: Sequence[Call], stored: Sequence[Stored
             if open_[each.request] > 0:
                 open_[each.request] -= 1
             else:
-                faults.append(Fault("unmade", session, each.version, f"no write explains {_short(each.request)}"))
+                faults.append(Fault("unexplained", session, each.version, f"no write explains {_short(each.request)}"))
         if each.bits != each.replayed:
             faults.append(Fault("replay", session, each.version, "the replayed history has another belief"))
     return faults + _repeated_requests(session, writes, stored)
