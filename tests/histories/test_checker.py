@@ -257,9 +257,15 @@ def test_a_session_that_nobody_deleted_and_that_has_no_history_is_lost() -> None
     assert tally(faults_of(own.calls, {})) == {"lost": 1}
 
 
+def test_a_key_that_opens_two_sessions_is_reported() -> None:
+    calls = [Call("create", name, at, at + 1.0, "made", 0, "key") for name, at in (("s", 1.0), ("t", 3.0))]
+    assert tally(faults_of(calls, {"s": [Stored(0)], "t": [Stored(0)]})) == {"repeat": 1}
+
+
 def test_calls_of_one_session_say_nothing_about_another() -> None:
     own = recorded()
-    other = [replace(call, session="t") for call in own.calls]
+    other = [replace(call, session="t", key=f"t {call.key}") for call in own.calls if call.key is not None]
+    other += [replace(call, session="t") for call in own.calls if call.key is None]
     assert faults_of([*own.calls, *other], {SESSION: own.stored, "t": own.stored}) == []
     assert tally(faults_of(own.calls, {SESSION: own.stored, "t": own.stored})).keys() == {"unexplained"}
 

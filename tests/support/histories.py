@@ -115,7 +115,7 @@ def faults_of(calls: Iterable[Call], histories: Mapping[str, Sequence[Stored]]) 
     of: dict[str, list[Call]] = defaultdict(list)
     for call in calls:
         of[call.session].append(call)
-    faults: list[Fault] = []
+    faults = _created_twice([call for own in of.values() for call in own if call.kind == "create"])
     for session in sorted({*of, *histories}):
         writes, repeats = _merged(of[session])
         reads = [call for call in of[session] if call.kind == "read" and call.outcome in ("read", "gone")]
@@ -175,6 +175,19 @@ def _merged(calls: Sequence[Call]) -> tuple[list[Call], list[Fault]]:
             first = refused[0] if refused else attempts[0]
         writes.append(replace(first, started=min(call.started for call in attempts)))
     return writes, faults
+
+
+def _created_twice(creations: Sequence[Call]) -> list[Fault]:
+    """Find keys under which two sessions were opened: attempts of one creation that are about different sessions."""
+    first: dict[str | None, Call] = {}
+    faults = []
+    for call in sorted(creations, key=lambda call: call.ended):
+        if call.key is not None and call.outcome == "made":
+            before = first.setdefault(call.key, call)
+            if before.session != call.session:
+                detail = f"key {call.key!r} opened this session, after it had opened {before.session}"
+                faults.append(Fault("repeat", call.session, 0, detail))
+    return faults
 
 
 def _differ(first: Call, second: Call) -> bool:
