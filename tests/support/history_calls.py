@@ -22,6 +22,7 @@ from tests.support.serving import LIDAR, Json, box_obj, data_scenario, mesh_scen
 TIMEOUT = 120.0
 AGAIN_SHARE = 0.03
 """Share of writes that are sent once more after their response."""
+_AGAIN_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ class Recorder:
                 return response
             with self._changed:
                 self.sent_again += 1
+                self._changed.wait(_AGAIN_S)
 
     def read(self, http: httpx2.Client, session: str, base: str = "") -> httpx2.Response | None:
         """Read a session once and record the attempt; None: there was no response."""

@@ -27,15 +27,20 @@ class Wire:
         """Resume: data that waits is forwarded, and so is all that follows."""
         self._whole.set()
 
+    def drop(self) -> None:
+        """Close the connections of this moment, with whatever is on its way; others may be opened."""
+        ends, self._ends = self._ends, []
+        for end in ends:
+            with suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+            end.close()
+
     def close(self) -> None:
         """Close every connection."""
         self._closed = True
         self._whole.set()
         self._listening.close()
-        for end in self._ends:
-            with suppress(OSError):
-                end.shutdown(socket.SHUT_RDWR)
-            end.close()
+        self.drop()
 
     def _accept(self) -> None:
         while not self._closed:

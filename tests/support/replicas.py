@@ -4,7 +4,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -21,10 +21,13 @@ class Replica:
     client has to poll.
     """
 
-    def __init__(self, database_url: str, log: Path, *options: str) -> None:
+    def __init__(
+        self, database_url: str, log: Path, *options: str, environment: Mapping[str, str] | None = None
+    ) -> None:
         self.database_url = database_url
         self.log = log
         self._options = options
+        self._environment = environment
         self._listening = socket.create_server(("127.0.0.1", 0), backlog=128)
         self.url = f"http://127.0.0.1:{self._listening.getsockname()[1]}"
         self._process: subprocess.Popen[bytes] | None = None
@@ -45,7 +48,9 @@ class Replica:
         options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url, *self._options]
         command = [sys.executable, "-m", "voa_service", *options]
         with self.log.open("ab") as stderr:
-            self._process = subprocess.Popen(command, stderr=stderr, pass_fds=[self._listening.fileno()])
+            self._process = subprocess.Popen(
+                command, stderr=stderr, pass_fds=[self._listening.fileno()], env=self._environment
+            )
 
     def wait_until_ready(self) -> None:
         """Wait until the process and its database respond."""
@@ -80,10 +85,19 @@ class Replica:
 
 
 @contextmanager
-def replicas(database_url: str, folder: Path, count: int = 1, *options: str) -> Iterator[list[Replica]]:
-    """Run `count` processes of the service on one database."""
+def replicas(
+    database_url: str,
+    folder: Path,
+    count: int = 1,
+    *options: str,
+    environment: Mapping[str, str] | None = None,
+) -> Iterator[list[Replica]]:
+    """Run `count` processes of the service on one database, with the test's own environment where none is given."""
     with ExitStack() as stack:
-        own = [Replica(database_url, folder / f"service-{number}.log", *options) for number in range(count)]
+        own = [
+            Replica(database_url, folder / f"service-{number}.log", *options, environment=environment)
+            for number in range(count)
+        ]
         for replica in own:
             stack.callback(replica.end)
             replica.launch()
