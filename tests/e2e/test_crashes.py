@@ -18,9 +18,7 @@ from tests.support.history_calls import (
     assert_not_ready,
     opened,
     padded_scan,
-    read_until_ended,
     some_write,
-    write_until_ended,
 )
 from tests.support.history_store import check_answered, check_stored, stored
 from tests.support.postgres import Server
@@ -46,10 +44,7 @@ def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothin
         urls = [replica.url for replica in running]
         sessions = opened(recorder, urls[0], SESSIONS)
         store = stack.enter_context(stored(database_url))
-        pool = stack.enter_context(ThreadPoolExecutor(WRITERS + 1))
-        try:
-            clients = [pool.submit(write_until_ended, f"w{n}", urls, sessions, recorder) for n in range(WRITERS)]
-            clients.append(pool.submit(read_until_ended, "r", urls, sessions, recorder))
+        with recorder.running(urls, sessions, WRITERS):
             for _ in range(KILLS):
                 recorder.wait_for(rng.randint(*ANSWERS_BETWEEN_KILLS))
                 victim = rng.choice(running)
@@ -59,10 +54,6 @@ def test_kill_9_at_random_moments_under_writers_loses_nothing_and_repeats_nothin
                 check_answered(store, answered)
                 checked += len(answered)
             recorder.wait_for(ANSWERS_BETWEEN_KILLS[0])
-        finally:
-            recorder.ended = True
-        for client in clients:
-            client.result()
     versions = check_stored(database_url, recorder.calls)
     reads = sum(call.kind == "read" for call in recorder.calls)
     with capsys.disabled():

@@ -9,7 +9,10 @@ import math
 import random
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from math import cos, sin
 from typing import Any
@@ -54,6 +57,7 @@ class Recorder:
         calls: each attempt, in the order of the responses.
         answered: number of writes with a response, each counted once.
         sent_again: number of attempts without a response that says that the write is done.
+        failures: number of these by status; None: without a response.
         ended: True if writers and readers are to stop.
         now: clock of the calls, seconds.
     """
@@ -61,6 +65,7 @@ class Recorder:
     calls: list[Call] = field(default_factory=list)
     answered: int = 0
     sent_again: int = 0
+    failures: Counter[int | None] = field(default_factory=Counter)
     ended: bool = False
     now: Callable[[], float] = time.monotonic
     _changed: threading.Condition = field(default_factory=threading.Condition)
@@ -92,10 +97,10 @@ class Recorder:
         return int(response.raise_for_status().json()["version"])
 
     def write_until_answered(self, http: httpx2.Client, sent: Sent, bases: Callable[[], str]) -> httpx2.Response:
-        """Repeat a write under its key until there is a response that is not 503."""
+        """Repeat a write under its key until there is a response that is no failure of the service."""
         while True:
             response = self.write(http, sent, bases())
-            if response is not None and response.status_code != 503:
+            if response is not None and response.status_code < 500:
                 assert response.is_success, response.text
                 with self._changed:
                     self.answered += 1
@@ -103,6 +108,7 @@ class Recorder:
                 return response
             with self._changed:
                 self.sent_again += 1
+                self.failures[None if response is None else response.status_code] += 1
                 self._changed.wait(_AGAIN_S)
 
     def read(self, http: httpx2.Client, session: str, base: str = "") -> httpx2.Response | None:
@@ -121,7 +127,27 @@ class Recorder:
         """Wait until `more` further writes got a response."""
         with self._changed:
             goal = self.answered + more
-            assert self._changed.wait_for(lambda: self.answered >= goal, seconds), "the writers came to a stop"
+            self._changed.wait_for(lambda: self.answered >= goal or self.ended, seconds)
+            assert self.answered >= goal, "the writers came to a stop"
+
+    def end(self) -> None:
+        """Let all writers and readers end."""
+        with self._changed:
+            self.ended = True
+            self._changed.notify_all()
+
+    @contextmanager
+    def running(self, urls: Sequence[str], sessions: Sequence[str], writers: int) -> Iterator[None]:
+        """Run writers and a reader for the duration of a `with`, and raise what one of them raises."""
+        with ThreadPoolExecutor(writers + 1) as pool:
+            jobs = [pool.submit(_until_ended, _write, f"w{n}", urls, sessions, self) for n in range(writers)]
+            jobs.append(pool.submit(_until_ended, _read, "r", urls, sessions, self))
+            try:
+                yield
+            finally:
+                self.end()
+                for job in jobs:
+                    job.result()
 
     def wait_for_a_write(self, seconds: float) -> None:
         """Wait for the response to any write, for at most so many seconds."""
@@ -215,26 +241,38 @@ def assert_not_ready(response: httpx2.Response) -> None:
     assert int(response.headers["Retry-After"]) > 0
 
 
-def write_until_ended(name: str, urls: Sequence[str], sessions: Sequence[str], recorder: Recorder) -> None:
-    """Run a writer: it repeats each write under its key, to any process, until there is a response."""
+def _until_ended(work: "Worker", name: str, urls: Sequence[str], sessions: Sequence[str], recorder: Recorder) -> None:
+    """Run a writer or reader on any of the sessions, each time by any process; a failure ends all others too."""
     rng = random.Random(name)  # noqa: S311 - not a secret
-    count = 0
-    with httpx2.Client(timeout=TIMEOUT) as http:
-        while not recorder.ended:
-            sent = some_write(rng, rng.choice(sessions), f"{name}-{count}")
-            recorder.write_until_answered(http, sent, lambda: rng.choice(urls))
-            if rng.random() < AGAIN_SHARE:
-                recorder.write(http, sent, rng.choice(urls))
-            count += 1
+    try:
+        with httpx2.Client(timeout=TIMEOUT) as http:
+            count = 0
+            while not recorder.ended:
+                work(recorder, http, rng, urls, rng.choice(sessions), f"{name}-{count}")
+                count += 1
+    finally:
+        recorder.end()
 
 
-def read_until_ended(name: str, urls: Sequence[str], sessions: Sequence[str], recorder: Recorder) -> None:
-    """Run a reader: it reads any session from any process, once after each response to a write."""
-    rng = random.Random(name)  # noqa: S311 - not a secret
-    with httpx2.Client(timeout=TIMEOUT) as http:
-        while not recorder.ended:
-            recorder.read(http, rng.choice(sessions), rng.choice(urls))
-            recorder.wait_for_a_write(1.0)
+def _write(
+    recorder: Recorder, http: httpx2.Client, rng: random.Random, urls: Sequence[str], session: str, key: str
+) -> None:
+    """Repeat a write under its key, to any process, until there is a response; some are then sent once more."""
+    sent = some_write(rng, session, key)
+    recorder.write_until_answered(http, sent, lambda: rng.choice(urls))
+    if rng.random() < AGAIN_SHARE:
+        recorder.write(http, sent, rng.choice(urls))
+
+
+def _read(
+    recorder: Recorder, http: httpx2.Client, rng: random.Random, urls: Sequence[str], session: str, _key: str
+) -> None:
+    """Read once after each response to a write."""
+    recorder.read(http, session, rng.choice(urls))
+    recorder.wait_for_a_write(1.0)
+
+
+Worker = Callable[[Recorder, httpx2.Client, random.Random, Sequence[str], str, str], None]
 
 
 def opened(recorder: Recorder, url: str, count: int) -> list[str]:

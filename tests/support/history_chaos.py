@@ -9,14 +9,13 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import httpx2
 
-from tests.support.history_calls import Recorder, opened, read_until_ended, write_until_ended
+from tests.support.history_calls import Recorder, opened
 from tests.support.history_store import check_answered, check_stored, stored
 from tests.support.postgres import server
 from tests.support.proxy import Wire, wire
@@ -54,7 +53,7 @@ class Endured:
 
     Attributes:
         answered: number of writes that were answered.
-        sent_again: number of attempts without a response, or with 503.
+        failures: number of attempts that failed, by status; None: without a response.
         calls: number of recorded calls, reads included.
         versions: number of versions that they made, each replayed.
         events: number of events by name.
@@ -63,7 +62,7 @@ class Endured:
     """
 
     answered: int
-    sent_again: int
+    failures: Counter[int | None]
     calls: int
     versions: int
     events: Counter[str]
@@ -72,8 +71,9 @@ class Endured:
 
     def __str__(self) -> str:
         events = ", ".join(f"{count} {name}" for name, count in sorted(self.events.items()))
+        failed = ", ".join(f"{count} {status or 'without response'}" for status, count in self.failures.items())
         return (
-            f"{self.answered} writes answered, {self.sent_again} attempts failed, {self.calls} calls recorded, "
+            f"{self.answered} writes answered, attempts failed: {failed or 'none'}; {self.calls} calls recorded, "
             f"{self.versions} versions replayed; {events}; {self.writing_s:.0f} s + {self.checking_s:.0f} s of checks"
         )
 
@@ -204,32 +204,23 @@ def endure(kind: str, folder: Path, plan: Plan, report: Callable[[str], None] = 
     with lab(kind, folder, plan.seed) as own, stored(own.database_url) as store:
         sessions = opened(recorder, own.urls[0], plan.sessions)
         began = time.monotonic()
-        with ThreadPoolExecutor(plan.writers + 1) as pool:
-            try:
-                clients = [
-                    pool.submit(write_until_ended, f"w{n}", own.urls, sessions, recorder) for n in range(plan.writers)
-                ]
-                clients.append(pool.submit(read_until_ended, "r", own.urls, sessions, recorder))
-                names = sorted(own.events)
-                for number in range(plan.events):
-                    recorder.wait_for(plan.writes // plan.events, _STALL_S)
-                    name = names[number % len(names)]
-                    answered = recorder.calls[checked:]
-                    own.events[name]()
-                    events[name] += 1
-                    check_answered(store, answered)
-                    checked += len(answered)
-                    report(f"{time.monotonic() - began:.0f} s: {recorder.answered} answered, {name}")
-                recorder.wait_for(max(1, plan.writes - recorder.answered), _STALL_S)
-            finally:
-                recorder.ended = True
-            for client in clients:
-                client.result()
+        with recorder.running(own.urls, sessions, plan.writers):
+            names = sorted(own.events)
+            for number in range(plan.events):
+                recorder.wait_for(plan.writes // plan.events, _STALL_S)
+                name = names[number % len(names)]
+                answered = recorder.calls[checked:]
+                own.events[name]()
+                events[name] += 1
+                check_answered(store, answered)
+                checked += len(answered)
+                report(f"{time.monotonic() - began:.0f} s: {recorder.answered} answered, {name}")
+            recorder.wait_for(max(1, plan.writes - recorder.answered), _STALL_S)
         written = time.monotonic()
         versions = check_stored(own.database_url, recorder.calls)
     return Endured(
         recorder.answered,
-        recorder.sent_again,
+        recorder.failures,
         len(recorder.calls),
         versions,
         events,
