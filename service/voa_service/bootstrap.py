@@ -32,6 +32,7 @@ from voa_service.runtime.memory import MemoryBudget, available_memory, budget, p
 from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.periodic import Periodic
 from voa_service.runtime.queues import Threads, WorkQueue
+from voa_service.runtime.steady import SteadyClock
 from voa_service.services import Services
 from voa_service.settings import Settings
 from voa_service.usecases.acting import ActingRobots
@@ -53,6 +54,8 @@ from voa_store.starting import open_store
 
 _READERS, _WRITERS, _FEEDERS = 4, 8, 2
 _RETENTION_SECONDS = 3_600.0
+_FIRST_RETENTION_SECONDS = 600.0
+"""Time in which the network usually sets the clock of a machine that has just started."""
 _PROBES_WAITING = 32
 _END_SECONDS = 4.0
 """Time that the end of the process waits for threads; one that still works then is abandoned."""
@@ -128,9 +131,9 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
         settings.followers,
     )
     retention = Retention(
-        store, _recorded(sessions.delete_version), now, settings.retention_days, settings.response_days
+        store, _recorded(sessions.delete_version), SteadyClock(now), settings.retention_days, settings.response_days
     )
-    caretaker = Periodic("voa-retention", retention.apply, _RETENTION_SECONDS)
+    caretaker = Periodic("voa-retention", retention.apply, _RETENTION_SECONDS, _FIRST_RETENTION_SECONDS)
     caretaker.start()
     _gauges(metrics, cache, feeds, _Depths(reads, writes, heavy, meshes, rests, reading))
     try:

@@ -17,6 +17,8 @@ from voa_store.records import SessionState
 
 LASTS = timedelta(seconds=120)
 """Time after which an announcement ends by itself."""
+_SKEW = timedelta(seconds=60)
+"""Difference between the clocks of two replicas that is no reason to doubt an announcement."""
 
 _MARK_BYTES = 8
 
@@ -24,10 +26,14 @@ _LOOKS: TypeAdapter[list[AnnouncedLook]] = TypeAdapter(list[AnnouncedLook])
 
 
 def announced_looks(text: str | None, now: datetime) -> list[AnnouncedLook]:
-    """Read the announced looks from the JSON in the store, the oldest first, without those that have expired."""
+    """Read the announced looks from the JSON in the store, the oldest first, without those that have expired.
+
+    An announcement that would end later than one of this moment, by more than clocks differ, was made before the clock
+    was set back. It has expired too: otherwise it would last for as long as the clock was set back.
+    """
     if text is None:
         return []
-    return [look for look in _LOOKS.validate_json(text) if look.expires_at > now]
+    return [look for look in _LOOKS.validate_json(text) if now < look.expires_at <= now + LASTS + _SKEW]
 
 
 def stored_text(looks: Iterable[AnnouncedLook]) -> str | None:

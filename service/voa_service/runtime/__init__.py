@@ -8,6 +8,7 @@
 | `changes`  | announces each commit to those who wait for a session to change                             |
 | `feeds`    | reads the new versions of each followed session once, for all its followers                 |
 | `periodic` | repeats work in the background                                                              |
+| `steady`   | a clock by which nothing becomes old because a clock was set                                |
 | `memory`   | divides the memory of the machine or container among the parts of the service               |
 | `metrics`  | counters and gauges for Prometheus                                                          |
 | `logs`     | structured logs on stderr                                                                   |

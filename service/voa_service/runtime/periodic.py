@@ -9,16 +9,23 @@ _END_SECONDS = 5.0
 
 
 class Periodic:
-    """Thread that does some work at once and then at intervals, until it is closed.
+    """Thread that does some work at intervals, until it is closed.
 
     Args:
         name: of the thread.
         work: to be done; its argument sleeps for so many seconds, and returns true to end early.
         interval_s: from the end of one round to the next, seconds.
+        first_s: from the start to the first round, seconds.
     """
 
-    def __init__(self, name: str, work: Callable[[Callable[[float], object]], object], interval_s: float) -> None:
-        self._work, self._interval_s = work, interval_s
+    def __init__(
+        self,
+        name: str,
+        work: Callable[[Callable[[float], object]], object],
+        interval_s: float,
+        first_s: float = 0.0,
+    ) -> None:
+        self._work, self._interval_s, self._first_s = work, interval_s, first_s
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
@@ -33,6 +40,7 @@ class Periodic:
             self._thread.join(_END_SECONDS)
 
     def _run(self) -> None:
+        self._closed.wait(self._first_s)
         while not self._closed.is_set():
             try:
                 self._work(self._closed.wait)

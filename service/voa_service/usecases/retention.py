@@ -6,7 +6,8 @@ from datetime import datetime, timedelta
 
 import structlog
 
-from voa_service.ports import Clock, Store
+from voa_service.ports import Store
+from voa_service.runtime.steady import SteadyClock
 from voa_store.errors import VersionMismatch
 
 _PAGE = 500
@@ -19,14 +20,14 @@ class Retention:
     Attributes:
         store: of the sessions.
         delete: deletes a session if it still has a version, with its history and responses; True if it did.
-        now: clock.
+        clock: by which ages are measured.
         session_days: age of a session's newest version, in days, from which it is removed; None: sessions stay.
         response_days: age of a stored response from which it is removed.
     """
 
     store: Store
     delete: Callable[[str, int], bool]
-    now: Clock
+    clock: SteadyClock
     session_days: float | None
     response_days: float
 
@@ -39,10 +40,12 @@ class Retention:
         Raises:
             StoreError: the database does not work at the moment.
         """
-        self.store.forget_responses(timedelta(days=self.response_days).total_seconds(), pause)
+        # The store dates responses by the wall clock.
+        keep_s = timedelta(days=self.response_days).total_seconds() + self.clock.behind_s()
+        self.store.forget_responses(keep_s, pause)
         if self.session_days is None:
             return 0
-        removed = self._remove(self.now() - timedelta(days=self.session_days), pause)
+        removed = self._remove(self.clock.now() - timedelta(days=self.session_days), pause)
         if removed:
             log = structlog.get_logger("voa")
             log.info("old sessions removed", sessions=removed, older_than_days=self.session_days)

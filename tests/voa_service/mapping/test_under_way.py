@@ -64,6 +64,12 @@ def test_an_announced_look_ends_by_itself_after_two_minutes() -> None:
     assert ids(text, NOON + LASTS) == ["late"]
 
 
+def test_an_announced_look_ends_where_the_clock_is_set_back_and_not_where_clocks_differ_a_little() -> None:
+    text = stored_text([look("a", sensor="Q1")])
+    assert ids(text, NOON - timedelta(seconds=60)) == ["a"], "made by a replica whose clock is a minute ahead"
+    assert ids(text, NOON - timedelta(seconds=61)) == []
+
+
 def test_a_scan_ends_the_announcements_of_its_place_alone() -> None:
     before = state(look("a", sensor="Q1"), look("b", sensor="Q2"), look("c", sensor="Q1"), look("d", sensor_pose=POSE))
     for missing in (False, True):  # one that is not accepted was taken, too
@@ -74,7 +80,7 @@ def test_a_scan_ends_the_announcements_of_its_place_alone() -> None:
 def test_a_scan_removes_what_has_expired() -> None:
     before = state(look("a", sensor="Q2"), look("b", NOON + LASTS, sensor="Q2"))
     after = without_announcement(before, scan("Q1"), NOON + LASTS)
-    assert ids(after.under_way, NOON) == ["b"]
+    assert ids(after.under_way, NOON + LASTS - timedelta(seconds=1)) == ["b"]
 
 
 def test_a_scan_leaves_a_session_without_announcements_alone() -> None:

@@ -42,3 +42,12 @@ def test_closing_ends_a_pause_of_the_work() -> None:
 
 def test_a_thread_that_was_not_started_can_be_closed() -> None:
     Periodic("test", lambda pause: None, 1.0).close()
+
+
+def test_the_first_round_can_wait_and_closing_ends_that() -> None:
+    rounds: list[int] = []
+    periodic = Periodic("test", lambda _: rounds.append(1), 0.001, 3600.0)
+    periodic.start()
+    periodic.close()
+    assert rounds == []
+    assert not [thread for thread in threading.enumerate() if thread.name == "test"]

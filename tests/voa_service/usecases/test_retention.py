@@ -9,14 +9,16 @@ from tests.support.audit import audited
 from tests.support.serving import Service, data_scenario, serving
 from tests.support.waiting import wait_for
 from voa_service.bootstrap import utc_now
+from voa_service.runtime.steady import SteadyClock
 from voa_service.usecases.retention import Retention
+from voa_store.sql import SqlStore
 
 UNIFORM = {"belief": [0.2, 0.3, 0.5]}
 
 
 def retention_of(service: Service, at: Callable[[], datetime], days: float | None) -> Retention:
     sessions = service.inside.sessions
-    return Retention(sessions.store, sessions.delete_version, at, days, 7.0)
+    return Retention(sessions.store, sessions.delete_version, SteadyClock(at), days, 7.0)
 
 
 def after_days(days: float) -> Callable[[], datetime]:
@@ -51,7 +53,7 @@ def test_a_session_that_moves_meanwhile_stays(tmp_path: Path) -> None:
             assert service.http.put(f"/v1/sessions/{id_}/belief", json=UNIFORM).status_code == 200
             return sessions.delete_version(id_, version)
 
-        retention = Retention(sessions.store, delete, after_days(31), 30.0, 7.0)
+        retention = Retention(sessions.store, delete, SteadyClock(after_days(31)), 30.0, 7.0)
         assert retention.apply(lambda _: False) == 0
         assert service.get(f"/v1/sessions/{session}")["version"] == 1
 
@@ -63,3 +65,24 @@ def test_whoever_waits_for_the_session_is_notified(tmp_path: Path) -> None:
         own = replace(service.inside.sessions, committed=lambda id_, state: notified.append((id_, state)))
         assert own.delete_version(session, 0)
         assert notified == [(session, None)]
+
+
+def test_a_clock_that_is_set_forward_removes_neither_sessions_nor_responses(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        session = service.open(service.create(data_scenario()))
+        ahead = [timedelta()]
+
+        def wall() -> datetime:
+            return utc_now() + ahead[0]
+
+        sessions = service.inside.sessions
+        store = SqlStore(f"sqlite:///{service.database}", seconds=lambda: wall().timestamp())
+        retention = Retention(store, sessions.delete_version, SteadyClock(wall), 30.0, 7.0)
+        path, key = f"/v1/sessions/{session}/belief", {"Idempotency-Key": "again"}
+        first = service.http.put(path, json=UNIFORM, headers=key).json()
+        ahead[0] = timedelta(days=400)
+        assert retention.apply(lambda _: False) == 0
+        assert service.http.put(path, json=UNIFORM, headers=key).json() == first
+        started_after = Retention(store, sessions.delete_version, SteadyClock(wall), 30.0, 7.0)
+        assert started_after.apply(lambda _: False) == 1
+        store.close()
