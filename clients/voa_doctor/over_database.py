@@ -39,6 +39,7 @@ class DatabaseReport(BaseModel):
         versions: number of undamaged versions of these sessions.
         damaged: sessions that differ from what was written.
         pages: faults that SQLite reports in the structure of its file.
+        objects: ids of damaged meshes.
     """
 
     error: str | None = None
@@ -47,6 +48,7 @@ class DatabaseReport(BaseModel):
     versions: int = 0
     damaged: list[DamagedSession] = []
     pages: list[str] = []
+    objects: list[str] = []
 
 
 def verify_in_process(url: str) -> str:
@@ -69,11 +71,13 @@ def check_database(url: str, verify: Verify = verify_in_process) -> Iterator[Fin
         return
     for line in report.pages[:_MOST_LISTED]:
         yield Finding(_CHECK, "wrong", f"the file's structure is damaged: {line}", _RESTORE)
+    for id_ in report.objects[:_MOST_LISTED]:
+        yield Finding(_CHECK, "wrong", f"object {id_}: the stored mesh was changed after it was written", _RESTORE)
     for damage in report.damaged[:_MOST_LISTED]:
         seen = f"session {damage.session}: the stored version {damage.version} was changed after it was written"
         yield Finding(_CHECK, "wrong", seen, _RESTORE)
     if len(report.damaged) > _MOST_LISTED:
         yield Finding(_CHECK, "wrong", f"{len(report.damaged)} sessions are damaged in total", _RESTORE)
-    if not report.pages and not report.damaged:
+    if not (report.pages or report.damaged or report.objects):
         seen = f"{report.database}: {report.versions} versions of {report.sessions} sessions, all checksums match"
         yield Finding(_CHECK, "ok", seen)

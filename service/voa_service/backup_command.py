@@ -66,6 +66,7 @@ def summary(verified: Verified) -> str:
 
 
 def damages(verified: Verified) -> list[str]:
-    """Write a line for each damaged session and page."""
+    """Write a line for each damaged session, object and page."""
     sessions = [f"session {damage.session}, version {damage.version}: {damage.detail}" for damage in verified.damaged]
+    sessions += [f"object {id_}: it differs from what was written" for id_ in verified.objects]
     return sessions + [f"page of the file: {line}" for line in verified.pages]

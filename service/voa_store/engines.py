@@ -133,7 +133,7 @@ def _database_errors(engine: Engine) -> Iterator[None]:
 
     Raises:
         Unavailable: the database is gone, silent, full, locked or broken, which may pass.
-        DamagedData: its file is damaged, which does not pass.
+        DamagedData: its file is damaged. SQLite reports a page that the disk cannot read as damaged too.
         Busy: all connections are in use.
     """
     options = engine.get_execution_options()
@@ -151,7 +151,10 @@ def _database_errors(engine: Engine) -> Iterator[None]:
         calls.failed += 1
         structlog.get_logger().error("the database failed", error=f"{type(cause).__name__}: {cause}")
         if engine.dialect.name == "sqlite" and any(sign in str(cause) for sign in _MALFORMED):
-            raise DamagedData(f"the database's file is damaged ({cause}): restore a backup") from error
+            raise DamagedData(
+                f"the database's file is damaged, or the disk cannot read it ({cause}): check the disk, then the "
+                "database with `voa doctor --database-url URL`, and restore a backup if that names damage"
+            ) from error
         message = diagnosis(cause)
         raise Unavailable(
             f"the database does not work at the moment{message}: try again, and repeat writes with the same "

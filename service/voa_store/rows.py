@@ -1,5 +1,6 @@
 """Converts rows of the tables to records of the store, and back."""
 
+import hashlib
 from dataclasses import replace
 from datetime import datetime
 from types import SimpleNamespace
@@ -11,6 +12,7 @@ from sqlalchemy import Row
 from voa_core.filtering import Belief
 from voa_core.objects import Object
 from voa_store import checksums
+from voa_store.errors import DamagedData
 from voa_store.records import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
 
 Columns = dict[str, Any]
@@ -69,7 +71,16 @@ def _belief(stored: bytes) -> Belief:
 
 
 def object_of(row: Row[Any]) -> StoredObject:
-    """Convert a row of the table `objects` to a mesh."""
+    """Convert a row of the table `objects` to a mesh.
+
+    Raises:
+        DamagedData: its vertices and faces do not have the digest that names them.
+    """
+    if hashlib.sha256(row.vertices + row.faces).hexdigest() != row.id:
+        raise DamagedData(
+            f"object {row.id!r} differs from what was written: check the disk and the database with "
+            "`voa doctor --database-url URL`, then restore a backup"
+        )
     vertices = np.frombuffer(row.vertices, dtype="<f8").reshape(-1, 3)
     faces = np.frombuffer(row.faces, dtype="<i4").reshape(-1, 3)
     return StoredObject(Object(vertices, faces), row.name, datetime.fromisoformat(row.created_at), row.up)

@@ -1,7 +1,8 @@
-"""Verifies every session of a database: `python -m voa_store.verify URL` prints the result as JSON.
+"""Verifies every session and object of a database: `python -m voa_store.verify URL` prints the result as JSON.
 
 With "-" the URL is read from stdin. The program only reads, one session at a time, and may run beside the service. Exit
-code 0: nothing is damaged; 1: sessions or pages are damaged; 2: the database cannot be read, and `error` says why.
+code 0: nothing is damaged; 1: sessions, objects or pages are damaged; 2: the database cannot be read, and `error` says
+why.
 """
 
 import json
@@ -19,8 +20,9 @@ from voa_store.engines import Engines, connect, statement, transaction
 from voa_store.errors import DamagedData
 from voa_store.histories import read_history
 from voa_store.migrate import is_current
+from voa_store.rows import object_of
 from voa_store.starting import explain
-from voa_store.tables import GONE, sessions
+from voa_store.tables import GONE, objects, sessions
 
 _PAGE_BYTES = 8_000_000
 _PAGE_VERSIONS = 1_000
@@ -52,6 +54,7 @@ class Verified:
         versions: number of undamaged versions of these sessions.
         damaged: sessions that differ from what was written.
         pages: faults that SQLite reports in the structure of its file.
+        objects: ids of meshes whose vertices and faces do not have the digest that names them.
     """
 
     database: str = ""
@@ -59,15 +62,16 @@ class Verified:
     versions: int = 0
     damaged: list[Damage] = field(default_factory=list)
     pages: list[str] = field(default_factory=list)
+    objects: list[str] = field(default_factory=list)
 
     @property
     def well(self) -> bool:
         """True if nothing is damaged."""
-        return not self.damaged and not self.pages
+        return not (self.damaged or self.pages or self.objects)
 
 
 def verify_all(engines: Engines) -> Verified:
-    """Read every version of every session, and compare all checksums.
+    """Read every version of every session, and every object, and compare all checksums and digests.
 
     Raises:
         StoreError: the database cannot be read.
@@ -85,7 +89,21 @@ def verify_all(engines: Engines) -> Verified:
         except DamagedData as error:
             verified.damaged.append(Damage(id_, GONE if error.version is None else error.version, str(error)))
         verified.sessions += 1
+    verified.objects += _damaged_objects(engines)
     return verified
+
+
+def _damaged_objects(engines: Engines) -> Iterator[str]:
+    with statement(engines.single) as connection:
+        ids = connection.execute(select(objects.c.id).order_by(objects.c.seq)).scalars().all()
+    for id_ in ids:
+        with statement(engines.single) as connection:
+            row = connection.execute(select(objects).where(objects.c.id == id_)).one_or_none()
+        try:
+            if row is not None:  # otherwise it was deleted meanwhile
+                object_of(row)
+        except DamagedData:
+            yield id_
 
 
 def _verified_versions(connection: Connection, id_: str) -> int:
