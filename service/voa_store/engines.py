@@ -16,6 +16,7 @@ from sqlalchemy.sql.compiler import SQLCompiler
 from voa_store import patience
 from voa_store.drivers import alone, database_file, loses_commits, sqlite_driver, version_of
 from voa_store.errors import Busy, DamagedData, Unavailable
+from voa_store.write_ahead import keep_damaged_log
 
 _READERS = 8
 _CONNECTIONS = 16
@@ -221,7 +222,11 @@ def _sqlite(url: URL) -> Engines:
     def engine(begin: str | None, connections: int) -> Engine:
         return _sqlite_engine(url, driver, begin, connections).execution_options(calls=calls)
 
-    return Engines(engine("BEGIN IMMEDIATE", 1), engine("BEGIN", _READERS), engine(None, _READERS), {}, held, calls)
+    single = engine(None, _READERS)
+    if file is not None:
+        with _database_errors(single):
+            keep_damaged_log(file, driver)
+    return Engines(engine("BEGIN IMMEDIATE", 1), engine("BEGIN", _READERS), single, {}, held, calls)
 
 
 def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:
@@ -231,9 +236,11 @@ def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # transactions are begun by the event below, not by the driver
         connection.text_factory = _text
-        # The first has an effect on a new file alone: its pages can be given back (`space`).
-        for pragma in ("auto_vacuum=INCREMENTAL", f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
+        for pragma in (f"busy_timeout={_BUSY_MS}", "synchronous=FULL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
+        if connection.execute("PRAGMA page_count").fetchone() == (0,):
+            # Pages of a new file can be given back (`space`); in any other file this would be a write without effect.
+            connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
         _write_ahead(connection)
 
     event.listen(engine, "connect", prepare)

@@ -45,7 +45,7 @@ from voa_store.responses import (
     stored_response,
 )
 from voa_store.robots import RobotRecords
-from voa_store.rows import blob, session_of, written
+from voa_store.rows import Columns, blob, session_of, written
 from voa_store.space import give_back
 from voa_store.summaries import list_sessions
 from voa_store.tables import GONE, history, sessions
@@ -235,7 +235,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
             elif change.after is not None:
                 columns, entry = written(change.after, write, change.report, row.newest, prior)
                 connection.execute(_UPDATE, {"by_id": id_, **columns})
-                connection.execute(_INSERT[history], entry)
+                _append(connection, entry)
                 belief = entry["belief"]
                 if write.look is not None:
                     count_look(connection, id_, write.look)
@@ -311,6 +311,18 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         """Notify other processes of a change when this transaction is committed."""
         if self._notifies:
             connection.execute(_NOTIFY, {"channel": CHANNEL, "session": id_})
+
+
+def _append(connection: Connection, entry: Columns) -> None:
+    """Insert a row into the history of a session that is locked.
+
+    Raises:
+        DamagedData: the version is there already, so that the session's own row is older than what was written.
+    """
+    try:
+        connection.execute(_INSERT[history], entry)
+    except IntegrityError as error:
+        raise checksums.damaged(entry["session"], entry["version"]) from error
 
 
 def _check_version(version: int, expected: frozenset[int] | None) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 
 import structlog
-from sqlalchemy import Connection, make_url, select
+from sqlalchemy import Connection, func, make_url, select
 
 from voa_store import checksums
 from voa_store.drivers import database_file
@@ -22,7 +22,8 @@ from voa_store.histories import read_history
 from voa_store.migrate import is_current
 from voa_store.rows import object_of
 from voa_store.starting import explain
-from voa_store.tables import GONE, objects, sessions
+from voa_store.tables import GONE, history, objects, sessions
+from voa_store.write_ahead import damaged_log
 
 _PAGE_BYTES = 8_000_000
 _PAGE_VERSIONS = 1_000
@@ -53,7 +54,7 @@ class Verified:
         sessions: number of sessions that were read.
         versions: number of undamaged versions of these sessions.
         damaged: sessions that differ from what was written.
-        pages: faults that SQLite reports in the structure of its file.
+        pages: faults that SQLite reports in the structure of its file, and answered writes that it has lost.
         objects: ids of meshes whose vertices and faces do not have the digest that names them.
     """
 
@@ -114,6 +115,9 @@ def _verified_versions(connection: Connection, id_: str) -> int:
     seen = -1
     while seen < row.version:
         seen = read_history(connection, row, seen, _PAGE_VERSIONS, _PAGE_BYTES)[-1].state.version
+    newest = select(func.max(history.c.version)).where(history.c.session == id_)
+    if connection.execute(newest).scalar_one() > seen:  # the disk has kept an older row of the session
+        raise checksums.damaged(id_, seen + 1)
     return seen + 1
 
 
@@ -122,6 +126,10 @@ def _wrong_pages(connection: Connection) -> Iterator[str]:
         for (line,) in connection.exec_driver_sql("PRAGMA quick_check(20)").all():
             if line != "ok":
                 yield line
+        file = database_file(connection.engine.url)
+        lost = None if file is None else damaged_log(file)
+        if lost is not None:
+            yield lost
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -2,11 +2,18 @@
 
 from pathlib import Path
 
+import pytest
+from sqlalchemy import select, update
+
 from tests.support.history_damage import try_cells, try_file
-from tests.voa_store.samples import change, create, looking, scenario, stored_mesh, write
+from tests.voa_store.samples import change, create, engine_of, looking, next_version, scenario, stored_mesh, write
 from voa_service.ports import Store
 from voa_store.drivers import sqlite_driver
+from voa_store.engines import connect
+from voa_store.errors import DamagedData
 from voa_store.sql import SqlStore
+from voa_store.tables import objects, sessions
+from voa_store.verify import verify_all
 
 SHARE, STEP = 0.04, 1499
 """Share of the bytes of all rows, and distance of the bytes of the file; `make chaos` changes all of them."""
@@ -26,6 +33,41 @@ def test_every_flipped_bit_of_a_history_is_named(store: Store, database_url: str
     tried = try_cells(database_url, SHARE)
     assert tried.missed == []
     assert tried.named == tried.tried > 50
+
+
+def test_a_session_that_the_disk_has_set_back_is_named_and_written_no_more(store: Store, database_url: str) -> None:
+    """A page that was not written, although the disk reported it, keeps a row that is right by its own checksum."""
+    fill(store)
+    engine = engine_of(database_url)
+    with engine.begin() as connection:
+        (before,) = connection.execute(select(sessions).where(sessions.c.id == "S")).mappings().all()
+    change(store, "S", write(), next_version)
+    with engine.begin() as connection:
+        connection.execute(update(sessions).where(sessions.c.id == "S").values(**before))
+    engine.dispose()
+    engines = connect(database_url)
+    assert [(each.session, each.version) for each in verify_all(engines).damaged] == [("S", before["version"] + 1)]
+    engines.dispose()
+    with pytest.raises(DamagedData) as refused:
+        change(store, "S", write(), next_version)
+    assert refused.value.version == before["version"] + 1
+    assert change(store, "T", write(), next_version).version == before["version"] + 1
+
+
+def test_a_mesh_that_was_changed_is_named_and_not_returned(store: Store, database_url: str) -> None:
+    stored = stored_mesh()
+    store.put_object(stored)
+    engine = engine_of(database_url)
+    with engine.begin() as connection:
+        vertices = bytearray(stored.object.vertices.tobytes())
+        vertices[11] ^= 4
+        connection.execute(update(objects).values(vertices=bytes(vertices)))
+    engine.dispose()
+    with pytest.raises(DamagedData, match=stored.object.digest):
+        store.get_object(stored.object.digest)
+    engines = connect(database_url)
+    assert verify_all(engines).objects == [stored.object.digest]
+    engines.dispose()
 
 
 def test_a_flipped_bit_of_the_file_is_named_or_changes_no_session(tmp_path: Path) -> None:
