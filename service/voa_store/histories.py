@@ -68,9 +68,9 @@ def verified(row: Row[Any], before: int, checksum: bytes, session: Row[Any]) -> 
         session: the session's row, verified.
 
     Raises:
-        DamagedData: the row differs from what was written, or one before it is missing.
+        DamagedData: the row differs from what was written, one before it is missing, or the session's own row is older.
     """
-    if row.version != before + 1:
+    if row.version != before + 1 or row.version > session.version:
         raise checksums.damaged(session.id, before + 1)
     own = checksums.of_entry(checksum, row, checksums.of_blob(row.belief))
     if row.checksum != own or (row.version == session.version and own != session.newest):

@@ -116,8 +116,8 @@ def _verified_versions(connection: Connection, id_: str) -> int:
     while seen < row.version:
         seen = read_history(connection, row, seen, _PAGE_VERSIONS, _PAGE_BYTES)[-1].state.version
     newest = select(func.max(history.c.version)).where(history.c.session == id_)
-    if connection.execute(newest).scalar_one() > seen:  # the disk has kept an older row of the session
-        raise checksums.damaged(id_, seen + 1)
+    if connection.execute(newest).scalar_one() > row.version:  # the disk has kept an older row of the session
+        raise checksums.damaged(id_, row.version + 1)
     return seen + 1
 
 
