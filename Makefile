@@ -38,28 +38,20 @@ test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/core --include='voa_core/*' --show-missing --skip-covered --fail-under=100
 
 .PHONY: system-packages
-system-packages:
-	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || \
-	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-	    echo "installing PostgreSQL for the tests" && apt-get -qq update && \
-	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends postgresql >/dev/null; \
-	  else \
-	    echo "the tests need PostgreSQL's server; on Debian: apt-get install postgresql"; exit 1; \
-	  fi
-	@command -v chromium >/dev/null || \
-	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-	    echo "installing Chromium for the tests" && apt-get -qq update && \
-	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium >/dev/null; \
-	  else \
-	    echo "the tests need Chromium; on Debian: apt-get install chromium"; exit 1; \
-	  fi
-	@command -v systemd-analyze >/dev/null || \
-	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-	    echo "installing systemd-analyze for the tests" && apt-get -qq update && \
-	    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends systemd >/dev/null; \
-	  else \
-	    echo "the tests need systemd-analyze; on Debian: apt-get install systemd"; exit 1; \
-	  fi
+system-packages:  # PostgreSQL, a browser, a compiler for faults of the disk, a reader of units, a clock that tests can set
+	@missing=""; \
+	command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$$missing postgresql"; \
+	command -v chromium >/dev/null || missing="$$missing chromium"; \
+	command -v cc >/dev/null || missing="$$missing gcc libc6-dev"; \
+	command -v systemd-analyze >/dev/null || missing="$$missing systemd"; \
+	ls /usr/lib/*/faketime/libfaketimeMT.so.1 >/dev/null 2>&1 || missing="$$missing faketime"; \
+	if [ -z "$$missing" ]; then exit 0; fi; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	  echo "installing for the tests:$$missing" && apt-get -qq update && \
+	  DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends $$missing >/dev/null; \
+	else \
+	  echo "the tests need system packages; on Debian: apt-get install$$missing"; exit 1; \
+	fi
 
 lint: setup  ## ruff and mypy, strict
 	$(BIN)/ruff check .
@@ -73,8 +65,14 @@ rules:  ## Prometheus's own checks of the alerts, and their tests
 	@deploy/monitoring/promtool.sh check rules rules.yml
 	@deploy/monitoring/promtool.sh test rules rules.test.yml
 
+# Answered writes under kills, faults and cuts, on each database; share of the bytes of a history with a flipped bit; words
+# of the names of attacks.
+WRITES ?= 100000
+BITS ?= 1
+ONLY ?=
+
 chaos: setup system-packages  ## attacks on a running service, each with its figure before and now
-	@$(BIN)/python -m tests.chaos
+	@CHAOS_WRITES=$(WRITES) CHAOS_BITS=$(BITS) $(BIN)/python -m tests.chaos $(ONLY)
 
 bench: setup  ## the ratios beside their gates, median of three whole runs, also in build/bench.json; fails where a gate is missed
 	@$(BIN)/python -m tests.benchmarks --runs 3 --out build/bench.json

@@ -111,12 +111,17 @@ class Lab:
         self.rng.choice(self.wires).drop()
 
 
+def random_numbers(seed: int) -> random.Random:
+    """Make the random numbers of a seed."""
+    return random.Random(seed)  # noqa: S311 - not a secret
+
+
 @contextmanager
 def lab(kind: str, folder: Path, seed: int) -> Iterator[Lab]:
     """Run the service on a database of a kind, "sqlite" or "postgresql", with the events that fit it."""
     with ExitStack() as stack:
         opened_lab = _on_sqlite if kind == "sqlite" else _on_postgres
-        own = opened_lab(stack, folder, random.Random(seed))  # noqa: S311 - not a secret
+        own = opened_lab(stack, folder, random_numbers(seed))
         own.events |= {"kills": own.kill, "processes frozen": own.freeze, "clients cut": own.drop_clients}
         for replica in own.replicas:
             stack.callback(replica.end)

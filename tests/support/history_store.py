@@ -14,6 +14,7 @@ from voa_service.mapping.looks import record_of
 from voa_service.mapping.models import Models
 from voa_service.ports import Store
 from voa_service.runtime.cache import Cache
+from voa_store.errors import StoreError
 from voa_store.records import HistoryEntry
 from voa_store.sql import SqlStore
 
@@ -106,13 +107,32 @@ def scenario_in(store: Store, id_: str) -> Scenario:
 
 def check_sums(database_url: str) -> None:
     """Assert that a program that reads the database alone reports no damage."""
-    command = [sys.executable, "-m", "voa_store.verify", "-"]
-    done = subprocess.run(command, input=database_url, capture_output=True, text=True, check=False)
+    done = _verify(database_url)
     assert done.returncode == 0, done.stdout or done.stderr
 
 
-def answered(calls: Iterable[Call]) -> int:
-    """Count writes that were answered, each once."""
-    return len(
-        {(call.session, call.key) for call in calls if call.kind == "write" and call.outcome in ("made", "kept")}
-    )
+def verified(database_url: str) -> bool:
+    """Return True if a program that reads the database alone reports no damage."""
+    return _verify(database_url).returncode == 0
+
+
+def _verify(database_url: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "voa_store.verify", "-"]
+    return subprocess.run(command, input=database_url, capture_output=True, text=True, check=False)
+
+
+def missing(database_url: str, calls: Iterable[Call]) -> int | None:
+    """Count the answered versions of the only session that are not stored; None: it cannot be read.
+
+    Raises:
+        ValueError: the calls are about several sessions, or about none.
+    """
+    (session,) = {call.session for call in calls if call.version is not None}
+    answered = max(call.version or 0 for call in calls if call.outcome == "made")
+    try:
+        with stored(database_url) as store:
+            state = store.get_session(session)
+            entries = store.history(session, -1, 10**6)
+    except StoreError:
+        return None
+    return None if state is None or len(entries) <= state.version else answered - state.version
