@@ -16,7 +16,7 @@ from voa_ros.robot_places import AttachmentPlace
 from voa_ros.robots import RobotMapping
 from voa_ros.standing import NamedPlace, nearest_place
 from voa_ros.stops import SameStop, same_stop
-from voa_ros.topics import LASER_SCAN, MessageType
+from voa_ros.topics import LASER_SCAN
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, NotFound, UnknownReference, not_found
 from voa_service.guard import guarded
 from voa_service.requests.attachments import read_attachment
@@ -56,6 +56,8 @@ class MappedRobot:
         self._stop_known = False
         """True once the session was read for looks by other replicas at the current stop."""
         self._followed = -FOLLOW_SECONDS
+        self._moved: tuple[str, float] | None = None
+        """Session that the robot was moved to, and when this process noticed; None: it has joined its session."""
         self._missing: str | None = None
         self._absent: Failure | None = None
         """Reason why the mapping's scenario or session cannot be used; None: it can."""
@@ -122,7 +124,7 @@ class MappedRobot:
         with self._lock, guarded():
             if sample.type == LASER_SCAN:
                 self._services.robots.received(self.name, "ros2", sample.key, self._session)
-            looks = self._following(sample.type)
+            looks = self._following(sample)
             if looks is None:
                 return None
             attached = read_attachment(sample.attachment) if isinstance(self.mapping.place, AttachmentPlace) else None
@@ -135,7 +137,7 @@ class MappedRobot:
             finally:
                 self._show(looks.seen)
             if isinstance(received, GatheredLook):
-                return self._due(received)
+                return self._due(received, sample.received_s)
             self._read_looks_of_others(looks)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
@@ -147,7 +149,7 @@ class MappedRobot:
             self._seen = seen
             self._services.robots.seen(self.name, seen)
 
-    def _due(self, taken: GatheredLook) -> DueLook | None:
+    def _due(self, taken: GatheredLook, received_s: float) -> DueLook | None:
         """Make a look due; None where another replica applied a look at this stop while the robot's session changed.
 
         Raises:
@@ -156,7 +158,7 @@ class MappedRobot:
         looks = self._looks_or_fail()
         try:
             with guarded():
-                session = self._settled()
+                session = self._session_at(received_s, self._settled())
                 ledger = self._ledger
                 if ledger is None or session != self._session:
                     ledger = self._enter(session)
@@ -200,7 +202,23 @@ class MappedRobot:
             raise not_found("session yet on scenario", self.mapping.scenario or "")
         return session
 
-    def _following(self, received: MessageType) -> LookPipeline | None:
+    def _session_at(self, received_s: float, session: str) -> str:
+        """Return the session that a message belongs to, where the robot was moved to `session` meanwhile.
+
+        A process that is late works on messages from before the move after it. They are of the session before, as for
+        the processes that were in time: otherwise their looks would count in both sessions, and out of order.
+
+        Args:
+            received_s: time at which the message was received, by `time.monotonic`.
+            session: the robot's session by now.
+        """
+        if self._session is None or session == self._session:
+            return session
+        if self._moved is None or self._moved[0] != session:
+            self._moved = session, time.monotonic()
+        return session if received_s >= self._moved[1] - FOLLOW_SECONDS else self._session
+
+    def _following(self, sample: Sample) -> LookPipeline | None:
         """Return the looks that are being gathered, after polling the robot's session where that is due.
 
         Returns:
@@ -214,7 +232,7 @@ class MappedRobot:
             self._followed = now
             try:
                 with guarded():
-                    self._follow()
+                    self._follow(sample.received_s)
                 self._absent = None
             except Failure as failure:  # looks are gathered on while the database fails for a moment
                 is_absent = self._looks is None or failure.kind in _ABSENT
@@ -223,7 +241,7 @@ class MappedRobot:
                     self._missing = f"the mapping's scenario or session: {failure.detail}"
         if self._absent is None:
             return self._looks_or_fail()
-        if received == LASER_SCAN:
+        if sample.type == LASER_SCAN:
             raise self._absent.with_traceback(None)
         return None
 
@@ -232,7 +250,7 @@ class MappedRobot:
             raise not_found("scenario", self._scenario or "")
         return self._looks
 
-    def _follow(self) -> None:
+    def _follow(self, received_s: float) -> None:
         sessions, mapping = self._services.sessions, self.mapping
         if mapping.session is not None:
             scenario = sessions.state(mapping.session).scenario
@@ -245,7 +263,7 @@ class MappedRobot:
         self._missing = self._none() if session is None else None
         if session is None:
             self._leave()
-        elif session != self._session:
+        elif self._session_at(received_s, session) != self._session:
             self._enter(session)
 
     def _none(self) -> str:
@@ -269,7 +287,7 @@ class MappedRobot:
         """Begin to gather looks for a session; raises Failure, and changes nothing, where it cannot be read."""
         ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
         self._leave()
-        self._session, self._ledger = session, ledger
+        self._session, self._ledger, self._moved = session, ledger, None
         if ledger.newest is not None:
             self._looks_or_fail().resume(ledger.newest)
         return ledger

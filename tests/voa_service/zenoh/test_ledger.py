@@ -1,6 +1,7 @@
 """Each stop counts once: two processes that receive the same scans, and apply their looks sooner or later."""
 
 import math
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
@@ -38,9 +39,11 @@ class Process:
         self.due: list[DueLook] = []
         """Looks that are not applied yet."""
 
-    def receive(self, payload: bytes, sensor: str) -> None:
+    def receive(self, payload: bytes, sensor: str, late_s: float = 0.0) -> None:
+        """Receive a scan, which is worked on so many seconds after it came."""
         attachment = f'{{"sensor": "{sensor}"}}'.encode()
-        look = self.robot.receive(Sample(LASER_SCAN, f"{NAME}/scan", payload, attachment, 0.0))
+        received_s = time.monotonic() - late_s
+        look = self.robot.receive(Sample(LASER_SCAN, f"{NAME}/scan", payload, attachment, received_s))
         if look is not None:
             self.due.append(look)
 
@@ -74,18 +77,30 @@ class Pair:
         return [Process(service, mapping) for service in self.services[:count]]
 
     def revolution(
-        self, sensor: str, to: Sequence[Process], ranges: Sequence[float] = GOOD, clock: bool = True
+        self,
+        sensor: str,
+        to: Sequence[Process],
+        ranges: Sequence[float] = GOOD,
+        clock: bool = True,
+        late_s: float = 0.0,
     ) -> None:
         self._turn += 1
         shifted = [value + 1e-4 * (self._turn % 7) if clock and value else value for value in ranges]
         payload = laser_scan(shifted, 100.0 + 0.2 * self._turn if clock else 0.0)
         for process in to:
-            process.receive(payload, sensor)
+            process.receive(payload, sensor, late_s)
 
-    def stop(self, sensor: str, to: Sequence[Process], ranges: Sequence[float] = GOOD, clock: bool = True) -> None:
+    def stop(
+        self,
+        sensor: str,
+        to: Sequence[Process],
+        ranges: Sequence[float] = GOOD,
+        clock: bool = True,
+        late_s: float = 0.0,
+    ) -> None:
         """As many revolutions as a look has."""
         for _ in range(SCANS):
-            self.revolution(sensor, to, ranges, clock)
+            self.revolution(sensor, to, ranges, clock, late_s)
 
     def looks(self, session: str | None = None) -> list[Any]:
         """Places of the looks in the history, in order."""
@@ -352,6 +367,26 @@ def test_a_look_that_is_due_goes_where_it_was_due_although_the_robot_is_claimed(
     one.apply()
     other.apply()
     assert (pair.looks(), pair.looks(second)) == (["Q1"], [])
+
+
+def test_a_process_that_is_late_leaves_what_came_before_a_claim_in_the_session_before(pair: Pair) -> None:
+    both = one, other = pair.processes(to=f'scenario = "{pair.scenario}"')
+    pair.stop("Q1", both)
+    one.apply()
+    other.apply()
+    pair.stop("Q2", [one])
+    one.apply()
+    second = pair.services[0].open(pair.scenario, robots=[NAME])
+    pair.stop("Q1", [one])
+    one.apply()
+    assert (pair.looks(), pair.looks(second)) == (["Q1", "Q2"], ["Q1"])
+    pair.stop("Q2", [other], late_s=10.0)
+    other.apply()
+    assert (pair.looks(), pair.looks(second)) == (["Q1", "Q2"], ["Q1"]), "it is counted already, where it belongs"
+    for sensor in ("Q1", "Q2"):
+        pair.stop(sensor, [other])
+        other.apply()
+    assert (pair.looks(), pair.looks(second)) == (["Q1", "Q2"], ["Q1", "Q2"])
 
 
 def once(call: Callable[..., Any]) -> Callable[..., Any]:
