@@ -161,6 +161,7 @@ TOPICS = {
     "voa_store/test_conformance.py": "one suite for every database",
     "voa_store/test_failures.py": "databases that are of another version, silent, full or locked",
     "voa_store/test_upgrades_while_running.py": "processes of the version before, while their database is migrated",
+    "voa_store/test_faults.py": "bits and pages that a disk has changed or kept",
     "voa_store/test_state_machine.py": "random sequences of calls against a model of the store",
 }
 """Tests that are named after a topic and not after a module, with the topic."""

@@ -89,6 +89,6 @@ def _silent_fault(folder: Path, how: How, skip: int) -> str:
 
 ATTACKS = [
     Attack("disk: a bit of each byte of a history", "not tried", "all named", bits_of_rows),
-    Attack("disk: a bit of each 16th byte of the file", "meshes changed silently", "all named", bits_of_the_file),
-    Attack("disk: writes changed or lost silently", "12 of 12 writes lost, unnoticed", "named", silent_faults),
+    Attack("disk: a bit of each 16th byte of the file", "not tried", "all named", bits_of_the_file),
+    Attack("disk: writes changed or lost silently", "not tried", "named", silent_faults),
 ]
