@@ -128,7 +128,7 @@ class Connection(HttpToolsProtocol):
         self._has_requested = True
         self._unanswered += 1
         super().on_headers_complete()
-        if self.is_probe:
+        if self.is_probe or self._supervisor.is_draining:
             self.cycle.keep_alive = False
 
     def on_body(self, body: bytes) -> None:

@@ -85,6 +85,8 @@ class ConnectionSupervisor:
         self._probes: dict[Supervised, None] = {}  # beyond the limit, the oldest first
         self._seen: dict[str, float] = {}
         self._next_check: asyncio.TimerHandle | None = None
+        self.is_draining = False
+        """True where each response ends its connection, so that clients connect to another process."""
         self.too_many = refusals.too_many_connections(self._most)
 
     @property

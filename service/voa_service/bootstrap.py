@@ -33,6 +33,7 @@ from voa_service.runtime.metrics import Metrics
 from voa_service.runtime.periodic import Periodic
 from voa_service.runtime.queues import Threads, WorkQueue
 from voa_service.runtime.steady import SteadyClock
+from voa_service.runtime.stopping import Drain
 from voa_service.services import Services
 from voa_service.settings import Settings
 from voa_service.usecases.acting import ActingRobots
@@ -148,7 +149,7 @@ def services(settings: Settings, now: Clock = utc_now, ids: IdSource = new_id) -
                 robots=robots,
                 claims=claims,
                 acting=ActingRobots(claims, sessions),
-                health=HealthCheck(store, now, ids(), memory.message()),
+                health=HealthCheck(store, now, ids(), memory.message(), drain=Drain(settings.drain_seconds)),
                 changes=changes,
                 metrics=metrics,
                 limits=limits,

@@ -163,7 +163,9 @@ def _serve(
         _collect_seldom()
         if certificate is not None:
             signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))
-        Server(config, services.changes, connections, deadline, settings.stop_seconds, certificate).run([listening])
+        drain = services.health.drain
+        server = Server(config, services.changes, connections, deadline, drain, settings.stop_seconds, certificate)
+        server.run([listening])
 
 
 def _url_of(listening: socket.socket, certificate: ServerCertificate | None) -> str:

@@ -182,7 +182,10 @@ class Settings(BaseSettings):
     wait_for_database: NonNegativeFloat = 0.0
     """Time for which the start is tried again while the database cannot be reached."""
     stop_seconds: PositiveFloat = 9.0
-    """Time from the signal to stop to the end of the process; requests have half of it to finish."""
+    """Time from the signal to stop to the end of the process; requests have half of what `drain_seconds` leaves."""
+    drain_seconds: NonNegativeFloat = 0.0
+    """First part of `stop_seconds`, after SIGTERM: /readyz answers 503, and everything else is served as before, so
+    that balancers learn to send requests to other replicas before this one refuses connections."""
 
     @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
@@ -198,6 +201,15 @@ class Settings(BaseSettings):
     def _certificate_is_whole(self) -> Self:
         if (self.tls_cert is None) != (self.tls_key is None):
             raise ValueError("TLS needs a certificate and its private key: expected 'tls_cert' and 'tls_key'")
+        return self
+
+    @model_validator(mode="after")
+    def _stop_is_longer_than_drain(self) -> Self:
+        if self.drain_seconds >= self.stop_seconds:
+            raise ValueError(
+                f"a process that drains for {self.drain_seconds:g} s must have longer to stop: "
+                f"expected stop_seconds above that, got {self.stop_seconds:g}"
+            )
         return self
 
     @property

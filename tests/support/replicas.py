@@ -10,6 +10,8 @@ from pathlib import Path
 
 import httpx2
 
+from tests.support.waiting import wait_for
+
 START_SECONDS = 120.0
 STOP_SECONDS = 30.0
 
@@ -45,12 +47,15 @@ class Replica:
 
     def launch(self) -> None:
         """Start the process without waiting."""
-        options = ["--fd", str(self._listening.fileno()), "--database-url", self.database_url, *self._options]
+        options = [*self._address(), "--database-url", self.database_url, *self._options]
         command = [sys.executable, "-m", "voa_service", *options]
+        inherited = [] if self._listening.fileno() < 0 else [self._listening.fileno()]
         with self.log.open("ab") as stderr:
-            self._process = subprocess.Popen(
-                command, stderr=stderr, pass_fds=[self._listening.fileno()], env=self._environment
-            )
+            self._process = subprocess.Popen(command, stderr=stderr, pass_fds=inherited, env=self._environment)
+
+    def _address(self) -> list[str]:
+        """Return the options that say where to listen."""
+        return ["--fd", str(self._listening.fileno())]
 
     def wait_until_ready(self) -> None:
         """Wait until the process and its database respond."""
@@ -84,6 +89,34 @@ class Replica:
         self._listening.close()
 
 
+class Listener(Replica):
+    """Process of the service that opens its own socket: while it is down, connections are refused, as in production."""
+
+    def __init__(
+        self, database_url: str, log: Path, *options: str, environment: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(database_url, log, *options, environment=environment)
+        self._port = self._listening.getsockname()[1]
+        self._listening.close()
+
+    def _address(self) -> list[str]:
+        return ["--port", str(self._port)]
+
+    def wait_until_ready(self) -> None:
+        """Wait until the process listens, and its database responds."""
+        wait_for(self._listens, f"a service at {self.url}", START_SECONDS)
+        super().wait_until_ready()
+
+    def _listens(self) -> bool:
+        assert self._process is not None
+        assert self._process.poll() is None, self.log.read_text()
+        try:
+            socket.create_connection(("127.0.0.1", self._port)).close()
+        except OSError:
+            return False
+        return True
+
+
 @contextmanager
 def replicas(
     database_url: str,
@@ -91,11 +124,12 @@ def replicas(
     count: int = 1,
     *options: str,
     environment: Mapping[str, str] | None = None,
+    kind: type[Replica] = Replica,
 ) -> Iterator[list[Replica]]:
     """Run `count` processes of the service on one database, with the test's own environment where none is given."""
     with ExitStack() as stack:
         own = [
-            Replica(database_url, folder / f"service-{number}.log", *options, environment=environment)
+            kind(database_url, folder / f"service-{number}.log", *options, environment=environment)
             for number in range(count)
         ]
         for replica in own:

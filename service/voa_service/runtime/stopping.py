@@ -1,7 +1,9 @@
-"""The end of the process in bounded time, whatever its threads do."""
+"""The end of the process: it drains first, and ends in bounded time, whatever its threads do."""
 
+import math
 import os
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
@@ -10,6 +12,37 @@ from typing import Self
 import structlog
 
 _LOG_SECONDS = 0.2
+
+
+class Drain:
+    """First part of a stop, in which the process serves as before and reports that it is not ready.
+
+    A balancer sends requests until its probes have seen that a process is not ready: a process that refused
+    connections at once would fail those requests.
+
+    Args:
+        seconds: from `begin` to the end of the drain; 0: there is none.
+        clock: returns seconds that never go back.
+    """
+
+    def __init__(self, seconds: float = 0.0, clock: Callable[[], float] = time.monotonic) -> None:
+        self.seconds = seconds
+        self._clock = clock
+        self._ends_at = math.inf
+
+    def begin(self) -> None:
+        """Begin to drain; takes no lock, for a signal handler may call it."""
+        self._ends_at = self._clock() + self.seconds
+
+    @property
+    def has_begun(self) -> bool:
+        """True if the process is about to end."""
+        return self._ends_at < math.inf
+
+    @property
+    def is_over(self) -> bool:
+        """True if the time in which balancers learn of the end has passed."""
+        return self._clock() >= self._ends_at
 
 
 class Deadline:

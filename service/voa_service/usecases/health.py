@@ -13,6 +13,7 @@ from voa_msgs.problems import Health, Memory
 from voa_service.failures import NotReady
 from voa_service.guard import failure_of
 from voa_service.ports import Clock, Store
+from voa_service.runtime.stopping import Drain
 from voa_store.errors import StoreError
 
 Joined = Literal["off", "connecting", "connected"]
@@ -99,6 +100,7 @@ class HealthCheck:
         replica: name of this process.
         memory: bounds of the memory that its parts may hold.
         link: connection to Zenoh.
+        drain: begun by the entrypoint that receives the signal to stop.
         checked: test of the store.
     """
 
@@ -107,6 +109,7 @@ class HealthCheck:
     replica: str
     memory: Memory | None = None
     link: Link = field(default_factory=Link)
+    drain: Drain = field(default_factory=Drain)
     checked: StoreCheck = field(init=False)
 
     def __post_init__(self) -> None:
@@ -116,8 +119,10 @@ class HealthCheck:
         """Report that the service can work. The state of `zenoh` is shown only: the service works without a router.
 
         Raises:
-            Failure: the store cannot be read or written.
+            Failure: the service is stopping, or the store cannot be read or written.
         """
+        if self.drain.has_begun:
+            raise NotReady("the service is stopping: send requests to another replica", _RETRY_SOON)
         self.checked.check()
         return Health(
             status="ready",
