@@ -10,7 +10,7 @@ COVERAGE := build/coverage
 # Per cent of the lines of all packages that the tests run, kernels not counted as they are compiled. Never lower it.
 FLOOR := 95
 
-.PHONY: help setup demo test bench chaos lint docs rules lock image clean
+.PHONY: help setup demo test bench load chaos lint docs rules lock image clean
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
@@ -38,11 +38,12 @@ test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/core --include='voa_core/*' --show-missing --skip-covered --fail-under=100
 
 .PHONY: system-packages
-system-packages:  # PostgreSQL, a browser, a compiler for faults of the disk, a reader of units, a clock that tests can set
+system-packages:  # PostgreSQL, a browser, a balancer, a compiler for faults of disks, a reader of units, a clock that tests can set
 	@missing=""; \
 	command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$$missing postgresql"; \
 	command -v chromium >/dev/null || missing="$$missing chromium"; \
 	command -v cc >/dev/null || missing="$$missing gcc libc6-dev"; \
+	PATH="$$PATH:/usr/sbin" command -v haproxy >/dev/null || missing="$$missing haproxy"; \
 	command -v systemd-analyze >/dev/null || missing="$$missing systemd"; \
 	ls /usr/lib/*/faketime/libfaketimeMT.so.1 >/dev/null 2>&1 || missing="$$missing faketime"; \
 	if [ -z "$$missing" ]; then exit 0; fi; \
@@ -64,6 +65,9 @@ docs: setup  ## the documentation, into build/docs/index.html
 rules:  ## Prometheus's own checks of the alerts, and their tests
 	@deploy/monitoring/promtool.sh check rules rules.yml
 	@deploy/monitoring/promtool.sh test rules rules.test.yml
+
+load: setup system-packages  ## sessions at 5 Hz that a service carries, as tables and in build/load.json
+	@$(BIN)/python -m tests.load --out build/load.json
 
 # Answered writes under kills, faults and cuts, on each database; share of the bytes of a history with a flipped bit; words
 # of the names of attacks.

@@ -24,11 +24,13 @@ class Balancer:
 
     Args:
         url: at which it answers by HTTP.
+        pid: of its process.
         status: its socket for commands.
     """
 
-    def __init__(self, url: str, status: Path) -> None:
+    def __init__(self, url: str, pid: int, status: Path) -> None:
         self.url = url
+        self.pid = pid
         self._status = status
 
     def states(self) -> dict[str, str]:
@@ -69,7 +71,7 @@ def balancer(replicas: Sequence[str], folder: Path, inter: str = "2s") -> Iterat
         try:
             wait_for(lambda: status.exists() or process.poll() is not None, "HAProxy", _START_SECONDS)
             assert process.poll() is None, (folder / "haproxy.log").read_text()
-            yield Balancer(f"http://127.0.0.1:{listening.getsockname()[1]}", status)
+            yield Balancer(f"http://127.0.0.1:{listening.getsockname()[1]}", process.pid, status)
         finally:
             process.terminate()
             process.wait(_STOP_SECONDS)
