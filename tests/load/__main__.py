@@ -47,7 +47,7 @@ SUBJECTS = {
     "all robots with one key": Subject(services.with_a_key, (20, 60)),
     "far too many sessions": Subject(services.on_sqlite, _FLOOD),
 }
-SHORT = {"one process on SQLite": Subject(services.on_sqlite, (2, 4))}
+SHORT = {"one process on SQLite": Subject(services.on_sqlite, (4,))}
 
 
 def main() -> None:

@@ -1,4 +1,6 @@
-"""Robots that send scans at 5 Hz, played by Locust: `python -m tests.load.robots URL BODIES --sessions 10 20 --seconds 8`.
+"""Robots that send scans at 5 Hz, played by Locust.
+
+    python -m tests.load.robots URL BODIES --sessions 10 20 --seconds 8
 
 Each number of sessions is one step; it prints one line of JSON, and the first step that a service does not carry is the
 last. A robot opens a session, sends its scans each with an idempotency key of its own, and begins with another. Where
@@ -25,7 +27,9 @@ from tests.load.steps import HZ, Step, step_of
 from tests.load.usage import cpu_seconds, machine_seconds
 
 _SCANS = "scans"
-_SETTLE_S = 2.0
+_SETTLE = 0.25
+"""Share of a step's duration that passes before it is measured."""
+_SPAWNED_PER_S = 50.0
 _TIMEOUT_S = 30.0
 _PROBLEM = "application/problem+json"
 
@@ -44,13 +48,18 @@ class Tally:
         if response.status_code == 200:
             self.times_ms.append(took_ms)
             return
-        self.refused[str(response.status_code or "none")] += 1
+        error = getattr(response, "error", None)
+        if response.status_code == 0:  # an idle connection that was closed as the scan was sent, or a time-out
+            self.refused["none"] += 1
+            self.causes.setdefault(type(error).__name__, str(error))
+            return
+        self.refused[str(response.status_code)] += 1
         headers: Any = response.headers or {}
-        is_problem = headers.get("content-type") == _PROBLEM
-        self.impolite += not (is_problem and headers.get("retry-after"))
-        if is_problem:
-            problem = json.loads(response.text)
-            self.causes.setdefault(problem["type"].rpartition(":")[2], problem["detail"])
+        if headers.get("content-type") != _PROBLEM or not headers.get("retry-after"):
+            self.impolite += 1
+            return
+        problem = json.loads(response.text or "")
+        self.causes.setdefault(problem["type"].rpartition(":")[2], problem["detail"])
 
 
 class Robot(FastHttpUser):
@@ -63,36 +72,42 @@ class Robot(FastHttpUser):
     work: dict[str, Any]
     key: str | None
     tally: Tally
+    random = random.Random(5)  # noqa: S311 - not a secret
 
     def on_start(self) -> None:
-        """Open the first session, at a moment of the robot's own."""
-        time.sleep(random.random() / HZ)
-        self._path, self._bodies = "", iter(())
+        """Begin at a moment of the robot's own."""
+        time.sleep(self.random.random() / HZ)
+        self._path = ""
+        self._bodies: Iterator[str] = iter(())
 
     @task
     def scan(self) -> None:
         """Send the next scan, until it is answered."""
-        body = next(self._bodies, None)
-        if body is None:
-            self._open()
-            body = next(self._bodies)
+        body = next(self._bodies, None) or self._first()
         headers = self._headers()
-        while True:
+        answered = False
+        while not answered:
             began = time.perf_counter()
             with self.client.post(self._path, data=body, headers=headers, name=_SCANS, catch_response=True) as response:
                 self.tally.count(response, 1e3 * (time.perf_counter() - began))
                 response.success()
-                if response.status_code == 200:
-                    return
-                time.sleep(float((response.headers or {}).get("retry-after", 1.0)))
+                answered = response.status_code == 200
+                pause = 0.0 if answered else float((response.headers or {}).get("retry-after", 0.1))
+            time.sleep(pause)
 
-    def _open(self) -> None:
-        response: Any = None
-        while response is None or not response.ok:
-            body = json.dumps({"scenario": self.work["scenario"]})
-            response = self.client.post("/v1/sessions", data=body, headers=self._headers(), name="sessions")
-        self._path = f"/v1/sessions/{response.json()['id']}/scans"
-        self._bodies: Iterator[str] = iter(random.choice(self.work["tours"]))
+    def _first(self) -> str:
+        """Open a session, and return its first scan."""
+        body = json.dumps({"scenario": self.work["scenario"]})
+        session = None
+        while session is None:
+            opened = self.client.post("/v1/sessions", data=body, headers=self._headers(), name="sessions")
+            if opened.status_code == 201:
+                session = opened.json()["id"]
+            else:
+                time.sleep(1.0)
+        self._path = f"/v1/sessions/{session}/scans"
+        self._bodies = iter(self.random.choice(self.work["tours"]))
+        return next(self._bodies)
 
     def _headers(self) -> dict[str, str]:
         own = {} if self.key is None else {"Authorization": f"Bearer {self.key}"}
@@ -106,8 +121,9 @@ def steps(
     environment = Environment(user_classes=[robot], host=url, reset_stats=False)
     runner = environment.create_local_runner()
     for number in sessions:
-        runner.start(number, spawn_rate=max(10.0, number))
-        time.sleep(_SETTLE_S)
+        time_to_spawn = (number - runner.user_count) / _SPAWNED_PER_S
+        runner.start(number, spawn_rate=_SPAWNED_PER_S)
+        time.sleep(time_to_spawn + _SETTLE * seconds)
         tally = robot.tally = Tally()
         before, began = _spent(pids), time.monotonic()
         time.sleep(seconds)

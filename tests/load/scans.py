@@ -39,7 +39,7 @@ def prepared(url: str, name: str, file: Path, key: str | None = None) -> None:
             for pose in range(len(predictions.poses))
         ]
         session = client.create_session(SessionRequest(scenario=scenario.id))
-        for body in tours[0]:
+        for body in tours[0][::PER_STOP]:
             client.apply_scan(session.id, ScanRequest.model_validate_json(body))
     file.write_text(json.dumps({"scenario": scenario.id, "tours": tours}), encoding="utf-8")
 

@@ -20,8 +20,9 @@ class Step:
         seconds: that were measured.
         scans: answered 200.
         p50_ms, p99_ms, most_ms: from the sending of a scan to its response.
-        refused: number of responses by status, such as {"503": 4}; those without a response count as "none".
-        impolite: refusals without `Retry-After`, or without a problem document.
+        refused: number of refusals by status, such as {"503": 4}; "none" are scans without a response, which happens
+            where a connection that was idle for 5 s is closed as a scan is sent. Each is sent again under its key.
+        impolite: refusals without `Retry-After`, or that are no problem document.
         cpu_s: CPU time by part: "service", "database", "balancer", "robots".
         causes: details of the problem documents of the refusals, one of each kind.
     """
