@@ -15,6 +15,8 @@ from tests.support.waiting import wait_for
 CONFIGURATION = Path(__file__).parents[2] / "deploy/haproxy.cfg"
 _PROBES = "inter 2s fall 2 rise 2"
 _NAMES = "resolvers containers init-addr libc,none"
+_PROBE_TIMEOUT = "10s"
+"""For the response to a probe, which otherwise must come before the next one: on a busy machine a test's may not."""
 _START_SECONDS = 10.0
 _STOP_SECONDS = 10.0
 
@@ -93,6 +95,7 @@ def adapted(text: str, listening: int, replicas: Sequence[str], status: Path, in
             re.sub(r"(?m)^\s+ssl-default.*\n", "", head),
             f"  stats socket {status}",
             _section(text, "defaults"),
+            f"  timeout check {_PROBE_TIMEOUT}",
             re.sub(r"(?m)^\s+bind .*$", f"  bind fd@{listening}", frontend),
             *kept,
             *servers,

@@ -86,6 +86,15 @@ class Rpc:
         known = self._methods.get(method)
         return self._services.reads if known is None else known.queue
 
+    def may_repeat(self, method: str, attachment: bytes | None) -> bool:
+        """Return True if a call that is answered twice changes nothing the second time: it reads, or has an id."""
+        if not access.BY_NAME.get(method, access.UNLISTED).writes:
+            return True
+        try:
+            return read_attachment(attachment).id is not None
+        except Failure:
+            return True  # it is refused
+
     def answer(self, method: str, payload: bytes, attachment: bytes | None = None) -> RpcAnswer:
         """Call a method in this thread, log and count the call; a failure becomes a problem document.
 

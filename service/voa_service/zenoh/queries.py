@@ -3,7 +3,7 @@ many are waiting."""
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 
 import structlog
@@ -18,6 +18,8 @@ from voa_service.rpc.entry import Admitted, Rpc
 from voa_service.runtime.metrics import Metrics
 
 _END_SECONDS = 0.4
+_LATE_SECONDS = 0.1
+"""Time in which queries may still arrive that the router sent before it learnt that this replica ends."""
 _SHARE = 4
 """Payloads under way may have this many times the bytes of the largest payload allowed."""
 
@@ -46,13 +48,35 @@ class Queries:
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Answer queries within a `with` block; queries received before its end are answered or refused at its end."""
-        with session.declare_queryable(self._keys.rpc("*"), Callback(self._receive, indirect=False), complete=True):
+        receive = Callback(self._receive, indirect=False)
+        with ExitStack() as stack:
+            queryable = stack.enter_context(session.declare_queryable(self._keys.rpc("*"), receive, complete=True))
             yield
+            stack.enter_context(self._receiving_late(session))
+            queryable.undeclare()  # type: ignore[no-untyped-call]
+            threading.Event().wait(_LATE_SECONDS)
         with self._closed:
             self._closed.wait_for(lambda: not self._open, _END_SECONDS)
             left = list(self._open.values())
         for query in left:
             self._refuse(query, NotReady("the service is stopping: try again, writes under the same id"))
+
+    def _receiving_late(self, session: zenoh.Session) -> AbstractContextManager[object]:
+        """Receive the queries that the router sends before it learns that this replica ends.
+
+        They would be lost without a response. This queryable is incomplete: the router sends it new queries only where
+        there is no other replica.
+        """
+        late = Callback(self._receive_late, indirect=False)
+        return session.declare_queryable(self._keys.rpc("*"), late, complete=False)
+
+    def _receive_late(self, query: zenoh.Query) -> None:
+        """Queue a query that may have been received by the other queryable too; called in a Zenoh thread."""
+        attachment = None if query.attachment is None else query.attachment.to_bytes()
+        if self._rpc.may_repeat(self._keys.last(str(query.key_expr)), attachment):
+            self._receive(query)
+        else:
+            query.drop()  # type: ignore[no-untyped-call]
 
     def _receive(self, query: zenoh.Query) -> None:
         """Queue a query for a worker thread, or refuse it; called in a Zenoh thread.
