@@ -43,6 +43,13 @@ def test_the_largest_body_must_fit_into_the_memory_for_bodies() -> None:
             Settings(connections=few, limits=limits)
 
 
+def test_a_process_that_drains_has_longer_to_stop() -> None:
+    assert Settings(drain_seconds=8.9).drain_seconds == 8.9
+    for drain_seconds in (9.0, 30.0):
+        with pytest.raises(ValidationError, match="expected stop_seconds above that, got 9"):
+            Settings(drain_seconds=drain_seconds)
+
+
 @pytest.mark.parametrize(
     "wrong", [{"port": -1}, {"port": 70_000}, {"workers": 0}, {"precision": "float16"}, {"database_patience_s": 0.5}]
 )

@@ -83,3 +83,22 @@ def test_calls_are_counted_by_method_and_status_and_logged_under_the_id_of_their
     assert 'voa_rpc_requests_total{method="session.get",status="404"} 1.0' in text
     assert 'voa_rpc_requests_total{method="none",status="404"}' in text
     assert "no.such" not in text
+
+
+@pytest.mark.parametrize(
+    ("method", "attachment", "may"),
+    [
+        ("session.get", None, True),
+        ("voa.rank", b'{"id": "k"}', True),
+        ("scan.apply", b'{"id": "k"}', True),
+        ("scan.apply", b'{"sensor": "Q1"}', False),
+        ("scan.apply", None, False),
+        ("session.create", None, False),
+        ("scan.apply", b"no JSON", True),  # is refused each time
+        ("scan.guess", None, True),
+    ],
+)
+def test_a_read_and_a_write_with_an_id_may_be_repeated(
+    rpc: Rpc, method: str, attachment: bytes | None, may: bool
+) -> None:
+    assert rpc.may_repeat(method, attachment) is may

@@ -1,4 +1,4 @@
-"""The process ends some seconds after the signal to stop, whatever hangs."""
+"""The process drains, and ends some seconds after the signal to stop, whatever hangs."""
 
 import os
 import signal
@@ -13,10 +13,47 @@ import httpx2
 import pytest
 from structlog.testing import capture_logs
 
+from tests.support.replicas import replicas
 from tests.support.serving import data_scenario
 from tests.support.waiting import wait_for
 from voa_client.local import running
-from voa_service.runtime.stopping import Deadline
+from voa_service.runtime.stopping import Deadline, Drain
+
+
+def test_a_drain_is_over_some_seconds_after_it_has_begun() -> None:
+    now = [100.0]
+    drain = Drain(5.0, lambda: now[0])
+    assert (drain.has_begun, drain.is_over) == (False, False)
+    drain.begin()
+    now[0] = 104.9
+    assert (drain.has_begun, drain.is_over) == (True, False)
+    now[0] = 105.0
+    assert (drain.has_begun, drain.is_over) == (True, True)
+
+
+def test_a_service_that_drains_is_not_ready_and_serves_until_a_second_signal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VOA_STOP_SECONDS", "60")
+    monkeypatch.setenv("VOA_DRAIN_SECONDS", "55")
+    with (
+        replicas(f"sqlite:///{tmp_path / 'voa.db'}", tmp_path) as (own,),
+        httpx2.Client(base_url=own.url, timeout=30) as http,
+    ):
+        scenario = http.post("/v1/scenarios", json=data_scenario()).json()["id"]
+        own.signal(signal.SIGTERM)
+        wait_for(lambda: http.get("/readyz").status_code == 503, "the drain")
+        refused = http.get("/readyz")
+        assert refused.json()["type"] == "urn:voa:problem:not-ready"
+        assert "the service is stopping: send requests to another replica" in refused.json()["detail"]
+        written = http.post("/v1/sessions", json={"scenario": scenario})
+        assert (written.status_code, written.headers["connection"]) == (201, "close")
+        session = f"/v1/sessions/{written.json()['id']}"
+        with http.stream("GET", f"{session}/events") as events:
+            assert next(events.iter_lines()) == "event: session"
+            assert http.get("/livez").status_code == 200
+            own.signal(signal.SIGTERM)
+            assert own.wait() == 0  # within 30 s: sooner than the drain
 
 
 def test_a_deadline_ends_the_process_after_it_has_begun() -> None:
