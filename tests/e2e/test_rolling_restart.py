@@ -28,9 +28,8 @@ from tests.support.waiting import wait_for
 
 EVERY_S = 0.05
 """Pause of a caller between a response and the next call."""
-INTER = "100ms"
-"""Between two probes of HAProxy; 2 s in a laboratory, with a longer drain."""
 DRAIN_S = "2"
+"""Longer than HAProxy's two quick probes also on a busy machine."""
 SECONDS = 60.0
 SCAN = scan_of([0.5, 0.5, None, 1.0])
 
@@ -140,7 +139,7 @@ def test_a_rolling_restart_fails_no_request_and_loses_no_scan(
         own = stack.enter_context(router())
         options = ["--zenoh", own.endpoint]
         both = stack.enter_context(replicas(postgres.new_database(), tmp_path, 2, *options, kind=Listener))
-        front = stack.enter_context(balancer([each.url for each in both], tmp_path, INTER))
+        front = stack.enter_context(balancer([each.url for each in both], tmp_path, quick=True))
         bus = stack.enter_context(stranger(own.endpoint))
         http = stack.enter_context(httpx2.Client(base_url=front.url, timeout=SECONDS))
         for each in both:

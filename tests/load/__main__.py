@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -43,11 +43,13 @@ class Subject:
 SUBJECTS = {
     "one process on SQLite": Subject(services.on_sqlite, _RAISED),
     "one process on PostgreSQL": Subject(services.on_postgres, _RAISED),
+    "scans by Zenoh": Subject(services.on_zenoh, _RAISED),
     "two replicas on PostgreSQL": Subject(services.two_replicas, _RAISED, processes=2),
     "all robots with one key": Subject(services.with_a_key, (20, 60)),
     "far too many sessions": Subject(services.on_sqlite, _FLOOD),
+    "far too many sessions for two replicas": Subject(services.two_replicas, _FLOOD, processes=2),
 }
-SHORT = {"one process on SQLite": Subject(services.on_sqlite, (4,))}
+SHORT = {name: replace(SUBJECTS[name], sessions=(4,)) for name in ("one process on SQLite", "scans by Zenoh")}
 
 
 def main() -> None:
@@ -85,9 +87,11 @@ def _measure(subject: Subject, scenario: str, seconds: float) -> Iterator[Step]:
 
 def _driven(target: Target, bodies: Path, sessions: tuple[int, ...], seconds: float) -> Iterator[Step]:
     """Run the process of the robots; it is one of its own, because Locust replaces parts of Python's library."""
-    command = [sys.executable, "-m", "tests.load.robots", target.url, str(bodies), "--seconds", str(seconds)]
+    module = "tests.load.robots" if target.zenoh is None else "tests.load.bus_robots"
+    command = [sys.executable, "-m", module, target.url, str(bodies), "--seconds", str(seconds)]
     command += ["--pids", json.dumps(target.pids), "--sessions", *map(str, sessions)]
     command += [] if target.key is None else ["--key", target.key]
+    command += [] if target.zenoh is None else ["--zenoh", target.zenoh]
     robots = subprocess.Popen(command, cwd=REPOSITORY, stdout=subprocess.PIPE, text=True)
     with robots:
         assert robots.stdout is not None

@@ -10,6 +10,8 @@ from pathlib import Path
 from tests.support import postgres
 from tests.support.balancer import balancer
 from tests.support.replicas import replicas
+from tests.support.routers import router
+from tests.support.waiting import wait_for
 
 
 @dataclass(frozen=True)
@@ -20,11 +22,13 @@ class Target:
         url: at which robots call it.
         pids: its processes by part: "service", "database", "balancer".
         key: of the caller; None: the service has no keys.
+        zenoh: endpoint of the router on which robots put their scans; None: they send them by HTTP.
     """
 
     url: str
     pids: Mapping[str, list[int]]
     key: str | None = None
+    zenoh: str | None = None
 
 
 @contextmanager
@@ -61,6 +65,15 @@ def two_replicas(folder: Path) -> Iterator[Target]:
     ):
         pids = {"service": [own.pid for own in both], "database": server.pids[-1:], "balancer": [front.pid]}
         yield Target(front.url, pids)
+
+
+@contextmanager
+def on_zenoh(folder: Path) -> Iterator[Target]:
+    """Run one process on SQLite that receives scans by a Zenoh router."""
+    database = f"sqlite:///{folder / 'voa.db'}"
+    with router() as own, replicas(database, folder, 1, "--zenoh", own.endpoint) as (replica,):
+        wait_for(lambda: replica.zenoh == "connected", "the service on Zenoh")
+        yield Target(replica.url, {"service": [replica.pid], "router": [own.pid]}, zenoh=own.endpoint)
 
 
 Start = Callable[[Path], AbstractContextManager[Target]]

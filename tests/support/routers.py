@@ -33,6 +33,12 @@ class Router:
         self.endpoint = f"{protocol}/127.0.0.1:{self.port}"
         self._process: subprocess.Popen[str] | None = None
 
+    @property
+    def pid(self) -> int:
+        """Process id of the running router."""
+        assert self._process is not None
+        return self._process.pid
+
     def start(self) -> None:
         """Start the router and wait until it listens."""
         command = [sys.executable, "-m", "tests.support.routers", self.endpoint, json.dumps(self._more)]
