@@ -117,17 +117,17 @@ def all_are_used(front: Balancer) -> None:
 
 def stamps_of(http: httpx2.Client, session: str) -> dict[str, int]:
     """Version of each scan in the history, by its stamp; fails where a scan is there twice."""
-    found: dict[str, int] = {}
+    versions: dict[str, int] = {}
     after = ""
     while True:
         page = http.get(f"/v1/sessions/{session}/history?limit=1000{after}").raise_for_status().json()
         for entry in page["items"]:
             if entry["kind"] == "scan":
                 stamp = entry["request"]["scan"]["stamp"]
-                assert stamp not in found, f"{stamp} counts twice"
-                found[stamp] = entry["version"]
+                assert stamp not in versions, f"{stamp} counts twice"
+                versions[stamp] = entry["version"]
         if page["next"] is None:
-            return found
+            return versions
         after = f"&after={page['next']}"
 
 

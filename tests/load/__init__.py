@@ -10,7 +10,7 @@ each until it refuses or is late. It prints a table and writes `build/load.json`
 | `robots`   | a process of Locust that plays robots, which send scans by HTTP                  |
 | `bus_robots` | a process of robots that put scans on Zenoh                                    |
 | `rounds`   | one number of sessions after another, each measured for some seconds             |
-| `steps`    | what was measured with one number of sessions                                    |
+| `steps`    | figures that were measured with one number of sessions                           |
 | `usage`    | CPU time of processes                                                            |
 | `report`   | the table, and the JSON                                                          |
 """

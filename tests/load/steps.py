@@ -1,4 +1,4 @@
-"""What was measured with one number of sessions."""
+"""Figures that were measured with one number of sessions."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -55,7 +55,7 @@ class Step:
 
     @property
     def reason(self) -> str | None:
-        """Why a service does not carry so many sessions; None: it does."""
+        """Reason why a service does not carry so many sessions; None: it does."""
         if self.refused:
             return "refuses"
         if self.p99_ms > LATE_MS:

@@ -1,4 +1,4 @@
-"""What the figures of a load mean: carried, late or refused, and what the limit is."""
+"""Verdicts from the figures of a load: carried, late or refused, and what the limit is."""
 
 from collections import Counter
 from dataclasses import replace

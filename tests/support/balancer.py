@@ -17,7 +17,7 @@ _PROBES = "inter 2s fall 2 rise 2"
 _QUICK_PROBES = "inter 100ms fall 2 rise 2"
 _NAMES = "resolvers containers init-addr libc,none"
 _PROBE_TIMEOUT = "10s"
-"""For the response to a quick probe, which otherwise would have to come before the next one."""
+"""Time for the response to a quick probe; without it the response would have to come before the next probe."""
 _START_SECONDS = 10.0
 _STOP_SECONDS = 10.0
 
