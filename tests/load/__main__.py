@@ -73,6 +73,7 @@ def main() -> None:
         measured[name] = steps
         console.print(report.table(name, steps))
         console.print(f" {report.verdict(steps, subject.processes)}\n", highlight=False, soft_wrap=True)
+    console.print(report.summary(measured))
     if given.out is not None:
         report.write(given.out, measured, when=when, cores=os.cpu_count(), load_before=loads, scenario=given.scenario)
 

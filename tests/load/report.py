@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
+from rich.box import MARKDOWN, SIMPLE_HEAD
 from rich.table import Table
 
 from tests.load.steps import LATE_MS, Step
@@ -32,6 +32,30 @@ def table(title: str, steps: Iterable[Step]) -> Table:
             ", ".join(f"{part} {used:.2f}" for part, used in cores.items() if part != "machine"),
             f"{cores['machine']:.2f}",
             step.reason or "yes",
+        )
+    return own
+
+
+def summary(measured: Mapping[str, list[Step]]) -> Table:
+    """Make a table with the largest number of sessions that each service carries, for a page in Markdown.
+
+    A service that carries not even the first number is shown at that number, with the reason in brackets.
+    """
+    own = Table(box=MARKDOWN)
+    own.add_column("service")
+    for column in ("sessions", "scans/s", "p50 ms", "p99 ms", "CPU ms per scan", "cores: service", "machine"):
+        own.add_column(column, justify="right")
+    for name, steps in measured.items():
+        step = ([step for step in steps if step.reason is None] or steps[:1])[-1]
+        own.add_row(
+            name,
+            str(step.sessions) if step.reason is None else f"({step.sessions}: {step.reason})",
+            f"{step.scans_per_s:.0f}",
+            f"{step.p50_ms:.1f}",
+            f"{step.p99_ms:.0f}",
+            f"{step.cpu_ms_per_scan:.1f}",
+            f"{step.cores['service']:.2f}",
+            f"{step.cores['machine']:.2f}",
         )
     return own
 

@@ -4,8 +4,9 @@ from collections import Counter
 from dataclasses import replace
 
 import pytest
+from rich.console import Console
 
-from tests.load.report import verdict
+from tests.load.report import summary, verdict
 from tests.load.steps import Step, step_of
 
 CARRIED = Step(10, 8.0, 400, 3.0, 20.0, 40.0, {}, 0, {"service": 0.8, "robots": 0.1, "machine": 1.0}, {})
@@ -61,3 +62,11 @@ def test_times_are_summarised_and_none_are_invented() -> None:
 )
 def test_the_verdict_names_the_limit(steps: list[Step], processes: int, says: str) -> None:
     assert says in verdict(steps, processes, cores=2)
+
+
+def test_the_summary_has_the_most_sessions_that_each_service_carries() -> None:
+    console = Console(width=120)
+    with console.capture() as printed:
+        console.print(summary({"quick": [CARRIED, replace(CARRIED, sessions=11), SLOW], "slow": [SLOW, SLOW]}))
+    rows = [[cell.strip() for cell in line.split("|")] for line in printed.get().splitlines() if "|" in line]
+    assert [row[1:3] for row in rows[2:]] == [["quick", "11"], ["slow", "(20: late)"]]
