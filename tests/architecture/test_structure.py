@@ -178,7 +178,6 @@ TESTED_ELSEWHERE = {
     "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
     "zenoh/applying": "tests/voa_service/zenoh/test_ledger.py",
     "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",
-    "zenoh/queries": "tests/voa_service/zenoh/test_entry.py, with a real router",
     "zenoh/samples": "a record",
     "zenoh/scans": "tests/voa_service/zenoh/test_entry.py, with a real router",
 }

@@ -49,11 +49,10 @@ class Queries:
     def on(self, session: zenoh.Session) -> Iterator[None]:
         """Answer queries within a `with` block; queries received before its end are answered or refused at its end."""
         receive = Callback(self._receive, indirect=False)
-        with ExitStack() as stack:
-            queryable = stack.enter_context(session.declare_queryable(self._keys.rpc("*"), receive, complete=True))
-            yield
-            stack.enter_context(self._receiving_late(session))
-            queryable.undeclare()  # type: ignore[no-untyped-call]
+        with ExitStack() as late:
+            with session.declare_queryable(self._keys.rpc("*"), receive, complete=True):
+                yield
+                late.enter_context(self._receiving_late(session))
             threading.Event().wait(_LATE_SECONDS)
         with self._closed:
             self._closed.wait_for(lambda: not self._open, _END_SECONDS)
