@@ -46,8 +46,8 @@ SUBJECTS = {
     "scans by Zenoh": Subject(services.on_zenoh, _RAISED),
     "two replicas on PostgreSQL": Subject(services.two_replicas, _RAISED, processes=2),
     "all robots with one key": Subject(services.with_a_key, (20, 60)),
-    "far too many sessions": Subject(services.on_sqlite, _FLOOD),
-    "far too many sessions for two replicas": Subject(services.two_replicas, _FLOOD, processes=2),
+    "too many for one process": Subject(services.on_sqlite, _FLOOD),
+    "too many for two replicas": Subject(services.two_replicas, _FLOOD, processes=2),
 }
 SHORT = {name: replace(SUBJECTS[name], sessions=(4,)) for name in ("one process on SQLite", "scans by Zenoh")}
 
