@@ -70,7 +70,8 @@ def test_our_images_are_built_from_the_dockerfile(file: str, service: str) -> No
 def test_replicas_are_checked_stopped_in_order_and_scraped(file: str, service: str) -> None:
     entry = compose(file)["services"][service]
     assert "/readyz" in STAGES["service"].partition("HEALTHCHECK")[2]
-    assert float(entry["stop_grace_period"].removesuffix("s")) > Settings.model_fields["stop_seconds"].default
+    stop = float(entry["environment"].get("VOA_STOP_SECONDS", Settings.model_fields["stop_seconds"].default))
+    assert float(entry["stop_grace_period"].removesuffix("s")) > stop
     assert {name for name in entry["environment"] if name.startswith("VOA_")} <= variables(Settings)
     (job,) = yaml.safe_load((DEPLOY / "monitoring/prometheus.yml").read_text(encoding="utf-8"))["scrape_configs"]
     assert job["dns_sd_configs"][0]["names"] == entry["networks"]["default"]["aliases"]
@@ -114,6 +115,10 @@ def test_replicas_share_a_database_and_have_nothing_of_their_own() -> None:
     assert services["voa-1"] == services["voa-2"]
     assert all(volume.endswith(":ro") for volume in services["voa-1"]["volumes"])
     settings = services["voa-1"]["environment"]
+    assert settings["VOA_REQUIRE_KEYS"] == "1"
+    probes = re.search(r"inter (\d+)s fall (\d+)", (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8"))
+    assert probes is not None
+    assert float(settings["VOA_DRAIN_SECONDS"]) > int(probes[1]) * int(probes[2])
     assert settings["VOA_DATABASE_URL"] == "postgresql+psycopg://voa@postgres/voa"
     assert settings["PGPASSWORD"] == services["postgres"]["environment"]["POSTGRES_PASSWORD"]
     assert settings["PGPASSWORD"].startswith("${POSTGRES_PASSWORD:?")

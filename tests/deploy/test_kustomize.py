@@ -106,7 +106,9 @@ def test_probes_are_the_services_own(name: str) -> None:
     assert only["livenessProbe"]["httpGet"]["path"] == only["startupProbe"]["httpGet"]["path"] == "/livez"
     assert only["readinessProbe"]["httpGet"]["path"] == "/readyz"
     pause = only["lifecycle"]["preStop"]["sleep"]["seconds"]
-    assert pods(name)["voa"]["terminationGracePeriodSeconds"] > pause + Settings.model_fields["stop_seconds"].default
+    given = overlay(name)["ConfigMap", "voa-settings"]["data"]
+    stop = float(given.get("VOA_STOP_SECONDS", Settings.model_fields["stop_seconds"].default))
+    assert pods(name)["voa"]["terminationGracePeriodSeconds"] > pause + stop
 
 
 def test_sqlite_is_one_process_on_a_volume() -> None:
