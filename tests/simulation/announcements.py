@@ -1,0 +1,55 @@
+"""Checks the announced looks of a session: what reads show, against what was announced, withdrawn and taken."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+
+from tests.simulation.requests import outcome_of
+from tests.simulation.world import Seen
+from tests.support.histories import Call
+from voa_msgs.rankings import MOST_PENDING
+
+
+@dataclass
+class Announcements:
+    """The calls about the announced looks of one session.
+
+    Attributes:
+        made: answered announcements.
+        reads: answered reads.
+        writes: every attempt of a write, answered or not.
+    """
+
+    made: list[Seen] = field(default_factory=list)
+    reads: list[Seen] = field(default_factory=list)
+    writes: list[Call] = field(default_factory=list)
+
+    def add(self, seen: Seen) -> None:
+        """Sort an answered call."""
+        if seen.request.kind == "read" and seen.reply.response is not None:
+            self.reads.append(seen)
+        elif (seen.request.key or "").startswith("announce") and seen.reply.response is not None:
+            self.made.append(seen)
+
+    def problems(self) -> Iterator[str]:
+        """Describe each announced look that a read lacks, or has although it had ended."""
+        if len(self.made) > MOST_PENDING:
+            return
+        for made in self.made:
+            look = made.reply.facts
+            ends = sorted(call.started for call in self.writes if _ends(call, look))
+            first_end = ends[0] if ends else float("inf")
+            for read in self.reads:
+                shown = look["id"] in {each["id"] for each in read.reply.facts["under_way"]}
+                until = datetime.fromisoformat(look["expires_at"]).timestamp()
+                if shown and until <= read.reply.clock[0]:
+                    yield f"look {look['id']} is shown although it has expired"
+                if not shown and made.ended < read.started and read.ended < first_end and until > read.reply.clock[1]:
+                    yield f"look {look['id']} is not shown although it is under way"
+
+
+def _ends(call: Call, look: dict[str, Any]) -> bool:
+    """True if a write may end a look: its withdrawal, or a scan from its place."""
+    withdrawn = call.request == "" and (call.key or "").startswith("cancel")
+    return withdrawn or f'"sensor":"{look["sensor"]}"' in (call.request or "") and '"scan"' in (call.request or "")
