@@ -29,7 +29,7 @@ class Announcements:
         """Sort an answered call."""
         if seen.request.kind == "read" and seen.reply.response is not None:
             self.reads.append(seen)
-        elif (seen.request.key or "").startswith("announce") and seen.reply.response is not None:
+        elif seen.request.name == "announce" and seen.reply.response is not None:
             self.made.append(seen)
 
     def problems(self) -> Iterator[str]:
@@ -51,5 +51,5 @@ class Announcements:
 
 def _ends(call: Call, look: dict[str, Any]) -> bool:
     """True if a write may end a look: its withdrawal, or a scan from its place."""
-    withdrawn = call.request == "" and (call.key or "").startswith("cancel")
+    withdrawn = call.request == ""  # no other write has an empty body
     return withdrawn or f'"sensor":"{look["sensor"]}"' in (call.request or "") and '"scan"' in (call.request or "")

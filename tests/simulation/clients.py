@@ -108,7 +108,7 @@ class Client:
             robot = replica.robot
             if robot is not None:
                 delay = 0.03 * self._world.scheduler.generator(f"look{operation.number}/{replica.name}").random()
-                self._world.scheduler.at(delay, partial(robot.receive, operation.number, look))
+                self._world.scheduler.at(robot.in_order(delay), partial(robot.receive, operation.number, look))
 
     def _claim(self, operation: Operation, session: str) -> None:
         """Claim the mapped robot for a session, without a key."""

@@ -75,7 +75,7 @@ def simulated(scheduler: Scheduler, disk: Disk) -> Iterator[None]:
     pool = _pool_type(scheduler, disk)
 
     def create(url: Any, **options: Any) -> Engine:
-        engine = create_engine(url, poolclass=pool, **options)
+        engine = create_engine(url, poolclass=pool, connect_args={"timeout": 0}, **options)
         if options["pool_size"] == 1:  # the writer's
             event.listen(engine, "begin", lambda _: disk.lock(engine.pool))
         event.listen(engine, "before_cursor_execute", _before_statement(disk))

@@ -30,6 +30,7 @@ from voa_store.sql import SqlStore
 START = datetime(2026, 1, 1, tzinfo=UTC)
 _CACHE_BYTES = 2**22
 _RETENTION_SECONDS = 20.0
+_PAUSE_SECONDS = 0.001
 _RESPONSE_DAYS = 1.0
 _RESTART_SECONDS = 1.0
 
@@ -166,7 +167,7 @@ class Replica(Owner):
             while True:
                 self._scheduler.pause(_RETENTION_SECONDS)
                 with suppress(StoreError):  # as `runtime.periodic`: the next round tries again
-                    inside.retention.apply(self._scheduler.pause)
+                    inside.retention.apply(lambda _: self._scheduler.pause(_PAUSE_SECONDS))
 
     def _robot(self, inside: UseCases, robots: Robots) -> SimulatedRobot:
         """Map the robot to the scenario, and begin to apply its looks."""

@@ -30,6 +30,7 @@ class Request:
 
     Attributes:
         kind: for the checker of histories.
+        name: of the call.
         session: id of the session that it is about; empty: it makes one.
         key: idempotency key; None: it has none.
         body: as it is received, in UTF-8.
@@ -38,6 +39,7 @@ class Request:
     """
 
     kind: Kind
+    name: str
     session: str
     key: str | None
     body: str
@@ -82,7 +84,7 @@ def outcome_of(request: Request, reply: Reply) -> tuple[Outcome, int | None]:
     if reply.failure is not None:
         if reply.failure.status in (500, 503):
             return "unknown", None
-        absent = reply.failure.kind == "not-found" and not (request.key or "").startswith("cancel")  # the look may be
+        absent = reply.failure.kind == "not-found" and request.name != "cancel"  # which misses the look
         return ("gone" if absent and request.kind != "delete" else "refused"), None
     if request.kind in ("create", "delete"):
         return "made", 0 if request.kind == "create" else None
@@ -101,7 +103,7 @@ def creation(number: int, scenario: str) -> Request:
     key, text = f"create {number}", body.model_dump_json()
     named = idempotency_key(key, scope_of_caller(CALLER), "create session", body)
     return Request(
-        "create", "", key, text, None, lambda inside: inside.sessions.create(body, write_of("prior", text.encode(), named))
+        "create", "create", "", key, text, None, lambda inside: inside.sessions.create(body, write_of("prior", text.encode(), named))
     )
 
 
@@ -113,12 +115,12 @@ def deletion(number: int, session: str) -> Request:
     def act(inside: UseCases) -> None:
         inside.sessions.delete(session, named, None)
 
-    return Request("delete", session, key, "", None, act)
+    return Request("delete", "delete", session, key, "", None, act)
 
 
 def reading(session: str) -> Request:
     """Make the request that reads a session."""
-    return Request("read", session, None, "", None, lambda inside: inside.sessions.response(session))
+    return Request("read", "read", session, None, "", None, lambda inside: inside.sessions.response(session))
 
 
 def observation(operation: Operation, session: str, known: int | None) -> Request:
@@ -140,7 +142,7 @@ def observation(operation: Operation, session: str, known: int | None) -> Reques
                 return inside.updates.put_belief(session, body, write_of("belief", received, named, versions))
         raise TypeError(type(body))
 
-    return Request("write", session, key, text, if_match, act)
+    return Request("write", operation.kind, session, key, text, if_match, act)
 
 
 def announcement(operation: Operation, session: str) -> Request:
@@ -150,6 +152,7 @@ def announcement(operation: Operation, session: str) -> Request:
     named = idempotency_key(key, scope_of(session), "look", body)
     return Request(
         "write",
+        "announce",
         session,
         key,
         text,
@@ -163,7 +166,7 @@ def withdrawal(operation: Operation, session: str, look: str) -> Request:
     key = _key(operation)
     named = idempotency_key(key, scope_of(session), f"cancel look {look}", None)
     return Request(
-        "write", session, key, "", None, lambda inside: inside.looks.cancel(session, look, write_of("look", b"", named))
+        "write", "cancel", session, key, "", None, lambda inside: inside.looks.cancel(session, look, write_of("look", b"", named))
     )
 
 

@@ -65,6 +65,12 @@ class SimulatedRobot:
         self._due: deque[tuple[int, GatheredLook]] = deque()
         self._signal = Signal()
         self._ledger: LookLedger | None = None
+        self._newest = 0.0
+
+    def in_order(self, delay: float) -> float:
+        """Return a delay after which a message arrives no sooner than those that were published before it."""
+        self._newest = max(self._newest, self._scheduler.now + delay)
+        return self._newest - self._scheduler.now
 
     def receive(self, number: int, look: GatheredLook) -> None:
         """Queue a look; called by the scheduler."""

@@ -126,7 +126,8 @@ class World:
             replies.append(reply)
             scheduler.notify(signal)
 
-        for copy in range(1 + (task.random.random() < self.weather.repeated)):
+        repeated = task.random.random() < self.weather.repeated and request.key is not None  # as a client would, or a proxy
+        for copy in range(1 + repeated):
             if task.random.random() >= self.weather.lost:
                 work = self._work(request, replica, f"{name}.{copy}", answer)
                 scheduler.at(self._delay(task), work)

@@ -54,6 +54,8 @@ class LookLedger:
         """Newest look of the robot when this ledger began; None: the session has none among its newest versions."""
         self._all_until = self._seen
         """Looks up to this number are recognised, or too old to be looks at a coming stop."""
+        self._before = self._looks_before()
+        """Digests of the newest of these looks, of which another process may have been first to receive one."""
 
     def begin_stop(self) -> ScanRequest | None:
         """Note the version of the session as a stop begins.
@@ -73,6 +75,13 @@ class LookLedger:
             unknown = fresh[-1] if fresh else None
         self.version, self._seen = version, number
         return unknown
+
+    def _looks_before(self) -> list[str]:
+        """Return the digests of the newest looks that the session had when this ledger began."""
+        if self._same_stop is not None or self._seen == 0:
+            return []
+        newest = self._sessions.robot_looks(self.session, self._robot, _NEWEST)
+        return [look.digest for look in newest if look.number <= self._seen]
 
     def _others_since(self, count: int) -> bool:
         """Return True if another process applied one of the robot's `count` newest looks."""
@@ -116,6 +125,9 @@ class LookLedger:
 
     def _by_digest(self, taken: GatheredLook, count: int) -> bool:
         """Return True for a look in the session with this digest that was not recognised before; recognises it."""
+        if taken.digest in self._before:
+            self._before.remove(taken.digest)
+            return True
         self._all_until = max(self._all_until, count - _REMEMBERED)
         if count == self._all_until:
             return False
