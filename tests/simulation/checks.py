@@ -111,7 +111,7 @@ def _announcements(world: World, histories: Histories) -> Iterator[str]:
     of: dict[str, Announcements] = defaultdict(Announcements)
     for seen in world.records.seen:
         of[seen.request.session].add(seen)
-    for call in world.records.calls:
+    for call in [*world.records.calls, *_robot_requests(world)]:
         if call.kind == "write":
             of[call.session].writes.append(call)
     for session, announcements in of.items():
