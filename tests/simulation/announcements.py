@@ -32,8 +32,13 @@ class Announcements:
         elif seen.request.name == "announce" and seen.reply.response is not None:
             self.made.append(seen)
 
-    def problems(self) -> Iterator[str]:
-        """Describe each announced look that a read lacks, or has although it had ended."""
+    def problems(self, ahead: float) -> Iterator[str]:
+        """Describe each announced look that a read lacks, or has although it had ended.
+
+        Args:
+            ahead: seconds since 1970 that no clock of a process has ever been ahead of, less the virtual time: any
+                process may drop what has expired by its own clock.
+        """
         if len(self.made) > MOST_PENDING:
             return
         for made in self.made:
@@ -45,7 +50,7 @@ class Announcements:
                 until = datetime.fromisoformat(look["expires_at"]).timestamp()
                 if shown and until <= read.reply.clock[0]:
                     yield f"look {look['id']} is shown although it has expired"
-                if not shown and made.ended < read.started and read.ended < first_end and until > read.reply.clock[1]:
+                if not shown and made.ended < read.started and read.ended < first_end and until > ahead + read.ended:
                     yield f"look {look['id']} is not shown although it is under way"
 
 

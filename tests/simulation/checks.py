@@ -114,8 +114,9 @@ def _announcements(world: World, histories: Histories) -> Iterator[str]:
     for call in [*world.records.calls, *_robot_requests(world)]:
         if call.kind == "write":
             of[call.session].writes.append(call)
+    ahead = START.timestamp() + sum(max(0.0, seconds) for _, _, seconds in world.plan.jumps)
     for session, announcements in of.items():
-        for problem in announcements.problems():
+        for problem in announcements.problems(ahead):
             yield f"announced: session {session}: {problem}"
 
 
@@ -127,7 +128,7 @@ def _assignments(world: World, histories: Histories) -> Iterator[str]:
         if before.session == after.session:
             continue
         last = max(before.ended, after.ended)
-        moved = any(started <= last for _, started in world.records.claims)
+        moved = any(each.started <= last and each.ended >= before.started for each in world.records.claims)
         ended = any(session in (before.session, after.session) and started <= last for session, started in ends)
         if not (moved or ended):
             yield f"robot: it belongs to {before.session} and then to {after.session}, though nobody moved it"

@@ -112,13 +112,8 @@ class Client:
 
     def _claim(self, operation: Operation, session: str) -> None:
         """Claim the mapped robot for a session, without a key."""
-        world = self._world
-        world.records.claims.append((session, world.scheduler.now))
-        world.order(
-            world.replicas[self._draw(REPLICAS)],
-            f"claim{operation.number}",
-            lambda inside: inside.claims.claim(ROBOT_NAME, session),
-        )
+        replica = self._world.replicas[self._draw(REPLICAS)]
+        self._world.claim(replica, f"claim{operation.number}", session, ROBOT_NAME)
 
     def _draw(self, count: int) -> int:
         task = self._world.scheduler.current

@@ -1,6 +1,7 @@
 """What a seed stands for: the operations of simulated clients, the weather of network and disk, and the crashes."""
 
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,8 +18,9 @@ _WEIGHTS: dict[Kind, int] = {
     "cancel": 4,
     "read": 14,
     "history": 2,
-    "renew": 2,
 }
+_RENEWALS = (1, 3, 25)
+"""Weights of renewals, of which each plan has one: sessions that live for long, or hardly at all."""
 _OF_ROBOT: dict[Kind, int] = {"look": 18, "claim": 1}
 _THINK_SECONDS = 0.15
 _OPERATIONS = 60
@@ -97,8 +99,11 @@ def plan_of(seed: int, operations: int = _OPERATIONS) -> Plan:
         operations: of each client.
     """
     draw = random.Random(seed)  # noqa: S311 - repeatable on purpose
+    weights: dict[Kind, int] = {**_WEIGHTS, "renew": draw.choice(_RENEWALS)}
     each = [
-        _operation(draw, client + CLIENTS * index, client) for client in range(CLIENTS) for index in range(operations)
+        _operation(draw, client + CLIENTS * index, client, _OF_ROBOT if client == ROBOT else weights)
+        for client in range(CLIENTS)
+        for index in range(operations)
     ]
     steps = 25 * operations * CLIENTS // REPLICAS
     crashes = sorted((draw.randrange(REPLICAS), draw.randrange(20, steps)) for _ in range(draw.choice((0, 1, 2, 4))))
@@ -109,8 +114,7 @@ def plan_of(seed: int, operations: int = _OPERATIONS) -> Plan:
     return Plan(seed, tuple(each), _weather(draw), tuple(crashes), tuple(sorted(jumps)))
 
 
-def _operation(draw: random.Random, number: int, client: int) -> Operation:
-    weights = _OF_ROBOT if client == ROBOT else _WEIGHTS
+def _operation(draw: random.Random, number: int, client: int, weights: Mapping[Kind, int]) -> Operation:
     kind = draw.choices(list(weights), list(weights.values()))[0]
     keyed = kind in ("renew", "look", "claim") or draw.random() < 0.8
     return Operation(
@@ -121,7 +125,7 @@ def _operation(draw: random.Random, number: int, client: int) -> Operation:
         keyed=keyed,
         conditional=kind in ("scan", "outcome", "belief") and draw.random() < 0.25,
         think=_THINK_SECONDS * draw.random() * draw.choice((0.0, 0.2, 1.0)),
-        sensor=draw.choice(("Q1", "Q2")),
+        sensor="Q3" if kind == "announce" and draw.random() < 0.8 else draw.choice(("Q1", "Q2")),
     )
 
 

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from structlog.testing import capture_logs
 
@@ -52,6 +53,16 @@ class Result:
         return [f"{time:12.6f} {name:32} {label}" for time, name, label in self.trace]
 
 
+def _scenario() -> dict[str, Any]:
+    """Return the scenario of `data_scenario` with a third sensor, Q3, from which no scan is ever taken."""
+    sensor = {"name": "Q3", "x": 0.0, "y": 0.0, "yaw_rad": 0.0}
+    plain = data_scenario()
+    return plain | {
+        "sensors": [*plain["sensors"], sensor],
+        "predictions": plain["predictions"] | {"Q3": plain["predictions"]["Q2"]},
+    }
+
+
 @contextmanager
 def template() -> Iterator[tuple[Path, dict[str, Model]]]:
     """Make a database with one scenario, which every run copies."""
@@ -59,7 +70,7 @@ def template() -> Iterator[tuple[Path, dict[str, Model]]]:
         path = Path(folder) / "voa.db"
         store = SqlStore(f"sqlite:///{path}", seconds=lambda: 0.0)
         inside = use_cases(store, lambda: START, str, Changes(), Robots(lambda: START, store.robot_session))
-        id_ = inside.scenarios.create(ScenarioRequest.model_validate(data_scenario()))[0].id
+        id_ = inside.scenarios.create(ScenarioRequest.model_validate(_scenario()))[0].id
         model = inside.models.get(id_)
         store.close()
         if model is None:

@@ -103,7 +103,7 @@ class Scheduler:
                 self.errors.append((task, error))
             self._tasks.pop(task, None)
 
-        task.greenlet = greenlet(run)
+        task.greenlet = greenlet(run, self._hub)
         self._tasks[task] = None
         self._push(self.now + delay, task, task.ticket)
         return task

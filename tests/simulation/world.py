@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tests.simulation.database import Disk
 from tests.simulation.plan import REPLICAS, SLOTS, Plan, Weather
-from tests.simulation.replica import Replica, UseCases
+from tests.simulation.replica import Replica
 from tests.simulation.requests import Reply, Request, outcome_of, reply_of
 from tests.simulation.scheduler import Scheduler, Signal, Task
 from tests.support.histories import Call
@@ -46,7 +46,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Settled:
-    """Answer of a process to whom a robot belongs."""
+    """Session that the robot belongs to, as a process found it or decided it, and when."""
 
     session: str | None
     started: float
@@ -79,8 +79,8 @@ class Records:
     seen: list[Seen] = field(default_factory=list)
     publications: list[Publication] = field(default_factory=list)
     settled: list[Settled] = field(default_factory=list)
-    claims: list[tuple[str, float]] = field(default_factory=list)
-    """Explicit claims of the robot: the session, and when the call began."""
+    claims: list[Settled] = field(default_factory=list)
+    """Explicit claims of the robot."""
     applied: list[Applied] = field(default_factory=list)
     looks: list[PublishedLook] = field(default_factory=list)
     creations: list[Request] = field(default_factory=list)
@@ -139,16 +139,21 @@ class World:
         self._record(request, reply, started)
         return reply
 
-    def order(self, replica: Replica, name: str, act: Callable[[UseCases], None]) -> None:
-        """Have a process do something, without a response."""
+    def claim(self, replica: Replica, name: str, session: str, robot: str) -> None:
+        """Have a process claim a robot for a session, without a response."""
+        sent = self.scheduler.now
 
         def arrive() -> None:
             inside = replica.inside
 
             def work() -> None:
-                if inside is not None:
+                if inside is None:
+                    return
+                try:
                     with suppress(*EXPECTED_ERRORS):
-                        act(inside)
+                        inside.claims.claim(robot, session)
+                finally:
+                    self.records.claims.append(Settled(session, sent, self.scheduler.now))
 
             self.scheduler.spawn(f"{replica.name}.{replica.life}/{name}", work, replica)
 

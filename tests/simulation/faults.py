@@ -1,0 +1,226 @@
+"""Faults that are planted into the production code while a simulation runs; each must be found, and replayed."""
+
+import importlib
+import inspect
+import textwrap
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from types import CodeType, FunctionType
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Change:
+    """Replacement of some text in a function or method.
+
+    Attributes:
+        where: module and name, as "voa_store.sql:SqlStore.change".
+        texts: each a text that stands there once, and the text that stands there instead.
+    """
+
+    where: str
+    texts: tuple[tuple[str, str], ...]
+
+    @property
+    def function(self) -> FunctionType:
+        """The function as it is in the module, without its decorators."""
+        module, _, path = self.where.partition(":")
+        found: Any = importlib.import_module(module)
+        for name in path.split("."):
+            found = getattr(found, name)
+        function = inspect.unwrap(found)
+        if not isinstance(function, FunctionType):
+            raise TypeError(f"expected a function at {self.where}, got {type(function).__name__}")
+        return function
+
+    def code(self) -> CodeType:
+        """Compile the function with the replacements.
+
+        Raises:
+            ValueError: a text to be replaced does not stand there once.
+        """
+        function = self.function
+        source = textwrap.dedent(inspect.getsource(function))
+        for old, new in self.texts:
+            if source.count(old) != 1:
+                raise ValueError(f"expected {old!r} once in {self.where}, got it {source.count(old)} times")
+            source = source.replace(old, new)
+        namespace: dict[str, Any] = {}
+        exec(compile(source, f"<planted: {self.where}>", "exec"), function.__globals__, namespace)  # noqa: S102
+        changed: FunctionType = inspect.unwrap(namespace[function.__name__])
+        return changed.__code__
+
+
+@dataclass(frozen=True)
+class PlantedFault:
+    """A fault that somebody might make.
+
+    Attributes:
+        name: what is wrong then.
+        changes: of the code.
+        seeds: number of seeds within which it must be found.
+    """
+
+    name: str
+    changes: tuple[Change, ...]
+    seeds: int = 60
+
+    @contextmanager
+    def planted(self) -> Iterator[None]:
+        """Put the fault into the code within a `with` block, for everybody who has imported it."""
+        with ExitStack() as stack:
+            for change in self.changes:
+                function = change.function
+                stack.callback(setattr, function, "__code__", function.__code__)
+                function.__code__ = change.code()
+            yield
+
+
+def _change(where: str, *texts: tuple[str, str]) -> Change:
+    return Change(where, texts)
+
+
+_UNLOCK = (
+    "with transaction(self._writer) as connection:\n        row = named_row(connection, _LOCK, id_)\n",
+    "with statement(self._single) as unlocked:\n        row = named_row(unlocked, _BY_ID, id_)\n"
+    "    with transaction(self._writer) as connection:\n",
+)
+
+PLANTED = (
+    PlantedFault(
+        "a session is read before its lock is taken",
+        (_change("voa_store.sql:SqlStore.change", _UNLOCK),),
+    ),
+    PlantedFault(
+        "a lost lock: the second of two writers replaces the version of the first",
+        (
+            _change(
+                "voa_store.sql:SqlStore.change",
+                _UNLOCK,
+                ("_INSERT[history]", '_INSERT[history].prefix_with("OR REPLACE")'),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "the idempotency key is not looked up",
+        (
+            _change("voa_store.sql:stored_response", ("if key is None or", "if key is not None or")),
+            _change("voa_store.sql:keep_response", ("if key is not None:", "if False:")),
+        ),
+    ),
+    PlantedFault(
+        "the key is looked up before the lock is taken: a retry at the same moment applies twice",
+        (
+            _change(
+                "voa_store.sql:SqlStore.change",
+                (
+                    "with transaction(self._writer) as connection:\n",
+                    "with statement(self._single) as earlier:\n        before = stored_response(earlier, write.key)\n"
+                    "    with transaction(self._writer) as connection:\n",
+                ),
+                ("        before = stored_response(connection, write.key)\n", ""),
+            ),
+            _change("voa_store.sql:keep_response", ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
+        ),
+    ),
+    PlantedFault(
+        "a response is stored under the wrong key",
+        (
+            _change("voa_store.sql:keep_response", ("key.key", "key.key[:-1]"), ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
+            _change(
+                "voa_store.sql:stored_response",
+                ('"by_key": key.key', '"by_key": key.key[:-1]'),
+                ("row.fingerprint != key.fingerprint", "row is None"),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "a write is answered before its commit",
+        (
+            _change(
+                "voa_store.sql:transaction",
+                (
+                    "with _database_errors(engine), engine.begin() as connection:\n        yield connection",
+                    "with _database_errors(engine):\n        connection = engine.connect()\n"
+                    "        begun = connection.begin()\n        try:\n            yield connection\n"
+                    "        except BaseException:\n            begun.rollback()\n            connection.close()\n"
+                    "            raise\n        engine.pool.commit_later(begun, connection)",
+                ),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "a version is published before its commit",
+        (
+            _change(
+                "voa_service.usecases.updates:Updates._change",
+                (
+                    "            if report is not None:\n                self.observed",
+                    "            self._committed(state.id, change)\n"
+                    "            if report is not None:\n                self.observed",
+                ),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "the version that a caller expects is not compared",
+        (_change("voa_store.sql:_check_version", ("version not in expected", "version < min(expected)")),),
+    ),
+    PlantedFault(
+        "a read is answered from a stale cache",
+        (
+            _change(
+                "voa_service.usecases.sessions:Sessions.response",
+                ("mark.version, mark.updated_at,", "mark.version // 2,"),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "stored responses expire with the wrong sign",
+        (_change("voa_store.sql:SqlStore.forget_responses", ("now - math.ceil", "now + math.ceil")),),
+    ),
+    PlantedFault(
+        "announced looks expire with the wrong sign",
+        (_change("voa_service.mapping.under_way:announced_looks", ("expires_at > now", "expires_at < now")),),
+    ),
+    PlantedFault(
+        "an announced look replaces those of other robots",
+        (
+            _change(
+                "voa_service.usecases.looks:AnnouncedLooks.announce",
+                ("[*announced_looks(state.under_way, now), look]", "[look]"),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "a robot is claimed twice: the second process does not look again",
+        (
+            _change(
+                "voa_store.robots:RobotRecords.settle_robot",
+                (
+                    "return claims.settle(connection, robot, scenario)",
+                    "claims.put(connection, robot, assignment.id)\n        return assignment.id",
+                ),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "a look is lost where another process has used its number",
+        (
+            _change(
+                "voa_service.zenoh.applying:apply_look",
+                ("if outcome is not None:", "if outcome is None:\n            return None\n        if True:"),
+            ),
+        ),
+    ),
+    PlantedFault(
+        "a look counts twice, because its digest is not compared",
+        (_change("voa_service.zenoh.ledger:LookLedger._by_digest", ("look.digest == taken.digest", "False")),),
+    ),
+    PlantedFault(
+        "a process that joins a session does not know the looks before",
+        (_change("voa_service.zenoh.ledger:LookLedger._looks_before", ("look.number <= self._seen", "False")),),
+        seeds=400,
+    ),
+)
