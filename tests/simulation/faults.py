@@ -105,7 +105,7 @@ PLANTED = (
     PlantedFault(
         "the idempotency key is not looked up",
         (
-            _change("voa_store.sql:stored_response", ("if key is None or", "if key is not None or")),
+            _change("voa_store.sql:stored_response", ("if key is None or", "if True or")),
             _change("voa_store.sql:keep_response", ("if key is not None:", "if False:")),
         ),
     ),

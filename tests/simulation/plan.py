@@ -2,7 +2,7 @@
 
 import random
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 Kind = Literal["scan", "outcome", "belief", "announce", "cancel", "read", "history", "renew", "look", "claim"]
@@ -84,11 +84,21 @@ class Plan:
         """Return the plan with some of its operations; all others happen as before."""
         return replace(self, operations=tuple(each for each in self.operations if each.number in numbers))
 
+    def without(self, troubles: frozenset[str]) -> "Plan":
+        """Return the plan without some kinds of trouble, as `troubles` names them."""
+        calm = {each.name: 0.0 for each in fields(Weather) if each.name in troubles}
+        return replace(
+            self,
+            weather=replace(self.weather, **calm),
+            crashes=() if "crashes" in troubles else self.crashes,
+            jumps=() if "jumps" in troubles else self.jumps,
+        )
+
     @property
-    def size(self) -> tuple[int, int]:
-        """Number of operations, and of troubles, by which plans are compared."""
-        troubles = len(self.crashes) + len(self.jumps) + sum(value > 0.0 for value in vars(self.weather).values())
-        return len(self.operations), troubles
+    def troubles(self) -> list[str]:
+        """Kinds of trouble that the plan has."""
+        bad = [each.name for each in fields(Weather) if getattr(self.weather, each.name) > 0.0]
+        return bad + [name for name in ("crashes", "jumps") if getattr(self, name)]
 
 
 def plan_of(seed: int, operations: int = _OPERATIONS) -> Plan:

@@ -26,6 +26,7 @@ from voa_store.sql import SqlStore
 
 _GRACE_SECONDS = 45.0
 """Virtual time between the last operation and the end, in which late messages arrive."""
+_DONE = "all clients are done"
 _CREATION = 1_000_000
 """Number of the first session's creation, above those of all operations."""
 
@@ -51,6 +52,12 @@ class Result:
     def lines(self) -> list[str]:
         """Return the trace as text."""
         return [f"{time:12.6f} {name:32} {label}" for time, name, label in self.trace]
+
+    def last_lines(self, count: int) -> list[str]:
+        """Return the last lines of the trace before the clients were done, without the work of retention."""
+        lines = self.lines()
+        ends = [index for index, step in enumerate(self.trace) if step[2] == _DONE]
+        return [line for line in lines[: ends[0] if ends else None] if "/main" not in line][-count:]
 
 
 def _scenario() -> dict[str, Any]:
@@ -141,6 +148,7 @@ def _begin(world: World) -> None:
         scheduler.spawn(f"client{number}", client.run)
     while world.busy:
         scheduler.pause(1.0)
+    scheduler.note(_DONE)
     world.weather, world.disk.errors, scheduler.stalls = Weather(), 0.0, 0.0
     scheduler.pause(_GRACE_SECONDS)
     scheduler.stop()

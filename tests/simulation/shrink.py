@@ -38,11 +38,11 @@ def shrunk(result: Result, run: Callable[[Plan], Result], most_runs: int = _MOST
 
 def _smaller(plan: Plan) -> Iterator[Plan]:
     """Make simpler plans, the boldest first."""
-    if plan.weather != Weather():
-        yield replace(plan, weather=Weather())
+    if plan.troubles:
+        yield plan.without(frozenset(plan.troubles))
     for name in ("crashes", "jumps"):
-        if getattr(plan, name):
-            yield replace(plan, **{name: ()})
+        if name in plan.troubles:
+            yield plan.without(frozenset({name}))
     for client in sorted({each.client for each in plan.operations}):
         yield replace(plan, operations=tuple(each for each in plan.operations if each.client != client))
     size = len(plan.operations) // 2
@@ -52,9 +52,4 @@ def _smaller(plan: Plan) -> Iterator[Plan]:
         size //= 2
     for trouble in fields(Weather):
         if getattr(plan.weather, trouble.name):
-            yield replace(plan, weather=replace(plan.weather, **{trouble.name: 0.0}))
-    for name in ("crashes", "jumps"):
-        some = getattr(plan, name)
-        if len(some) > 1:
-            for index in range(len(some)):
-                yield replace(plan, **{name: some[:index] + some[index + 1 :]})
+            yield plan.without(frozenset({trouble.name}))
