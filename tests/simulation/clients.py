@@ -53,7 +53,9 @@ class Client:
 
     def _do(self, operation: Operation) -> None:
         session = self._world.sessions[operation.slot]
-        if not session:
+        if operation.kind == "look":
+            self._publish(operation)
+        if operation.kind == "look" or not session:
             return
         match operation.kind:
             case "read":
@@ -71,8 +73,6 @@ class Client:
                 if self._announced:
                     taken, look = self._announced.pop(0)
                     self._sent(withdrawal(operation, taken, look), f"cancel{operation.number}")
-            case "look":
-                self._publish(operation)
             case "claim":
                 self._claim(operation, session)
             case _:

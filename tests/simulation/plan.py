@@ -22,7 +22,8 @@ _WEIGHTS: dict[Kind, int] = {
 _RENEWALS = (1, 3, 25)
 """Weights of renewals, of which each plan has one: sessions that live for long, or hardly at all."""
 _OF_ROBOT: dict[Kind, int] = {"look": 18, "claim": 1}
-_THINK_SECONDS = 0.15
+_THINKS, _ROBOT_THINKS = 0.15, 0.5
+"""Longest pause before an operation of a client, and of the robot, seconds."""
 _OPERATIONS = 60
 
 
@@ -131,10 +132,10 @@ def _operation(draw: random.Random, number: int, client: int, weights: Mapping[K
         number=number,
         client=client,
         kind=kind,
-        slot=draw.choices(range(SLOTS), (3, 1))[0],
+        slot=draw.choices(range(SLOTS), (1, 1) if kind == "renew" else (3, 1))[0],
         keyed=keyed,
         conditional=kind in ("scan", "outcome", "belief") and draw.random() < 0.25,
-        think=_THINK_SECONDS * draw.random() * draw.choice((0.0, 0.2, 1.0)),
+        think=draw.random() * draw.choice((0.0, 0.2, 1.0)) * (_ROBOT_THINKS if client == ROBOT else _THINKS),
         sensor="Q3" if kind == "announce" and draw.random() < 0.8 else draw.choice(("Q1", "Q2")),
     )
 

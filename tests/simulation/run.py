@@ -13,7 +13,7 @@ from structlog.testing import capture_logs
 from tests.simulation.checks import problems_of
 from tests.simulation.clients import Client
 from tests.simulation.database import simulated
-from tests.simulation.plan import CLIENTS, SLOTS, Plan, Weather
+from tests.simulation.plan import CLIENTS, ROBOT, SLOTS, Plan, Weather
 from tests.simulation.replica import START, use_cases
 from tests.simulation.scheduler import Endless, Scheduler
 from tests.simulation.world import World, folder_in_memory
@@ -130,7 +130,10 @@ def simulated_world(plan: Plan, scheduler: Scheduler, folder: Path, simulator: S
 def _begin(world: World) -> None:
     """Open the sessions while the sky is clear, then let the clients begin, and the plan's troubles."""
     scheduler, plan = world.scheduler, world.plan
+    clients = [Client(number, world) for number in range(CLIENTS)]
+    world.busy = len(clients)
     scheduler.pause(1.0)
+    scheduler.spawn("robot", clients[ROBOT].run)  # its first looks come while the sessions are opened
     for slot in range(SLOTS):
         Client(-1, world).create(_CREATION + slot, slot)
     world.weather = plan.weather
@@ -142,10 +145,9 @@ def _begin(world: World) -> None:
         replica.plan_crash()
     for delay, index, seconds in plan.jumps:
         scheduler.at(delay, partial(_jump, world, index, seconds))
-    clients = [Client(number, world) for number in range(CLIENTS)]
-    world.busy = len(clients)
     for number, client in enumerate(clients):
-        scheduler.spawn(f"client{number}", client.run)
+        if number != ROBOT:
+            scheduler.spawn(f"client{number}", client.run)
     while world.busy:
         scheduler.pause(1.0)
     scheduler.note(_DONE)

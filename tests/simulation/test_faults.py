@@ -1,0 +1,28 @@
+"""Each planted fault is found within few seeds, by the seed that found it before, and is gone without its patch."""
+
+import pytest
+
+from tests.simulation.__main__ import found
+from tests.simulation.faults import PLANTED, Change, PlantedFault
+from tests.simulation.run import Simulator
+
+
+@pytest.mark.parametrize("fault", [each for each in PLANTED if not each.rare], ids=lambda fault: fault.name)
+def test_a_planted_fault_is_found_and_replayed(simulator: Simulator, fault: PlantedFault) -> None:
+    with fault.planted():
+        seeds, first = found(fault, simulator.run)
+        assert first is not None, f"not found within {seeds} seeds"
+        again = simulator.run(first.plan)
+    assert (again.problems, again.trace) == (first.problems, first.trace)
+    assert not simulator.run(first.plan).problems
+
+
+@pytest.mark.parametrize("fault", [each for each in PLANTED if each.rare], ids=lambda fault: fault.name)
+def test_the_texts_that_a_rare_fault_replaces_are_there(fault: PlantedFault) -> None:
+    assert all(change.code() != change.function.__code__ for change in fault.changes)
+
+
+def test_a_text_that_is_gone_is_an_error() -> None:
+    change = Change("voa_store.sql:_check_version", (("no such text", ""),))
+    with pytest.raises(ValueError, match="once"):
+        change.code()
