@@ -1,8 +1,8 @@
 """Run the simulation: seeds until one fails, or one seed again.
 
-    python -m tests.simulation --writes 100000      as many seeds as make so many writes
-    python -m tests.simulation --seed 7             one seed; where it fails, its shortest form and last steps
-    python -m tests.simulation --planted            each planted fault, with the number of seeds until it is found
+python -m tests.simulation --writes 100000      as many seeds as make so many writes
+python -m tests.simulation --seed 7             one seed; where it fails, its shortest form and last steps
+python -m tests.simulation --planted            each planted fault, with the number of seeds until it is found
 """
 
 import argparse
@@ -81,8 +81,8 @@ def _many(first: int, writes: int, run: Callable[[Plan], Result], fault: str | N
             reported = time.monotonic()
             print(f"{made} writes of {writes}, {seed - first} seeds", file=sys.stderr, flush=True)
     print(
-        f"{made} writes in {seed - first} seeds from {first} on, {versions} versions kept to the end, nothing wrong, in "
-        f"{time.monotonic() - began:.0f} s ({time.process_time():.0f} s of CPU)"
+        f"{made} writes in {seed - first} seeds from {first} on, {versions} versions kept to the end, nothing wrong, "
+        f"in {time.monotonic() - began:.0f} s ({time.process_time():.0f} s of CPU)"
     )
     return 0
 
@@ -126,8 +126,9 @@ def description(result: Result, fault: str | None = None) -> str:
         options.append(f"--without {','.join(left_out)}")
     if fault is not None:
         options.append(f"--fault {fault!r}")
+    troubles = ", ".join(plan.troubles) or "none"
     parts = [
-        f"seed {plan.seed} fails with {len(plan.operations)} operations and troubles: {', '.join(plan.troubles) or 'none'}",
+        f"seed {plan.seed} fails with {len(plan.operations)} operations and troubles: {troubles}",
         *(f"  {problem}" for problem in result.problems[:10]),
         "last steps (time, task, what comes next):",
         *result.last_lines(_LAST_STEPS),

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
-from tests.simulation.requests import outcome_of
 from tests.simulation.world import Seen
 from tests.support.histories import Call
 from voa_msgs.rankings import MOST_PENDING
@@ -57,4 +56,4 @@ class Announcements:
 def _ends(call: Call, look: dict[str, Any]) -> bool:
     """True if a write may end a look: its withdrawal, or a scan from its place."""
     withdrawn = call.request == ""  # no other write has an empty body
-    return withdrawn or f'"sensor":"{look["sensor"]}"' in (call.request or "") and '"scan"' in (call.request or "")
+    return withdrawn or (f'"sensor":"{look["sensor"]}"' in (call.request or "") and '"scan"' in (call.request or ""))

@@ -55,29 +55,39 @@ class Client:
         session = self._world.sessions[operation.slot]
         if operation.kind == "look":
             self._publish(operation)
-        if operation.kind == "look" or not session:
-            return
-        match operation.kind:
-            case "read":
-                self._sent(reading(session), f"read{operation.number}")
-            case "history":
-                self._sent(reading(session), f"history{operation.number}")
-            case "renew":
-                self._sent(deletion(operation.number, session), f"delete{operation.number}")
-                self.create(operation.number, operation.slot)
-            case "announce":
-                reply = self._sent(announcement(operation, session), f"announce{operation.number}")
-                if reply is not None and reply.response is not None:
-                    self._announced.append((session, reply.facts["id"]))
-            case "cancel":
-                if self._announced:
-                    taken, look = self._announced.pop(0)
-                    self._sent(withdrawal(operation, taken, look), f"cancel{operation.number}")
-            case "claim":
-                self._claim(operation, session)
-            case _:
-                known = self._world.known.get((self._number, session))
-                self._sent(observation(operation, session, known), f"{operation.kind}{operation.number}")
+        elif session:
+            special = {
+                "read": self._read,
+                "renew": self._renew,
+                "announce": self._announce,
+                "cancel": self._cancel,
+                "claim": self._claim,
+            }
+            special.get(operation.kind, self._observe)(operation, session)
+
+    def _read(self, operation: Operation, session: str) -> None:
+        self._sent(reading(session), f"read{operation.number}")
+
+    def _renew(self, operation: Operation, session: str) -> None:
+        """Delete a session, and open another in its place."""
+        self._sent(deletion(operation.number, session), f"delete{operation.number}")
+        self.create(operation.number, operation.slot)
+
+    def _announce(self, operation: Operation, session: str) -> None:
+        reply = self._sent(announcement(operation, session), f"announce{operation.number}")
+        if reply is not None and reply.response is not None:
+            self._announced.append((session, reply.facts["id"]))
+
+    def _cancel(self, operation: Operation, _session: str) -> None:
+        """Withdraw the oldest look that this client has announced, in whatever session."""
+        if self._announced:
+            session, look = self._announced.pop(0)
+            self._sent(withdrawal(operation, session, look), f"cancel{operation.number}")
+
+    def _observe(self, operation: Operation, session: str) -> None:
+        """Send a scan, an outcome or a belief."""
+        known = self._world.known.get((self._number, session))
+        self._sent(observation(operation, session, known), f"{operation.kind}{operation.number}")
 
     def _sent(self, request: Request, name: str) -> Reply | None:
         """Send a request; one with a key again and again until it is answered."""

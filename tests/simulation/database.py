@@ -72,7 +72,7 @@ class Disk:
 @contextmanager
 def simulated(scheduler: Scheduler, disk: Disk) -> Iterator[None]:
     """Let every store that is opened within the `with` block run on the scheduler."""
-    pool = _pool_type(scheduler, disk)
+    pool = type("Pool", (SimulatedPool,), {"scheduler": scheduler, "disk": disk})
 
     def create(url: Any, **options: Any) -> Engine:
         engine = create_engine(url, poolclass=pool, connect_args={"timeout": 0}, **options)
@@ -117,51 +117,56 @@ def _before_commit(disk: Disk) -> Callable[[Connection], None]:
     return before
 
 
-def _pool_type(scheduler: Scheduler, disk: Disk) -> type[QueuePool]:
-    class Pool(QueuePool):
-        """Connections for which tasks wait in virtual time."""
+class SimulatedPool(QueuePool):
+    """Connections for which tasks wait in virtual time; each run makes a class of its own.
 
-        def __init__(self, *arguments: Any, **options: Any) -> None:
-            super().__init__(*arguments, **options | {"timeout": 0})
-            self._free = Signal()
+    Attributes:
+        scheduler: of the tasks.
+        disk: that the connections write to.
+    """
 
-        def commit_later(self, begun: RootTransaction, connection: Connection) -> None:
-            """Commit a transaction in another task: a fault that `faults` plants, and no part of the store."""
+    scheduler: Scheduler
+    disk: Disk
 
-            def commit() -> None:
-                try:
-                    scheduler.step("is about to commit")
-                except Killed:
-                    begun.rollback()
-                    raise
-                else:
-                    begun.commit()
-                finally:
-                    connection.close()
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options | {"timeout": 0})
+        self._free = Signal()
 
-            task = scheduler.current
-            if task is None:
-                commit()
+    def commit_later(self, begun: RootTransaction, connection: Connection) -> None:
+        """Commit a transaction in another task: a fault that `faults` plants, and no part of the store."""
+
+        def commit() -> None:
+            try:
+                self.scheduler.step("is about to commit")
+            except Killed:
+                begun.rollback()
+                raise
             else:
-                scheduler.spawn(f"{task.name.partition('/commit')[0]}/commit", commit, task.owner)
+                begun.commit()
+            finally:
+                connection.close()
 
-        def _do_get(self) -> ConnectionPoolEntry:
-            disk.check_alive()
-            scheduler.step("connects")
-            end = scheduler.now + _PATIENCE_SECONDS
-            while scheduler.current is not None and self.checkedout() >= self.size() and scheduler.now < end:
-                scheduler.wait(self._free, end - scheduler.now)
-            return super()._do_get()
+        task = self.scheduler.current
+        if task is None:
+            commit()
+        else:
+            self.scheduler.spawn(f"{task.name.partition('/commit')[0]}/commit", commit, task.owner)
 
-        def _do_return_conn(self, record: ConnectionPoolEntry) -> None:
-            super()._do_return_conn(record)
-            disk.unlock(self)
-            scheduler.notify(self._free)
-            scheduler.step("has left the database")
-            if self.size() == 1:  # the commit is done, and yet an error is reported
-                disk.fail_sometimes()
+    def _do_get(self) -> ConnectionPoolEntry:
+        self.disk.check_alive()
+        self.scheduler.step("connects")
+        end = self.scheduler.now + _PATIENCE_SECONDS
+        while self.scheduler.current is not None and self.checkedout() >= self.size() and self.scheduler.now < end:
+            self.scheduler.wait(self._free, end - self.scheduler.now)
+        return super()._do_get()
 
-    return Pool
+    def _do_return_conn(self, record: ConnectionPoolEntry) -> None:
+        super()._do_return_conn(record)
+        self.disk.unlock(self)
+        self.scheduler.notify(self._free)
+        self.scheduler.step("has left the database")
+        if self.size() == 1:  # the commit is done, and yet an error is reported
+            self.disk.fail_sometimes()
 
 
 def _remover_type(scheduler: Scheduler) -> type:

@@ -22,14 +22,13 @@ class Change:
     where: str
     texts: tuple[tuple[str, str], ...]
 
-    @property
     def function(self) -> FunctionType:
-        """The function as it is in the module, without its decorators."""
+        """Find the function in its module, without its decorators."""
         module, _, path = self.where.partition(":")
         found: Any = importlib.import_module(module)
         for name in path.split("."):
             found = getattr(found, name)
-        function = inspect.unwrap(found)
+        function: Any = inspect.unwrap(found)
         if not isinstance(function, FunctionType):
             raise TypeError(f"expected a function at {self.where}, got {type(function).__name__}")
         return function
@@ -40,7 +39,7 @@ class Change:
         Raises:
             ValueError: a text to be replaced does not stand there once.
         """
-        function = self.function
+        function = self.function()
         source = textwrap.dedent(inspect.getsource(function))
         for old, new in self.texts:
             if source.count(old) != 1:
@@ -73,7 +72,7 @@ class PlantedFault:
         """Put the fault into the code within a `with` block, for everybody who has imported it."""
         with ExitStack() as stack:
             for change in self.changes:
-                function = change.function
+                function = change.function()
                 stack.callback(setattr, function, "__code__", function.__code__)
                 function.__code__ = change.code()
             yield
@@ -129,7 +128,11 @@ PLANTED = (
     PlantedFault(
         "a response is stored under the wrong key",
         (
-            _change("voa_store.sql:keep_response", ("key.key", "key.key[:-1]"), ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
+            _change(
+                "voa_store.sql:keep_response",
+                ("key.key", "key.key[:-1]"),
+                ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),'),
+            ),
             _change(
                 "voa_store.sql:stored_response",
                 ('"by_key": key.key', '"by_key": key.key[:-1]'),

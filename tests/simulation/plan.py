@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
-Kind = Literal["scan", "outcome", "belief", "announce", "cancel", "read", "history", "renew", "look", "claim"]
+Kind = Literal["scan", "outcome", "belief", "announce", "cancel", "read", "renew", "look", "claim"]
 
 REPLICAS, SLOTS, CLIENTS = 2, 2, 4
 ROBOT = CLIENTS - 1
@@ -16,8 +16,7 @@ _WEIGHTS: dict[Kind, int] = {
     "belief": 26,
     "announce": 8,
     "cancel": 4,
-    "read": 14,
-    "history": 2,
+    "read": 16,
 }
 _RENEWALS = (1, 3, 25)
 """Weights of renewals, of which each plan has one: sessions that live for long, or hardly at all."""

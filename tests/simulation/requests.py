@@ -103,7 +103,13 @@ def creation(number: int, scenario: str) -> Request:
     key, text = f"create {number}", body.model_dump_json()
     named = idempotency_key(key, scope_of_caller(CALLER), "create session", body)
     return Request(
-        "create", "create", "", key, text, None, lambda inside: inside.sessions.create(body, write_of("prior", text.encode(), named))
+        "create",
+        "create",
+        "",
+        key,
+        text,
+        None,
+        lambda inside: inside.sessions.create(body, write_of("prior", text.encode(), named)),
     )
 
 
@@ -166,7 +172,13 @@ def withdrawal(operation: Operation, session: str, look: str) -> Request:
     key = _key(operation)
     named = idempotency_key(key, scope_of(session), f"cancel look {look}", None)
     return Request(
-        "write", "cancel", session, key, "", None, lambda inside: inside.looks.cancel(session, look, write_of("look", b"", named))
+        "write",
+        "cancel",
+        session,
+        key,
+        "",
+        None,
+        lambda inside: inside.looks.cancel(session, look, write_of("look", b"", named)),
     )
 
 
@@ -195,5 +207,3 @@ def _scan(operation: Operation, stamp: Any) -> ScanRequest:
 
 def _key(operation: Operation) -> str | None:
     return f"{operation.kind} {operation.number}" if operation.keyed else None
-
-

@@ -19,7 +19,7 @@ def test_a_planted_fault_is_found_and_replayed(simulator: Simulator, fault: Plan
 
 @pytest.mark.parametrize("fault", [each for each in PLANTED if each.rare], ids=lambda fault: fault.name)
 def test_the_texts_that_a_rare_fault_replaces_are_there(fault: PlantedFault) -> None:
-    assert all(change.code() != change.function.__code__ for change in fault.changes)
+    assert all(change.code() != change.function().__code__ for change in fault.changes)
 
 
 def test_a_text_that_is_gone_is_an_error() -> None:

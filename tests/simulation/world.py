@@ -107,9 +107,7 @@ class World:
         self.scenario = next(iter(model))
         self.disk = Disk(scheduler, 0.0)
         self.url = f"sqlite:///{folder / 'voa.db'}"
-        self.replicas = [
-            Replica("abcdef"[index], scheduler, self.url, model, self) for index in range(REPLICAS)
-        ]
+        self.replicas = [Replica("abcdef"[index], scheduler, self.url, model, self) for index in range(REPLICAS)]
         self.sessions: list[str] = [""] * SLOTS
         self.known: dict[tuple[int, str], int] = {}
         """Newest version that each client knows of a session."""
@@ -126,7 +124,9 @@ class World:
             replies.append(reply)
             scheduler.notify(signal)
 
-        repeated = task.random.random() < self.weather.repeated and request.key is not None  # as a client would, or a proxy
+        repeated = (
+            task.random.random() < self.weather.repeated and request.key is not None
+        )  # as a client would, or a proxy
         for copy in range(1 + repeated):
             if task.random.random() >= self.weather.lost:
                 work = self._work(request, replica, f"{name}.{copy}", answer)
@@ -175,7 +175,9 @@ class World:
         self.records.applied.append(Applied(number, session, result))
         self.scheduler.note(f"look {number}: {result}")
 
-    def _work(self, request: Request, replica: Replica, name: str, answer: Callable[[Reply], None]) -> Callable[[], None]:
+    def _work(
+        self, request: Request, replica: Replica, name: str, answer: Callable[[Reply], None]
+    ) -> Callable[[], None]:
         """Make what happens when a request arrives: nothing, where the process is dead by then."""
 
         def work() -> None:
@@ -223,7 +225,6 @@ class World:
                 None if belief is None else tuple(belief),
             )
         )
-
 
     def _client(self) -> Task:
         task = self.scheduler.current
