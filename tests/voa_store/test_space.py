@@ -1,12 +1,13 @@
 """Space of removed rows goes back to the file system."""
 
+import time
 from pathlib import Path
 
 from tests.support.waiting import wait_for
 from tests.voa_store.samples import change, create, engine_of, key, next_version, refuse, scenario, write
 from tests.voa_store.test_removal import rows
 from voa_store.backups import back_up
-from voa_store.engines import connect
+from voa_store.engines import connect, statement, transaction
 from voa_store.records import StoredResponse
 from voa_store.space import give_back
 from voa_store.sql import SqlStore
@@ -49,6 +50,20 @@ def test_a_file_from_before_is_not_touched_and_its_backup_gives_space_back(tmp_p
     engines.dispose()
     store.close()
     assert back_up(f"sqlite:///{file}", tmp_path / "backup.db").size < file.stat().st_size / 2
+
+
+def test_readers_connect_while_another_connection_writes(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'voa.db'}"
+    SqlStore(url).close()
+    writing, reading = connect(url), connect(url)
+    with transaction(writing.writer) as connection:
+        connection.exec_driver_sql("PRAGMA user_version=1")
+        began = time.monotonic()
+        with statement(reading.single) as other:  # a new connection: it once waited here, for 5 s, and failed then
+            assert other.exec_driver_sql("PRAGMA user_version").scalar_one() == 0
+        assert time.monotonic() - began < 3.0
+    writing.dispose()
+    reading.dispose()
 
 
 def test_a_response_without_a_session_is_kept(tmp_path: Path) -> None:

@@ -77,11 +77,15 @@ class LookLedger:
         return unknown
 
     def _looks_before(self) -> list[str]:
-        """Return the digests of the newest looks that the session had when this ledger began."""
+        """Return the digests of the newest looks that the session had when this ledger began.
+
+        Empty where some are equal, as those of a lidar without a clock and without noise: they name no look then.
+        """
         if self._same_stop is not None or self._seen == 0:
             return []
         newest = self._sessions.robot_looks(self.session, self._robot, _NEWEST)
-        return [look.digest for look in newest if look.number <= self._seen]
+        digests = [look.digest for look in newest if look.number <= self._seen]
+        return digests if len(set(digests)) == len(digests) else []
 
     def _others_since(self, count: int) -> bool:
         """Return True if another process applied one of the robot's `count` newest looks."""

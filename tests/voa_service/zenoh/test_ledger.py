@@ -320,6 +320,37 @@ def test_a_process_reads_no_more_than_it_must_where_every_scan_counts(
     assert set(reads) == {1}
 
 
+def test_a_scan_that_another_process_applied_before_this_one_entered_the_session_counts_once(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both = one, other = pair.processes('{ mode = "every" }', to=f'scenario = "{pair.scenario}"')
+    pair.revolution("Q1", both)
+    receive = one.receive
+
+    def receive_and_apply(payload: bytes, sensor: str) -> None:
+        receive(payload, sensor)
+        one.apply()
+
+    monkeypatch.setattr(one, "receive", receive_and_apply)
+    second = pair.services[0].open(pair.scenario, robots=[NAME])
+    for _ in range(3):
+        pair.revolution("Q1", both)  # each time the first process is done before the second one receives it
+    other.apply()
+    assert len(pair.looks(second)) == 3
+
+
+def test_scans_that_are_alike_count_after_a_restart(pair: Pair) -> None:
+    (one,) = pair.processes('{ mode = "every" }', count=1)
+    for _ in range(5):
+        pair.revolution("Q1", [one], clock=False)
+    one.apply()
+    (again,) = pair.processes('{ mode = "every" }', count=1)
+    for _ in range(5):
+        pair.revolution("Q1", [again], clock=False)
+    again.apply()
+    assert len(pair.looks()) == 10
+
+
 @pytest.mark.parametrize("scans", [2, 3])
 def test_requests_to_either_process_are_looks(pair: Pair, scans: int) -> None:
     both = pair.processes(f'{{ mode = "on_request", scans = {scans} }}')
