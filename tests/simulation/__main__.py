@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.simulation.faults import PLANTED, PlantedFault
-from tests.simulation.plan import Plan, plan_of
+from tests.simulation.plan import OPERATIONS, Plan, plan_of
 from tests.simulation.run import Result, Simulator, template
 from tests.simulation.shrink import shrunk
 
@@ -106,10 +106,18 @@ def _planted(run: Callable[[Plan], Result]) -> int:
     return missed
 
 
-def found(fault: PlantedFault, run: Callable[[Plan], Result]) -> tuple[int, Result | None]:
-    """Run seeds until a planted fault is found; returns how many, and the failing run; None: none failed."""
+def found(
+    fault: PlantedFault, run: Callable[[Plan], Result], operations: int = OPERATIONS
+) -> tuple[int, Result | None]:
+    """Run seeds until a planted fault is found; returns how many, and the failing run; None: none failed.
+
+    Args:
+        fault: that is planted already.
+        run: runs a plan.
+        operations: of each client.
+    """
     for seed in range(fault.seeds):
-        result = run(plan_of(seed))
+        result = run(plan_of(seed, operations))
         if result.problems:
             return seed + 1, result
     return fault.seeds, None

@@ -131,26 +131,33 @@ class SimulatedPool(QueuePool):
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options | {"timeout": 0})
         self._free = Signal()
+        self._late: dict[RootTransaction, Connection] = {}
+        """Transactions of `commit_later` that are still open."""
 
     def commit_later(self, begun: RootTransaction, connection: Connection) -> None:
         """Commit a transaction in another task: a fault that `faults` plants, and no part of the store."""
 
+        self._late[begun] = connection
+
         def commit() -> None:
-            try:
-                self.scheduler.step("is about to commit")
-            except Killed:
-                begun.rollback()
-                raise
-            else:
+            self.scheduler.step("is about to commit")
+            del self._late[begun]
+            with connection:
                 begun.commit()
-            finally:
-                connection.close()
 
         task = self.scheduler.current
         if task is None:
             commit()
         else:
             self.scheduler.spawn(f"{task.name.partition('/commit')[0]}/commit", commit, task.owner)
+
+    def dispose(self) -> None:
+        """Roll back what a dead process has not committed, and close the connections that nobody uses."""
+        late, self._late = self._late, {}
+        for begun, connection in late.items():
+            with connection:
+                begun.rollback()
+        super().dispose()
 
     def _do_get(self) -> ConnectionPoolEntry:
         self.disk.check_alive()

@@ -23,7 +23,8 @@ _RENEWALS = (1, 3, 25)
 _OF_ROBOT: dict[Kind, int] = {"look": 18, "claim": 1}
 _THINKS, _ROBOT_THINKS = 0.15, 0.5
 """Longest pause before an operation of a client, and of the robot, seconds."""
-_OPERATIONS = 60
+OPERATIONS = 60
+"""Number of operations of each client, unless a caller wants another."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ class Plan:
         return bad + [name for name in ("crashes", "jumps") if getattr(self, name)]
 
 
-def plan_of(seed: int, operations: int = _OPERATIONS) -> Plan:
+def plan_of(seed: int, operations: int = OPERATIONS) -> Plan:
     """Make the plan of a seed.
 
     Args:

@@ -12,7 +12,7 @@ from tests.simulation.shrink import shrunk
 from tests.support.scale import scaled
 
 CHUNKS = 4
-WRITES = scaled(24_000, 100_000) // CHUNKS
+WRITES = scaled(16_000, 100_000) // CHUNKS
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
