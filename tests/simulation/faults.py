@@ -147,10 +147,10 @@ PLANTED = (
                 "voa_store.sql:transaction",
                 (
                     "with _database_errors(engine), engine.begin() as connection:\n        yield connection",
-                    "with _database_errors(engine):\n        connection = engine.connect()\n"
-                    "        begun = connection.begin()\n        try:\n            yield connection\n"
-                    "        except BaseException:\n            begun.rollback()\n            connection.close()\n"
-                    "            raise\n        engine.pool.commit_later(begun, connection)",
+                    "with _database_errors(engine):\n        connection = engine.connect()\n        try:\n"
+                    "            begun = connection.begin()\n            yield connection\n"
+                    "        except BaseException:\n            connection.close()\n            raise\n"
+                    "        engine.pool.commit_later(begun, connection)",
                 ),
             ),
         ),
