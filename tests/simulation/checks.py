@@ -115,9 +115,11 @@ def _announcements(world: World, histories: Histories) -> Iterator[str]:
     for call in [*world.records.calls, *_robot_requests(world)]:
         if call.kind == "write":
             of[call.session].writes.append(call)
-    ahead = START.timestamp() + sum(max(0.0, seconds) for _, _, seconds in world.plan.jumps)
+    jumps = [seconds for _, _, seconds in world.plan.jumps]
+    behind = START.timestamp() + sum(min(0.0, seconds) for seconds in jumps)
+    ahead = START.timestamp() + sum(max(0.0, seconds) for seconds in jumps)
     for session, announcements in of.items():
-        for problem in announcements.problems(ahead):
+        for problem in announcements.problems(behind, ahead):
             yield f"announced: session {session}: {problem}"
 
 

@@ -187,7 +187,12 @@ PLANTED = (
     ),
     PlantedFault(
         "announced looks expire with the wrong sign",
-        (_change("voa_service.mapping.under_way:announced_looks", ("expires_at > now", "expires_at < now")),),
+        (
+            _change(
+                "voa_service.mapping.under_way:announced_looks",
+                ("now < look.expires_at <= now", "look.expires_at < now <= now"),
+            ),
+        ),
     ),
     PlantedFault(
         "an announced look replaces those of other robots",

@@ -13,6 +13,7 @@ from tests.simulation.scheduler import Owner, Scheduler
 from voa_service.mapping.models import Model, Models
 from voa_service.runtime.cache import Cache
 from voa_service.runtime.changes import Changes
+from voa_service.runtime.steady import SteadyClock
 from voa_service.settings import Limits
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.looks import AnnouncedLooks
@@ -50,9 +51,23 @@ class UseCases:
 
 
 def use_cases(
-    store: SqlStore, now: Callable[[], datetime], ids: Callable[[], str], changes: Changes, robots: Robots
+    store: SqlStore,
+    now: Callable[[], datetime],
+    ids: Callable[[], str],
+    changes: Changes,
+    robots: Robots,
+    seconds: Callable[[], float] = lambda: 0.0,
 ) -> UseCases:
-    """Build the use cases on a store."""
+    """Build the use cases on a store.
+
+    Args:
+        store: of all content.
+        now: wall clock.
+        ids: source of ids.
+        changes: announces commits.
+        robots: mapped robots.
+        seconds: clock that is never set, seconds.
+    """
     cache = Cache(_CACHE_BYTES)
     models, claims, limits = Models(store, cache), Claims(store, robots), Limits()
     sessions = Sessions(
@@ -66,7 +81,7 @@ def use_cases(
         Updates(sessions, LookedFrom(store, cache), lambda *_: None, lambda *_, **__: None),
         AnnouncedLooks(sessions),
         claims,
-        Retention(store, sessions.delete_version, now, None, _RESPONSE_DAYS),
+        Retention(store, sessions.delete_version, SteadyClock(now, seconds), None, _RESPONSE_DAYS),
     )
 
 
@@ -158,7 +173,7 @@ class Replica(Owner):
             return
         changes = Changes()
         robots = Robots(self.now, store.robot_session)
-        inside = use_cases(store, self.now, self._id, changes, robots)
+        inside = use_cases(store, self.now, self._id, changes, robots, lambda: self._scheduler.now)
         for id_, model in self._models.items():
             inside.models.keep(id_, model)
         with changes.listening(lambda session, state: self._witness.published(self.name, session, state)):
