@@ -93,7 +93,7 @@ def _planted(run: Callable[[Plan], Result]) -> int:
     missed = 0
     for fault in PLANTED:
         with fault.planted():
-            seeds, result = found(fault, run)
+            seeds, result = search(fault, run)
             if result is None:
                 missed += 1
                 table.add_row(fault.name, f"not within {seeds}", "", "", "")
@@ -106,7 +106,7 @@ def _planted(run: Callable[[Plan], Result]) -> int:
     return missed
 
 
-def found(
+def search(
     fault: PlantedFault, run: Callable[[Plan], Result], operations: int = OPERATIONS
 ) -> tuple[int, Result | None]:
     """Run seeds until a planted fault is found; returns how many, and the failing run; None: none failed.

@@ -104,7 +104,7 @@ def _creations(world: World, histories: Histories) -> Iterator[str]:
         if made.pop(request.body, 0) > 1:
             yield f"created: {request.key} made more than one session"
     for body in made:
-        yield f"created: nobody asked for a session with {body[:80]}"
+        yield f"created: no client has sent a request for a session with {body[:80]}"
 
 
 def _announcements(world: World, histories: Histories) -> Iterator[str]:

@@ -132,9 +132,9 @@ class SimulatedPool(QueuePool):
         super().__init__(*arguments, **options | {"timeout": 0})
         self._free = Signal()
         self._late: dict[RootTransaction, Connection] = {}
-        """Transactions of `commit_later` that are still open."""
+        """Transactions of `commit_delayed` that are still open."""
 
-    def commit_later(self, begun: RootTransaction, connection: Connection) -> None:
+    def commit_delayed(self, begun: RootTransaction, connection: Connection) -> None:
         """Commit a transaction in another task: a fault that `faults` plants, and no part of the store."""
 
         self._late[begun] = connection
@@ -193,7 +193,7 @@ def _remover_type(scheduler: Scheduler) -> type:
         wake_if_needed = wake
 
         def close(self) -> None:
-            """Nothing is left to close: the task dies with its process."""
+            """Do nothing: the task dies with its process."""
 
         def _run(self) -> None:
             more = True

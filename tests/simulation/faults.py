@@ -1,4 +1,4 @@
-"""Faults that are planted into the production code while a simulation runs; each must be found, and replayed."""
+"""Faults that are planted into the production code while a simulation runs; each must be attribute, and replayed."""
 
 import importlib
 import inspect
@@ -25,10 +25,10 @@ class Change:
     def function(self) -> FunctionType:
         """Find the function in its module, without its decorators."""
         module, _, path = self.where.partition(":")
-        found: Any = importlib.import_module(module)
+        attribute: Any = importlib.import_module(module)
         for name in path.split("."):
-            found = getattr(found, name)
-        function: Any = inspect.unwrap(found)
+            attribute = getattr(attribute, name)
+        function: Any = inspect.unwrap(attribute)
         if not isinstance(function, FunctionType):
             raise TypeError(f"expected a function at {self.where}, got {type(function).__name__}")
         return function
@@ -150,7 +150,7 @@ PLANTED = (
                     "with _database_errors(engine):\n        connection = engine.connect()\n        try:\n"
                     "            begun = connection.begin()\n            yield connection\n"
                     "        except BaseException:\n            connection.close()\n            raise\n"
-                    "        engine.pool.commit_later(begun, connection)",
+                    "        engine.pool.commit_delayed(begun, connection)",
                 ),
             ),
         ),

@@ -1,4 +1,4 @@
-"""What a seed stands for: the operations of simulated clients, the weather of network and disk, and the crashes."""
+"""Makes the plan of a seed: the operations of simulated clients, the weather of network and disk, and the crashes."""
 
 import random
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ OPERATIONS = 60
 
 @dataclass(frozen=True)
 class Operation:
-    """One thing that a client does.
+    """Action of a client.
 
     Attributes:
         number: in the plan; part of keys and bodies, so that each is unique.

@@ -86,11 +86,11 @@ class SimulatedRobot:
             session = ""
             try:
                 began = self._scheduler.now
-                found = self._claims.settle(ROBOT_NAME, self._scenario)
-                self._settled(found, began)
-                if found is None:
+                belongs_to = self._claims.settle(ROBOT_NAME, self._scenario)
+                self._settled(belongs_to, began)
+                if belongs_to is None:
                     continue
-                session = found
+                session = belongs_to
                 if self._ledger is None or self._ledger.session != session:
                     self._ledger = LookLedger(self._updates.sessions, session, ROBOT_NAME, None)
                 self._ledger.take(look)

@@ -2,18 +2,18 @@
 
 import pytest
 
-from tests.simulation.__main__ import found
+from tests.simulation.__main__ import search
 from tests.simulation.faults import PLANTED, Change, PlantedFault
 from tests.simulation.run import Simulator
 
 OPERATIONS = 30
-"""Of each client: short runs, so that all faults fit into the time of CI."""
+"""Operations of each client: short runs, so that all faults fit into the time of CI."""
 
 
 @pytest.mark.parametrize("fault", [each for each in PLANTED if not each.rare], ids=lambda fault: fault.name)
-def test_a_planted_fault_is_found_and_replayed(simulator: Simulator, fault: PlantedFault) -> None:
+def test_a_planted_fault_is_detected_and_replayed(simulator: Simulator, fault: PlantedFault) -> None:
     with fault.planted():
-        seeds, first = found(fault, simulator.run, OPERATIONS)
+        seeds, first = search(fault, simulator.run, OPERATIONS)
         assert first is not None, f"not found within {seeds} seeds"
         again = simulator.run(first.plan)
     assert (again.problems, again.trace) == (first.problems, first.trace)

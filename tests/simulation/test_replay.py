@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from tests.simulation.__main__ import description, found
+from tests.simulation.__main__ import description, search
 from tests.simulation.faults import PLANTED
 from tests.simulation.plan import plan_of
 from tests.simulation.run import Simulator
@@ -43,7 +43,7 @@ def test_a_failing_plan_is_shrunk_and_says_how_to_see_it_again(simulator: Simula
     name = "expects is not compared"
     (fault,) = (each for each in PLANTED if name in each.name)
     with fault.planted():
-        _, result = found(fault, simulator.run)
+        _, result = search(fault, simulator.run)
         assert result is not None
         small = shrunk(result, simulator.run, most_runs=25)
         again = simulator.run(small.plan)

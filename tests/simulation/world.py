@@ -55,7 +55,7 @@ class Settled:
 
 @dataclass(frozen=True)
 class Applied:
-    """What a process made of a look of the mapped robot: "accepted", "kept", "taken", or the kind of a failure."""
+    """Result of a look of the mapped robot: "accepted", "kept", "taken", or the kind of a failure."""
 
     number: int
     session: str
