@@ -96,11 +96,8 @@ PLANTED = (
     PlantedFault(
         "a lost lock: the second of two writers replaces the version of the first",
         (
-            _change(
-                "voa_store.sql:SqlStore.change",
-                _UNLOCK,
-                ("_INSERT[history]", '_INSERT[history].prefix_with("OR REPLACE")'),
-            ),
+            _change("voa_store.sql:SqlStore.change", _UNLOCK),
+            _change("voa_store.sql:_append", ("_INSERT[history]", '_INSERT[history].prefix_with("OR REPLACE")')),
         ),
     ),
     PlantedFault(
