@@ -327,8 +327,8 @@ def test_a_scan_that_another_process_applied_before_this_one_entered_the_session
     pair.revolution("Q1", both)
     receive = one.receive
 
-    def receive_and_apply(payload: bytes, sensor: str) -> None:
-        receive(payload, sensor)
+    def receive_and_apply(payload: bytes, sensor: str, received_s: float = 0.0) -> None:
+        receive(payload, sensor, received_s)
         one.apply()
 
     monkeypatch.setattr(one, "receive", receive_and_apply)
