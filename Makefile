@@ -77,6 +77,8 @@ ONLY ?=
 
 chaos: setup system-packages  ## attacks on a running service, each with its figure before and now
 	@CHAOS_WRITES=$(WRITES) CHAOS_BITS=$(BITS) $(BIN)/python -m tests.chaos $(ONLY)
+	@$(BIN)/python -m tests.simulation --planted
+	@$(BIN)/python -m tests.simulation --writes $(WRITES)
 
 bench: setup  ## the ratios beside their gates, median of three whole runs, also in build/bench.json; fails where a gate is missed
 	@$(BIN)/python -m tests.benchmarks --runs 3 --out build/bench.json

@@ -39,8 +39,8 @@ scenario = "mug"
 scans = {topic = "tb3_1/scan"}
 pose = {sensor = "Q1"}
 """
-NOT_RUN = ("python3 -m venv ", "/opt/voa/bin/pip ")
-"""Beginnings of the lines that install: `make setup` and the image do it, from the same lock file."""
+NOT_RUN = ("/opt/voa/bin/pip ", "runuser -u voa -- env NUMBA_CACHE_DIR")
+"""Beginnings of the lines that install and compile: the image does both, from the same lock files."""
 WITH_URL = ("doctor", "prune", "sessions")
 POSTGRESQL = ("pg_dump", "createdb", "export NEW=", "pg_restore", "python -m voa_store.verify")
 """Beginnings of the lines for PostgreSQL."""

@@ -201,20 +201,6 @@ PLANTED = (
         ),
     ),
     PlantedFault(
-        "a robot is claimed twice: the second process does not look again",
-        (
-            _change(
-                "voa_store.robots:RobotRecords.settle_robot",
-                (
-                    "return claims.settle(connection, robot, scenario)",
-                    "claims.put(connection, robot, assignment.id)\n        return assignment.id",
-                ),
-            ),
-        ),
-        seeds=600,
-        rare=True,
-    ),
-    PlantedFault(
         "a claim does not hold: a newer session takes the robot",
         (_change("voa_store.claims:_assignment", ("if session is not None:", "if session is None:")),),
     ),

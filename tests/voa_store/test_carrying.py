@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from tests.support.releases import at_revision
 from tests.voa_store.samples import NOON, engine_of
 from tests.voa_store.test_backups import url_of
 from tests.voa_store.test_keys import KEY
-from tests.voa_store.test_migrations import at_revision
 from voa_store.backups import back_up, restore
 from voa_store.carrying import CarriedKeys
 from voa_store.records import StoredKey
