@@ -40,23 +40,34 @@ def keep_damaged_log(file: Path, driver: Any) -> None:
     Args:
         file: of the database, before any other connection of this process opens it.
         driver: of SQLite.
-
-    Raises:
-        OSError: there is no room for the copy.
     """
     log = file.with_name(file.name + "-wal")
-    if not log.is_file() or log.stat().st_size == 0:
-        return
     header = _header(log)
+    if not header:
+        return
     with closing(driver.connect(str(file), timeout=_BUSY_SECONDS)) as connection:
-        # Recovers the log where no process has done so; SQLite before 3.51 also writes it to the file.
-        _, read, _ = connection.execute("PRAGMA wal_checkpoint(NOOP)").fetchone()
+        read = _frames_read(connection)
         (page_size,) = connection.execute("PRAGMA page_size").fetchone()
         lost = dropped_commits(log, read, page_size) if read >= 0 else 0
-        if lost and header == _header(log):  # otherwise another process has begun the log again meanwhile
-            copy = file.with_name(file.name + _SUFFIX)
-            structlog.get_logger().error("the database has lost answered writes", writes=lost, why=_why(copy))
-            shutil.copyfile(log, copy)  # before the connection is closed, which may remove the log
+        # Otherwise another process has begun the log again, or made commits, meanwhile.
+        if lost and header == _header(log) and read == _frames_read(connection):
+            _report(log, file.with_name(file.name + _SUFFIX), lost)
+
+
+def _frames_read(connection: Any) -> int:
+    """Return how many frames of the log SQLite has read; recovers the log where no process has done so."""
+    _, read, _ = connection.execute("PRAGMA wal_checkpoint(NOOP)").fetchone()
+    return int(read)
+
+
+def _report(log: Path, copy: Path, lost: int) -> None:
+    """Log the loss of commits, and copy the log before the connection is closed, which may remove it."""
+    structlog.get_logger().error("the database has lost answered writes", writes=lost, why=_why(copy))
+    try:
+        shutil.copyfile(log, copy)
+    except OSError as error:
+        copy.unlink(missing_ok=True)
+        structlog.get_logger().error("the damaged log could not be copied", file=str(copy), why=str(error))
 
 
 def damaged_log(file: Path) -> str | None:
@@ -75,6 +86,8 @@ def _why(copy: Path) -> str:
 def dropped_commits(log: Path, read: int, page_size: int) -> int:
     """Count the synced commits of a log that are missing from the frames that SQLite has read.
 
+    0 where the log is gone.
+
     Args:
         log: file of the log.
         read: number of frames that SQLite has read.
@@ -85,15 +98,22 @@ def dropped_commits(log: Path, read: int, page_size: int) -> int:
         finished when the machine stopped, or left over from a commit that failed.
     """
     run, most = 0, 0
-    for frame in _frames(log, read, page_size):
-        run = run * frame.follows + frame.commits
-        most = max(most, run)
+    try:
+        for frame in _frames(log, read, page_size):
+            run = run * frame.follows + frame.commits
+            most = max(most, run)
+    except FileNotFoundError:
+        return 0
     return max(0, most - 1)
 
 
 def _header(log: Path) -> bytes:
-    with log.open("rb") as file:
-        return file.read(_HEADER.size)
+    """Read the header of a log; empty where there is no log, or an empty one."""
+    try:
+        with log.open("rb") as file:
+            return file.read(_HEADER.size)
+    except FileNotFoundError:
+        return b""
 
 
 def _frames(log: Path, read: int, page_size: int) -> Iterator[_Frame]:

@@ -9,6 +9,7 @@ from pathlib import Path
 DEPLOY = Path(__file__).resolve().parents[2] / "deploy"
 OURS = (
     "voa_core voa_service voa_store voa_connections voa_meshes voa_msgs voa_ros voa_client voa_cli.main voa_cli.serve"
+    " voa_cli.doctor voa_cli.sessions voa_doctor"
 )
 PROGRAM = """
 import importlib, json, pkgutil, sys

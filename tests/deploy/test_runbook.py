@@ -94,7 +94,7 @@ class Machine:
         match shlex.split(os.path.expandvars(line)):
             case ["export", setting]:
                 self._environment.setenv(*setting.split("=", 1))
-            case ["voa", *words]:
+            case ["runuser", "-u", "voa", "--", "voa", *words] | ["voa", *words]:
                 self._voa(words)
             case ["curl", "-s", url]:
                 assert httpx2.get(self._url() + urlsplit(url).path).raise_for_status().text

@@ -1,13 +1,15 @@
 """A write-ahead log that the disk has changed: commits that SQLite drops are noticed, and nothing else is."""
 
+import errno
 import json
 import shutil
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
 from tests.voa_store.samples import change, create, next_version, scenario, write
+from voa_store import write_ahead
 from voa_store.sql import SqlStore
 from voa_store.verify import main
 
@@ -110,3 +112,43 @@ def test_what_a_failed_commit_has_left_behind_is_no_loss(crashed: Crashed, tmp_p
     left = crashed.log[crashed.sizes[3] : crashed.sizes[4]]
     log = crashed.log[:second] + with_flipped_bit(left, 200) + crashed.log[first : first + len(left)]
     assert crashed.versions(log, tmp_path / "copy") == (4, False)
+
+
+@pytest.mark.parametrize(("later", "reported"), [(True, False), (False, True)])
+def test_commits_that_another_process_makes_meanwhile_are_no_loss(
+    crashed: Crashed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, later: bool, reported: bool
+) -> None:
+    page = int.from_bytes(crashed.log[8:12])
+    new = (crashed.sizes[-1] - crashed.sizes[1]) // (24 + page)
+    read, calls = write_ahead._frames_read, []
+
+    def read_before_the_last_commits(connection: Any) -> int:
+        calls.append(connection)
+        return read(connection) - (0 if later and len(calls) > 1 else new)
+
+    monkeypatch.setattr(write_ahead, "_frames_read", read_before_the_last_commits)
+    assert crashed.versions(crashed.log, tmp_path / "copy") == (WRITES, reported)
+
+
+def test_a_damaged_log_that_cannot_be_copied_keeps_nobody_from_starting(
+    crashed: Crashed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(_log: Path, copy: Path) -> None:
+        copy.write_bytes(b"part")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    damaged = with_flipped_bit(crashed.log, crashed.sizes[1] + 1_000)
+    with monkeypatch.context() as patched:
+        patched.setattr("voa_store.write_ahead.shutil.copyfile", full)
+        folder = tmp_path / "copy"
+        folder.mkdir()
+        (folder / "voa.db").write_bytes((crashed.folder / "voa.db").read_bytes())
+        (folder / "voa.db-wal").write_bytes(damaged)
+        store = SqlStore(f"sqlite:///{folder / 'voa.db'}")
+    state = store.get_session("S")
+    store.close()
+    assert state is not None
+    assert not (folder / "voa.db-wal-damaged").exists()
+    printed = "".join(capsys.readouterr())
+    assert "the database has lost answered writes" in printed
+    assert "No space left on device" in printed

@@ -5,6 +5,12 @@ from collections.abc import Callable
 from datetime import datetime, timedelta
 
 
+def _seconds_since_boot() -> float:
+    """Seconds of a clock that is never set; where the system offers it, one that also runs while the machine sleeps."""
+    boot = getattr(time, "CLOCK_BOOTTIME", None)
+    return time.monotonic() if boot is None else time.clock_gettime(boot)
+
+
 class SteadyClock:
     """Clock by which nothing becomes old because a clock was set: the wall clock, or an earlier time.
 
@@ -17,7 +23,7 @@ class SteadyClock:
         seconds: clock that is never set, seconds.
     """
 
-    def __init__(self, now: Callable[[], datetime], seconds: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, now: Callable[[], datetime], seconds: Callable[[], float] = _seconds_since_boot) -> None:
         self._now, self._seconds = now, seconds
         self._began_at, self._began_s = now(), seconds()
 

@@ -11,6 +11,8 @@ from collections import deque
 
 from voa_msgs.sessions import ScanRequest
 from voa_ros.looks import GatheredLook, robot_of
+from voa_ros.messages import Stamp
+from voa_ros.scans import stamp_json
 from voa_ros.stops import SameStop
 from voa_service.usecases.sessions import Sessions
 
@@ -129,7 +131,7 @@ class LookLedger:
 
     def _by_digest(self, taken: GatheredLook, count: int) -> bool:
         """Return True for a look in the session with this digest that was not recognised before; recognises it."""
-        if taken.digest in self._before:
+        if taken.digest in self._before and _has_time(taken):
             self._before.remove(taken.digest)
             return True
         self._all_until = max(self._all_until, count - _REMEMBERED)
@@ -160,3 +162,9 @@ class LookLedger:
         entries = self._sessions.entries_after(self.session, version, _MOST_ENTRIES)
         scans = [(e.state.version, ScanRequest.model_validate_json(e.request)) for e in entries if e.kind == "scan"]
         return [(made, look) for made, look in scans if robot_of(look) == self._robot]
+
+
+def _has_time(look: GatheredLook) -> bool:
+    """True if the driver of the lidar states times; where it does not, looks with equal digests may differ."""
+    stamp = look.request.scan.stamp
+    return not (isinstance(stamp, dict) and stamp.get("to") == stamp_json(Stamp()))
