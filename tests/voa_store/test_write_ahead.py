@@ -114,9 +114,9 @@ def test_what_a_failed_commit_has_left_behind_is_no_loss(crashed: Crashed, tmp_p
     assert crashed.versions(log, tmp_path / "copy") == (4, False)
 
 
-@pytest.mark.parametrize(("later", "reported"), [(True, False), (False, True)])
+@pytest.mark.parametrize(("again", "reported"), [(True, False), (False, True)])
 def test_commits_that_another_process_makes_meanwhile_are_no_loss(
-    crashed: Crashed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, later: bool, reported: bool
+    crashed: Crashed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, again: bool, reported: bool
 ) -> None:
     page = int.from_bytes(crashed.log[8:12])
     new = (crashed.sizes[-1] - crashed.sizes[1]) // (24 + page)
@@ -124,7 +124,7 @@ def test_commits_that_another_process_makes_meanwhile_are_no_loss(
 
     def read_before_the_last_commits(connection: Any) -> int:
         calls.append(connection)
-        return read(connection) - (0 if later and len(calls) > 1 else new)
+        return read(connection) - (0 if again and len(calls) > 1 else new)
 
     monkeypatch.setattr(write_ahead, "_frames_read", read_before_the_last_commits)
     assert crashed.versions(crashed.log, tmp_path / "copy") == (WRITES, reported)
