@@ -293,8 +293,8 @@ MUTANTS = (
     Mutant(
         name="an announced look never ends by itself",
         file="service/voa_service/mapping/under_way.py",
-        old="if look.expires_at > now]",
-        new="]",
+        old="if now < look.expires_at <= now + LASTS + _SKEW]",
+        new="if look.expires_at <= now + LASTS + _SKEW]",
         tests="tests/contract/test_under_way.py",
     ),
     Mutant(

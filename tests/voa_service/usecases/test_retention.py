@@ -5,6 +5,8 @@ from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
+import pytest
+
 from tests.support.audit import audited
 from tests.support.serving import Service, data_scenario, serving
 from tests.support.waiting import wait_for
@@ -36,7 +38,8 @@ def test_sessions_are_removed_once_their_newest_version_is_too_old(tmp_path: Pat
         assert {service.http.get(f"/v1/sessions/{id_}").status_code for id_ in (old, other)} == {404}
 
 
-def test_each_removed_session_is_in_the_audit(tmp_path: Path) -> None:
+def test_each_removed_session_is_in_the_audit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("voa_service.bootstrap._FIRST_RETENTION_SECONDS", 0.0)
     with serving(tmp_path) as service:
         session = service.open(service.create(data_scenario()))
     with audited() as audit, serving(tmp_path, retention_days=1e-9) as service:
