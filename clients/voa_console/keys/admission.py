@@ -6,10 +6,10 @@ which loaded the page knows.
 """
 
 from collections.abc import Mapping
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 
 from fastapi import Request
+from starlette.requests import cookie_parser
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
 from voa_console.guard import Asgi, Receive, Scope, Send
@@ -77,12 +77,6 @@ def cookie_name(scope: Mapping[str, Any]) -> str:
 
 def secret_of(scope: Mapping[str, Any]) -> str | None:
     """Return the secret in the cookie of a request; None: there is none."""
-    jar = SimpleCookie()
-    for name, value in scope["headers"]:
-        if name == b"cookie":
-            try:
-                jar.load(value.decode("latin-1"))
-            except CookieError:
-                continue
-    morsel = jar.get(cookie_name(scope))
-    return None if morsel is None or not morsel.value else morsel.value
+    cookies = "; ".join(value.decode("latin-1") for name, value in scope["headers"] if name == b"cookie")
+    # Other programs on the host have cookies of any form; `http.cookies` reads none of those behind an odd one.
+    return cookie_parser(cookies).get(cookie_name(scope)) or None

@@ -48,6 +48,18 @@ def test_a_web_socket_that_is_not_nicegui_s_is_closed(service: Service, viewer: 
         pass
 
 
+@pytest.mark.parametrize(
+    "cookies",
+    ['prefs={"a":1}; voa_console_8080=S', "flag; voa_console_8080=S", 'a="; voa_console_8080=S; b=\xe9,[]'],
+)
+def test_cookies_of_other_programs_on_the_host_hide_no_secret(cookies: str) -> None:
+    header = cookies.encode("latin-1")
+    scope = {"server": ("127.0.0.1", 8080), "headers": [(b"accept", b"*/*"), (b"cookie", header)]}
+    assert secret_of(scope) == "S"
+    assert secret_of(scope | {"headers": [(b"cookie", header), (b"cookie", b"other=1")]}) == "S"
+    assert secret_of(scope | {"server": ("127.0.0.1", 8081)}) is None
+
+
 def test_the_secret_is_in_a_cookie_of_the_port() -> None:
     scope = {"server": ("127.0.0.1", 8081), "headers": [(b"cookie", b"voa_console_8080=a; x=1; voa_console_8081=b")]}
     assert cookie_name(scope) == "voa_console_8081"
