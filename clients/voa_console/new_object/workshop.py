@@ -4,12 +4,13 @@ import secrets
 import shutil
 import tempfile
 import time
+from collections import Counter
 from pathlib import Path
 
 from voa_console.new_object.bench import Bench
 
 MOST = 8
-"""Most new objects at a time: each may have a process. The one that was not used for the longest time goes first."""
+"""Most new objects at a time, of all keys together: each may have a process."""
 
 
 class Workshop:
@@ -38,14 +39,17 @@ class Workshop:
         return next((bench for bench in self._benches.values() if bench.is_making), None)
 
     async def new(self, key: str | None = None) -> Bench:
-        """Make an empty bench; beyond the most that there may be, the one that waits for the longest time ends.
+        """Make an empty bench; beyond the most that there may be, another one ends that is not being made.
+
+        Of those of the same key, or else of the key that has most, the one that waits for the longest time ends.
 
         Args:
             key: that a browser gave; None: the console's own.
         """
         waiting = [bench for bench in self._benches.values() if not bench.is_making]
         if len(self._benches) >= MOST and waiting:
-            await self.remove(min(waiting, key=lambda bench: bench.used_at))
+            have = Counter(bench.key for bench in waiting)
+            await self.remove(min(waiting, key=lambda bench: (bench.key != key, -have[bench.key], bench.used_at)))
         id_ = secrets.token_hex(8)
         folder = Path(tempfile.mkdtemp(prefix="voa-console-"))
         self._benches[id_] = Bench(id_, self._url, folder, used_at=time.monotonic(), key=key)

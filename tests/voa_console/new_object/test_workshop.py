@@ -50,6 +50,25 @@ def test_the_objects_of_a_key_are_seen_with_that_key_alone_and_go_with_it() -> N
     run(whole())
 
 
+def test_objects_of_a_key_make_room_for_another_one_of_it_and_else_those_of_the_key_that_has_most() -> None:
+    async def whole() -> None:
+        workshop = Workshop(NOBODY)
+        hers = await workshop.new("hers")
+        his = [await workshop.new("his") for _ in range(MOST - 1)]
+        for age, bench in enumerate([hers, *his]):
+            bench.used_at = float(age)
+        await workshop.new("his")
+        assert workshop.bench(hers.id, "hers") is hers, "it waits for the longest time, but is of another key"
+        assert workshop.bench(his[0].id, "his") is None
+        third = await workshop.new("third")
+        assert workshop.bench(hers.id, "hers") is hers, "she has only this one"
+        assert workshop.bench(his[1].id, "his") is None
+        assert workshop.bench(third.id, "third") is third
+        await workshop.close()
+
+    run(whole())
+
+
 def test_a_folder_that_a_person_named_stays(tmp_path: Path) -> None:
     async def whole() -> None:
         workshop = Workshop(NOBODY)
