@@ -11,7 +11,9 @@ from voa_console.context import Console
 IDLE_S = 12.0 * 3600.0
 """Time after which a visit ends that has no open page, seconds."""
 MOST = 1000
-"""Most visits; beyond them, the one that was not used for the longest time ends."""
+"""Most visits; beyond them, one without an open page ends, of those the one that was not used for the longest time."""
+MOST_OF_KEY = 50
+"""Most visits of a key; beyond them, another one of that key ends, so that nobody logs out those with other keys."""
 Leave = Callable[[], None]
 """Function of an open page that is called when its visit ends."""
 
@@ -39,6 +41,7 @@ class Visits:
         clock: returns seconds that never go back.
         idle_s: time after which a visit ends that has no open page, seconds.
         most: most visits.
+        most_of_key: most visits of a key.
     """
 
     def __init__(
@@ -47,18 +50,20 @@ class Visits:
         clock: Callable[[], float] = time.monotonic,
         idle_s: float = IDLE_S,
         most: int = MOST,
+        most_of_key: int = MOST_OF_KEY,
     ) -> None:
         self._ended = ended
         self._clock = clock
         self._idle_s = idle_s
         self._most = most
+        self._most_of_key = most_of_key
         self._visits: dict[bytes, Visit] = {}
 
     def begin(self, console: Console) -> str:
         """Begin a visit; return the secret by which its browser is recognised."""
         self.end_idle()
-        while len(self._visits) >= self._most:
-            self._end(min(self._visits, key=lambda each: self._visits[each].used_s))
+        self._make_room([each for each, visit in self._visits.items() if visit.console is console], self._most_of_key)
+        self._make_room(list(self._visits), self._most)
         secret = secrets.token_urlsafe(32)
         self._visits[_digest(secret)] = Visit(console, self._clock())
         return secret
@@ -102,6 +107,11 @@ class Visits:
         oldest = self._clock() - self._idle_s
         for digest in [each for each, visit in self._visits.items() if not visit.pages and visit.used_s < oldest]:
             self._end(digest)
+
+    def _make_room(self, digests: list[bytes], most: int) -> None:
+        """End one of these visits if there are so many, one without an open page first."""
+        if len(digests) >= most:
+            self._end(min(digests, key=lambda each: (bool(self._visits[each].pages), self._visits[each].used_s)))
 
     def _end(self, digest: bytes) -> None:
         visit = self._visits.pop(digest, None)

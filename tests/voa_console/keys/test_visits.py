@@ -19,8 +19,8 @@ class Clock:
         return self.now
 
 
-def visits(clock: Clock, ended: list[Console], most: int = 10) -> Visits:
-    return Visits(ended.append, clock, idle_s=100.0, most=most)
+def visits(clock: Clock, ended: list[Console], most: int = 10, most_of_key: int = 10) -> Visits:
+    return Visits(ended.append, clock, idle_s=100.0, most=most, most_of_key=most_of_key)
 
 
 def test_a_visit_is_known_by_its_secret_alone() -> None:
@@ -83,3 +83,30 @@ def test_beyond_the_most_visits_the_one_that_waits_for_the_longest_time_ends() -
     third = own.begin(CONSOLE)
     assert [own.get(each) is None for each in (first, second, third)] == [False, True, False]
     assert ended == [OTHER]
+
+
+def test_visits_of_a_key_make_room_for_each_other_and_end_none_of_another_key() -> None:
+    clock, ended = Clock(), list[Console]()
+    own = visits(clock, ended, most=4, most_of_key=2)
+    others = [own.begin(OTHER), own.begin(OTHER)]
+    secrets = []
+    for _ in range(5):
+        clock.now += 1.0
+        secrets.append(own.begin(CONSOLE))
+    assert [own.get(each) is None for each in secrets] == [True, True, True, False, False]
+    assert all(own.get(each) is not None for each in others)
+    assert ended == [CONSOLE] * 3
+
+
+def test_visits_without_an_open_page_make_room_first() -> None:
+    clock, left = Clock(), list[str]()
+    own = visits(clock, [], most=3, most_of_key=2)
+    secrets = [own.begin(CONSOLE)]
+    visit = own.get(secrets[0])
+    assert visit is not None
+    own.open_page(visit, lambda: left.append("opened first"))
+    for console in (CONSOLE, CONSOLE, OTHER, cast(Console, "a third console")):
+        clock.now += 1.0
+        secrets.append(own.begin(console))
+    assert [own.get(each) is None for each in secrets] == [False, True, True, False, False]
+    assert left == []
