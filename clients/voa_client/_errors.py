@@ -8,7 +8,8 @@ VoaClientError
 |-- UnexpectedResponseError   the response is of another kind: another program listens there
 `-- ProblemError              the service answered with a problem document
     |-- InvalidRequestError   400, 413, 415, 422: repeating the same request is of no use
-    |-- DeniedError           401, 403: there is no valid key, or its role may not make the call
+    |-- DeniedError           401, 403: there is no valid key, or its role may not make the call; 429 where too many
+    |                         calls without a valid key were made
     |-- NotFoundError         404
     |-- ConflictError         409: the request contradicts the state of the service
     |-- StaleVersionError     412: the session has another version
@@ -21,6 +22,9 @@ from voa_msgs.problems import Problem
 PROXY_PROBLEM = "http-error"
 """Kind of the problem that stands for an HTTP error that a proxy sent instead of the service."""
 
+
+_WITHOUT_KEY = ("unauthenticated", "too-many-without-key")
+"""Kinds of the problems of calls without a valid key."""
 
 _GIVE_KEY = "name a file with a key in VOA_KEY_FILE, or put the key into VOA_KEY (commands: --key-file)"
 
@@ -71,8 +75,13 @@ class DeniedError(ProblemError):
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
-        if self.kind == "unauthenticated":
+        if self.needs_key:
             self.args = (f"{problem.detail}; {_GIVE_KEY}",)
+
+    @property
+    def needs_key(self) -> bool:
+        """True if the service needs a key, and the call had none that is valid."""
+        return self.kind in _WITHOUT_KEY
 
 
 class NotFoundError(ProblemError):
@@ -129,6 +138,8 @@ def refusal(problem: Problem, retry_after_s: float | None = None) -> ProblemErro
         problem: the document.
         retry_after_s: seconds after which to try again; None: not stated.
     """
+    if problem.type.endswith(":too-many-without-key"):  # to repeat the call is of no use without another key
+        return DeniedError(problem)
     if problem.status in (429, 502, 503, 504):
         is_overload = problem.type.endswith((":overloaded", ":too-many-requests"))
         kind = OverloadedError if is_overload else UnavailableError

@@ -26,7 +26,7 @@ REASONS = {
 
 def needs_key(error: VoaClientError | None) -> bool:
     """True if a call failed because the service needs a key, or no longer accepts the one that it received."""
-    return isinstance(error, DeniedError) and error.kind == "unauthenticated"
+    return isinstance(error, DeniedError) and error.needs_key
 
 
 def sentence_of(error: VoaClientError) -> str:
@@ -70,9 +70,14 @@ def _refused(error: ProblemError) -> str:
         case InvalidRequestError():
             return f"The service cannot use these values: {_fields(error)}."
         case DeniedError():
-            refusal = "does not accept the key" if needs_key(error) else "does not allow this"
-            return f"The service {refusal}: {_detail(error)}."
+            return f"The service {_denial(error)}: {_detail(error)}."
     return f"The service refused: {_detail(error)}."
+
+
+def _denial(error: DeniedError) -> str:
+    if error.kind == "too-many-without-key":
+        return "received no valid key, and too many such calls"
+    return "does not accept the key" if needs_key(error) else "does not allow this"
 
 
 def _unavailable(error: UnavailableError) -> str:

@@ -62,9 +62,16 @@ class Unauthenticated(Failure):
 
 
 class TooManyRequests(Failure):
-    """More calls than a key may make in that time, or more without a valid key than one origin may make."""
+    """More calls than a key may make in that time."""
 
-    kind, status, title = "too-many-requests", 429, "Too many calls with this key, or without one"
+    kind, status, title = "too-many-requests", 429, "Too many calls with this key"
+    members = ("retry_after_s",)
+
+
+class TooManyWithoutKey(Failure):
+    """A call without a valid key, after more of them than one origin may make in that time."""
+
+    kind, status, title = "too-many-without-key", 429, "Too many calls without a valid key"
     members = ("retry_after_s",)
 
 

@@ -166,7 +166,7 @@ def test_calls_without_a_valid_key_are_limited_together_and_scans_by_robot(
     sensor, session = key_for(service, "sensor"), sessions[0]
     monkeypatch.setattr(service.inside.gate, "_rates", Rates("1000/second", "1000/second", "2/hour"))
     kinds = [kind_of(bus, method, {}) for method in ("session.get", "session.list", "scan.apply", "robot.list")]
-    assert kinds == ["unauthenticated", "unauthenticated", "too-many-requests", "too-many-requests"]
+    assert kinds == ["unauthenticated", "unauthenticated", "too-many-without-key", "too-many-without-key"]
     assert bus.call("session.get", {"session": session}, key=sensor)["id"] == session
     before = version(service, session)
     for _ in range(5):

@@ -129,6 +129,7 @@ def test_a_transport_has_a_key_of_its_own(file: Path) -> None:
     [
         (401, "unauthenticated", DeniedError, "needs a key; name a file with a key in VOA_KEY_FILE"),
         (403, "forbidden", DeniedError, "Title: needs a key"),
+        (429, "too-many-without-key", DeniedError, "needs a key; name a file with a key in VOA_KEY_FILE"),
         (429, "too-many-requests", OverloadedError, "Title: needs a key"),
     ],
 )

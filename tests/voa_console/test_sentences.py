@@ -30,6 +30,7 @@ def problem(status: int, kind: str, detail: str = "the detail.", **more: Any) ->
         ),
         (refusal(problem(401, "unauthenticated")), ["does not accept the key: the detail."]),
         (refusal(problem(429, "too-many-requests"), 3.0), ["more calls than the service allows", "Try again in 3 s."]),
+        (refusal(problem(429, "too-many-without-key"), 3.0), ["received no valid key, and too many such calls: the"]),
         (refusal(problem(403, "forbidden")), ["does not allow this: the detail."]),
         (refusal(problem(503, "overloaded"), 2.0), ["busy", "Try again in 2 s."]),
         (refusal(problem(503, "not-ready")), ["cannot answer at the moment: the detail.", "in a moment."]),
@@ -48,7 +49,13 @@ def test_an_error_becomes_a_sentence(error: VoaClientError, words: list[str]) ->
 
 def test_a_key_is_needed_where_none_is_accepted_and_not_where_the_role_does_not_suffice() -> None:
     assert needs_key(refusal(problem(401, "unauthenticated")))
-    for error in (refusal(problem(403, "forbidden")), UnreachableError("away"), None):
+    assert needs_key(refusal(problem(429, "too-many-without-key"), 3.0))
+    for error in (
+        refusal(problem(429, "too-many-requests"), 3.0),
+        refusal(problem(403, "forbidden")),
+        UnreachableError("away"),
+        None,
+    ):
         assert not needs_key(error)
 
 

@@ -21,7 +21,7 @@ KINDS = {
 }
 STATUSES = {
     "malformed-json": 400, "malformed-form": 400, "malformed-request": 400, "wire-version": 400, "forbidden": 403,
-    "unauthenticated": 401, "too-many-requests": 429,
+    "unauthenticated": 401, "too-many-requests": 429, "too-many-without-key": 429,
     "not-found": 404, "method-not-allowed": 405, "request-timeout": 408, "claim-conflict": 409, "look-counted": 409,
     "in-use": 409,
     "stale-version": 412, "too-large": 413, "unsupported-media-type": 415, "unsupported-mesh-type": 415,

@@ -8,12 +8,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from urllib.parse import quote
 
-from voa_client import VoaClientError
+from voa_client import DeniedError, TimedOutError, UnavailableError, UnreachableError, VoaClientError
 from voa_console.context import Console
 from voa_console.keys.consoles import Connect, Consoles
 from voa_console.keys.notices import Notices
 from voa_console.keys.visits import Leave, Visits
-from voa_console.sentences import needs_key, sentence_of
+from voa_console.sentences import sentence_of
 from voa_console.settings import ConsoleSettings
 
 KEY_PATH = "/key"
@@ -80,7 +80,8 @@ class Access:
 
         The reason is a sentence, or "" for a browser that has given no key.
 
-        While the service does not respond, a browser is admitted as before, and sees the last state.
+        A browser is admitted only once the service has accepted its key, or is known to have no keys. While it does not
+        respond, a browser that was admitted before is admitted again, and sees the last state.
 
         Args:
             secret: of the browser's cookie; None: it has none.
@@ -89,7 +90,8 @@ class Access:
         if visit is not None and secret is not None:
             refusal = await self._refusal(visit.console)
             if refusal is not None:
-                self.leave(secret)
+                if visit.console.caller is None:  # else the service did not say that the key is not valid
+                    self.leave(secret)
                 return refusal
             if self._visits.get(secret) is visit:  # it may have ended in the meantime
                 return Admitted(visit.console, False, lambda leave: self._visits.open_page(visit, leave))
@@ -162,11 +164,21 @@ class Access:
             async with asyncio.timeout(self._identify_s):
                 await hub.identify()
         except VoaClientError as error:
-            if needs_key(error):
-                return "" if console.key is None else sentence_of(error)
+            return _refusal_after(console, error)
         except TimeoutError:
-            pass
+            late = TimedOutError("the service did not identify the caller in time")
+            hub.error = hub.error or late  # what the page of the key shows
+            return _refusal_after(console, late)
         return None
+
+
+def _refusal_after(console: Console, error: VoaClientError) -> str | None:
+    """Return None if a failed identification leaves the last one in force, else a sentence, as `admit` does."""
+    caller = console.caller
+    if caller is not None and (caller.key is None or isinstance(error, UnreachableError | UnavailableError)):
+        return None
+    is_only_without_key = isinstance(error, DeniedError) and error.kind == "unauthenticated" and console.key is None
+    return "" if is_only_without_key else sentence_of(error)
 
 
 def own_page(to: str) -> str:

@@ -60,11 +60,13 @@ class Consoles:
         except BaseException:
             await console.client.close()
             raise
-        known = self.own if caller.key is None else self._of_keys.get(caller.key)
-        if known is not None:
+        if caller.key is None:
             await console.client.close()
-            return known
-        assert caller.key is not None  # noqa: S101 - else it is the own console
+            return self.own
+        if caller.key in self._of_keys:
+            await console.client.close()
+            known = self._of_keys.get(caller.key)  # the last visit of the key may have ended while the client closed
+            return await self.open(key) if known is None else known
         self._of_keys[caller.key] = console
         self._watch(console)
         return console

@@ -7,6 +7,9 @@ from voa_console.context import Console
 from voa_console.keys.access import KEY_PATH, Access, own_page
 from voa_console.sentences import needs_key, sentence_of
 
+_AGAIN_S = 5
+"""Time after which the page leads on while the service does not respond: it may have no keys, seconds."""
+
 _ROLES = (
     ("viewer", "sees everything, and values looks"),
     ("sensor", "as a viewer, and requests and announces looks"),
@@ -36,13 +39,16 @@ def register(access: Access) -> None:
 
 def _draw(access: Access, to: str, sentence: str) -> None:
     """Draw what a key is, and the form for it."""
-    caller = access.consoles.own.caller
+    own = access.consoles.own
+    caller, why = own.caller, _why(own)
+    if _is_away(own):
+        ui.add_head_html(f'<meta http-equiv="refresh" content="{_AGAIN_S};url={to}">')
     ui.label("Enter your key").classes("text-2xl").props('role=heading aria-level="1"')
-    if sentence:
+    if sentence and sentence not in why:
         with ui.row().classes("w-full items-center no-wrap rounded p-3 bg-warning text-white").props('role="alert"'):
             ui.icon("info", size="sm")
             ui.label(sentence).classes("min-w-0 break-words")
-    ui.label(_why(access.consoles.own)).classes("text-base")
+    ui.label(why).classes("text-base")
     _form(to)
     if caller is not None:
         ui.link("Continue without a key of your own", to)
@@ -64,11 +70,16 @@ def _draw(access: Access, to: str, sentence: str) -> None:
     ).classes("text-sm opacity-80")
 
 
+def _is_away(own: Console) -> bool:
+    """True if the service has not said yet whether it needs a key."""
+    return own.caller is None and own.hub.error is not None and not needs_key(own.hub.error)
+
+
 def _why(own: Console) -> str:
     """Write why a key is given, where the console itself calls the service as it does."""
     url, caller, error = own.settings.url, own.caller, own.hub.error
-    if caller is None and error is not None and not needs_key(error):
-        return f"{url}: {sentence_of(error)}"
+    if error is not None and _is_away(own):
+        return f"{url}: {sentence_of(error)} This page continues by itself."
     if caller is None:
         return f"The service at {url} answers only callers that have a key."
     if caller.key is None:

@@ -30,7 +30,7 @@ class Gate:
 
         Raises:
             Unauthenticated: there is no valid key, though the service needs one.
-            TooManyRequests: as well, and too many such calls had this origin.
+            TooManyWithoutKey: as well, and too many such calls had this origin.
         """
         if call.public:
             return ANONYMOUS

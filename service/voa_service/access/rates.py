@@ -16,7 +16,7 @@ from limits.strategies import FixedWindowRateLimiter
 
 from voa_service.access.callers import Caller
 from voa_service.access.roles import Call
-from voa_service.failures import TooManyRequests
+from voa_service.failures import TooManyRequests, TooManyWithoutKey
 
 _LONGEST_RETRY_S = 3600
 _MOST_ORIGINS = 1_024
@@ -66,7 +66,7 @@ class Rates:
             origin: address, or name on Zenoh.
 
         Raises:
-            TooManyRequests: too many had this origin.
+            TooManyWithoutKey: too many had this origin.
         """
         counted = network_of(origin) if self._origins.has_room(_MOST_ORIGINS) else _OTHERS
         rate = self._refused
@@ -75,7 +75,7 @@ class Rates:
         if self._origins.get(rate.key_for(counted)) == rate.amount + 1:
             structlog.get_logger("voa").warning("many calls without a valid key", origin=counted, more_than=str(rate))
         seconds = self._left(self._refusals, rate, counted)
-        raise TooManyRequests(
+        raise TooManyWithoutKey(
             f"more than {rate.amount} calls without a valid key per {_period(rate)} came from {counted}: send a key, "
             f"or try again in {seconds} s",
             {"Retry-After": str(seconds)},

@@ -15,7 +15,7 @@ from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.gate import Gate
 from voa_service.access.roles import CALLS
 from voa_service.access.routing import Matched, Routes
-from voa_service.failures import Failure, NotFound, TooManyRequests
+from voa_service.failures import Failure, NotFound, TooManyWithoutKey
 from voa_service.http.headers import created_id, version_of
 from voa_service.http.problems import problem_response
 from voa_service.services import Services
@@ -52,7 +52,7 @@ class Authentication:
             if not scope["path"].isprintable():  # the routes' patterns would ignore a newline at the end
                 raise NotFound("there is no such path: it has a control character")
         except Failure as failure:
-            if matched.call.writes and not (caller is None and isinstance(failure, TooManyRequests)):
+            if matched.call.writes and not isinstance(failure, TooManyWithoutKey):
                 _record(caller, matched, failure.status, Headers())
             await problem_response(failure)(scope, receive, send)
             return

@@ -19,6 +19,7 @@ from voa_service.failures import (
     Overloaded,
     TooLarge,
     TooManyRequests,
+    TooManyWithoutKey,
     Unauthenticated,
     UnsupportedMediaType,
     WireVersionMismatch,
@@ -59,7 +60,7 @@ _KEY = {
     "description": "API key, which `voa keys create` makes. Without any key, the service answers everybody; once the "
     "first key was made, it needs one for every call but those about health. `x-roles` lists the roles of each call.",
 }
-_OF_KEYS: tuple[type[Failure], ...] = (Unauthenticated, Forbidden, TooManyRequests)
+_OF_KEYS: tuple[type[Failure], ...] = (Unauthenticated, Forbidden, TooManyRequests, TooManyWithoutKey)
 _ANY_CALL: tuple[type[Failure], ...] = (
     WireVersionMismatch,
     Forbidden,

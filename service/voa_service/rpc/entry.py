@@ -12,7 +12,7 @@ from voa_msgs.keys import Attachment
 from voa_service.access import roles as access
 from voa_service.access.audit import record_write
 from voa_service.access.callers import ANONYMOUS, Caller
-from voa_service.failures import Failure, NotFound, TooManyRequests, document, wire_failure
+from voa_service.failures import Failure, NotFound, TooManyWithoutKey, document, wire_failure
 from voa_service.guard import guarded
 from voa_service.requests.attachments import read_attachment
 from voa_service.requests.large_json import dumped
@@ -159,7 +159,7 @@ class Rpc:
         """Count a call that is over, and log it."""
         seconds = time.perf_counter() - began
         self._services.metrics.rpc(method if method in self._methods else "none", status, seconds)
-        if record.call.writes and not (record.caller is None and status == TooManyRequests.status):
+        if record.call.writes and not (record.caller is None and status == TooManyWithoutKey.status):
             _audit(record, status)
         if is_wanted("INFO"):
             structlog.get_logger().info("rpc", method=method, status=status, milliseconds=round(1e3 * seconds, 3))

@@ -25,7 +25,7 @@ from voa_ros.topics import LASER_SCAN, type_name
 from voa_service.access.audit import record_write
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.roles import SCAN_PUT
-from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge, TooManyRequests
+from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge, TooManyWithoutKey
 from voa_service.guard import guarded
 from voa_service.requests.attachments import add_place, read_attachment
 from voa_service.requests.bodies import json_object, message
@@ -155,7 +155,7 @@ class Scans:
             caller.check_robot(robot)
             gate.admit(caller, SCAN_PUT, session)
         except Failure as failure:
-            if caller is None and isinstance(failure, TooManyRequests):
+            if isinstance(failure, TooManyWithoutKey):
                 self._services.metrics.zenoh("scan refused: without a valid key, too often")
                 return None
             record_write(caller, SCAN_PUT.name, failure.status, session=session, robot=robot)

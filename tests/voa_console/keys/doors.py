@@ -1,6 +1,7 @@
 """Console without pages of NiceGUI, over a service in this process: its page names the key by which it was admitted."""
 
-from collections.abc import AsyncIterator, Iterator
+import asyncio
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,9 @@ from starlette.testclient import TestClient
 
 from tests.support.serving import Service
 from tests.support.waiting import SECONDS
-from voa_client import ApiKey, AsyncClient, AsyncInProcessTransport, Retries, UnreachableError
-from voa_console.keys.access import Access
+from voa_client import ApiKey, AsyncClient, AsyncInProcessTransport, Retries, VoaClientError
+from voa_console.context import Console
+from voa_console.keys.access import Access, Admitted
 from voa_console.keys.admission import Admission, admitted_of
 from voa_console.keys.forms import serve_forms
 from voa_console.settings import ConsoleSettings
@@ -20,18 +22,23 @@ from voa_service.rpc.entry import Rpc
 
 QUICK = Retries(first_s=0.01, most_s=0.02, within_s=0.05)
 URL = "http://service"
+NONSENSE = "voa_000000000000_" + "0" * 64
+"""Text in the form of a key that no service has made."""
 
 
 class Line(AsyncInProcessTransport):
-    """Transport that can be cut, and notes when it is closed."""
+    """Transport whose calls fail with `error`, or are not answered, if a test wants it; notes when it is closed."""
 
     def __init__(self, service: Service, key: ApiKey) -> None:
         super().__init__(Rpc(service.inside), key)
-        self.is_cut = self.is_closed = False
+        self.error: VoaClientError | None = None
+        self.hangs = self.is_closed = False
 
     async def send(self, call: Any, key: str | None, seconds: float) -> Any:
-        if self.is_cut:
-            raise UnreachableError("cut")
+        if self.hangs:
+            await asyncio.Event().wait()
+        if self.error is not None:
+            raise self.error
         return await super().send(call, key, seconds)
 
     async def close(self) -> None:
@@ -100,3 +107,42 @@ def doors(service: Service, own: str | None = None) -> Iterator[Doors]:
     app.add_middleware(Admission, access=access)
     with TestClient(app, "http://127.0.0.1:8080", follow_redirects=False) as http:
         yield Doors(http, access, lines)
+
+
+class Bench:
+    """Access to a console without HTTP, with the clients that it has made and a clock that stands still."""
+
+    def __init__(self, service: Service, own: str | None = None) -> None:
+        self.now = 0.0
+        self.lines = Lines(service, own)
+        self.access = Access(ConsoleSettings(URL), self.lines.connect, lambda: self.now, SECONDS)
+
+    def fail(self, error: VoaClientError | None) -> None:
+        """Let every call fail from now on; None: none is answered any more."""
+        for line in self.lines.made:
+            line.error, line.hangs = error, error is None
+        if error is None:
+            self.access._identify_s = 0.01
+
+    async def console(self, secret: str | None) -> Console:
+        """Console by which a browser is admitted."""
+        admitted = await self.access.admit(secret)
+        assert isinstance(admitted, Admitted), admitted
+        return admitted.console
+
+
+@asynccontextmanager
+async def opened(service: Service, own: str | None = None) -> AsyncIterator[Bench]:
+    bench = Bench(service, own)
+    bench.access.start()
+    yield bench
+    await bench.access.close()
+    assert all(line.is_closed for line in bench.lines.made)
+
+
+def run(service: Service, story: Callable[[Bench], Coroutine[Any, Any, None]], own: str | None = None) -> None:
+    async def whole() -> None:
+        async with opened(service, own) as bench:
+            await story(bench)
+
+    asyncio.run(whole())

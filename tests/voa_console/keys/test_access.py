@@ -1,53 +1,23 @@
 """Each key has a console of its own, which shows what that key may see, for as long as the service accepts it."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager
+import re
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.support.api_keys import key_for, make_key, revoke_key, url_of
-from tests.support.serving import Service
-from tests.support.waiting import SECONDS
-from tests.voa_console.keys.doors import URL, Lines
-from voa_client import DeniedError
+from tests.support.serving import Service, serving
+from tests.voa_console.keys.doors import NONSENSE, Bench, run
+from voa_client import DeniedError, Problem, UnexpectedResponseError, UnreachableError, VoaClientError
+from voa_client._errors import refusal
 from voa_console.context import Console
-from voa_console.keys.access import Access, Admitted, own_page
-from voa_console.settings import ConsoleSettings
-
-
-class Bench:
-    """Access to a console, with the clients that it has made."""
-
-    def __init__(self, service: Service, own: str | None = None) -> None:
-        self.now = 0.0
-        self.lines = Lines(service, own)
-        self.access = Access(ConsoleSettings(URL), self.lines.connect, lambda: self.now, SECONDS)
-
-    async def console(self, secret: str | None) -> Console:
-        """Console by which a browser is admitted."""
-        admitted = await self.access.admit(secret)
-        assert isinstance(admitted, Admitted), admitted
-        return admitted.console
-
-
-@asynccontextmanager
-async def opened(service: Service, own: str | None = None) -> AsyncIterator[Bench]:
-    bench = Bench(service, own)
-    bench.access.start()
-    yield bench
-    await bench.access.close()
-    assert all(line.is_closed for line in bench.lines.made)
-
-
-def run(service: Service, story: Callable[[Bench], Coroutine[Any, Any, None]], own: str | None = None) -> None:
-    async def whole() -> None:
-        async with opened(service, own) as bench:
-            await story(bench)
-
-    asyncio.run(whole())
+from voa_console.keys.access import Admitted, own_page
+from voa_console.sentences import needs_key, sentence_of
+from voa_service.access.keys import id_of
+from voa_service.settings import RateSettings
 
 
 @pytest.fixture(scope="module")
@@ -56,27 +26,6 @@ def sessions(service: Service, data_id: str) -> tuple[str, str]:
     opened = service.open(data_id), service.open(data_id)
     key_for(service, "operator")
     return opened
-
-
-def test_two_keys_share_no_client_and_no_hub_and_two_browsers_with_one_key_share_both(
-    service: Service, sessions: tuple[str, str]
-) -> None:
-    viewer, arm = key_for(service, "viewer", sessions=sessions[:1]), key_for(service, "arm")
-
-    async def story(bench: Bench) -> None:
-        secrets = [await bench.access.enter(key, None) for key in (viewer, arm, viewer)]
-        consoles = [await bench.console(secret) for secret in secrets]
-        assert consoles[0] is consoles[2]
-        assert consoles[0].hub is not consoles[1].hub
-        assert consoles[0].client is not consoles[1].client
-        assert consoles[0].part(id) == consoles[2].part(id)
-        assert consoles[0].part(id) != consoles[1].part(id)
-        assert bench.access.consoles.own not in consoles
-        assert consoles[0].may_see_session(sessions[0])
-        assert not consoles[0].may_see_session(sessions[1])
-        assert consoles[1].may_see_session(sessions[1])
-
-    run(service, story)
 
 
 @pytest.mark.parametrize(
@@ -147,26 +96,99 @@ def test_a_key_that_is_revoked_is_refused_with_the_reason_and_forgotten(
     run(service, story)
 
 
-def test_while_the_service_does_not_respond_browsers_are_admitted_as_before(
-    service: Service, sessions: tuple[str, str]
+def problem(status: int, kind: str) -> VoaClientError:
+    body = Problem(type=f"urn:voa:problem:{kind}", title="Title", status=status, detail="it failed")
+    return refusal(body, 3.0 if status in (429, 503) else None)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [UnreachableError("cut"), problem(503, "not-ready"), problem(429, "too-many-requests"), None],
+    ids=["unreachable", "not ready", "key called too often", "no answer"],
+)
+def test_while_the_service_does_not_respond_browsers_are_admitted_that_were_before_and_no_others(
+    service: Service, sessions: tuple[str, str], error: VoaClientError | None
 ) -> None:
     key = key_for(service, "viewer")
 
     async def story(bench: Bench) -> None:
-        assert await bench.access.admit(None) == ""
         secret = await bench.access.enter(key, None)
         console = await bench.console(secret)
-        for line in bench.lines.made:
-            line.is_cut = True
+        bench.fail(error)
         bench.now = 10.0
         assert await bench.console(secret) is console
         assert console.may("history.get")
-        stranger = await bench.console(None)
-        assert stranger is bench.access.consoles.own, "it shows that the service does not respond"
-        assert not stranger.may("history.get")
-        assert stranger.hub.sessions() == []
+        for stranger in (None, "no secret"):
+            assert await bench.access.admit(stranger), "a sentence says why"
+        assert bench.access.consoles.own.hub.error is not None, "the page of the key says it, too"
 
     run(service, story)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [problem(500, "internal"), problem(404, "http-error"), problem(403, "forbidden"), UnexpectedResponseError("HTML")],
+    ids=["defect", "proxy", "forbidden", "another program"],
+)
+def test_another_answer_than_the_caller_admits_nobody_and_no_key_is_forgotten_for_it(
+    service: Service, sessions: tuple[str, str], error: VoaClientError
+) -> None:
+    key = key_for(service, "viewer")
+
+    async def story(bench: Bench) -> None:
+        secret = await bench.access.enter(key, None)
+        console = await bench.console(secret)
+        bench.fail(error)
+        bench.now = 10.0
+        assert [await bench.access.admit(each) for each in (secret, None)] == [sentence_of(error)] * 2
+        for line in bench.lines.made:
+            line.error = None
+        assert await bench.console(secret) is console
+
+    run(service, story)
+
+
+@pytest.mark.parametrize("error", [UnreachableError("cut"), problem(500, "internal")], ids=["unreachable", "defect"])
+def test_a_service_that_is_known_to_have_no_keys_admits_everybody_whatever_it_answers(
+    tmp_path: Path, error: VoaClientError
+) -> None:
+    async def story(bench: Bench) -> None:
+        own = await bench.console(None)
+        bench.fail(error)
+        bench.now = 10.0
+        assert await bench.console(None) is own
+
+    with serving(tmp_path) as service:
+        run(service, story)
+
+
+def test_beyond_the_rate_of_calls_without_a_valid_key_only_browsers_with_a_valid_key_are_admitted(
+    tmp_path: Path,
+) -> None:
+    async def story(bench: Bench, service: Service, viewer: str, other: str) -> None:
+        assert await bench.access.admit(None) == "", "refused with 401"
+        refused = await bench.access.admit(None)
+        assert isinstance(refused, str)
+        assert re.search(r"no valid key, and too many such calls: .* try again in \d+ s\.", refused)
+        with pytest.raises(DeniedError, match="more than 1 calls without a valid key"):
+            await bench.access.enter(NONSENSE, None)
+        secrets = [await bench.access.enter(key, None) for key in (viewer, other)]
+        revoke_key(url_of(service.database), viewer)
+        service.inside.gate.keyring.refresh()
+        bench.now = 10.0
+        console = bench.access.consoles._of_keys[id_of(viewer) or ""]
+        refused = await bench.access.admit(secrets[0])
+        assert isinstance(refused, str)
+        assert "no valid key" in refused
+        assert console.caller is None
+        assert needs_key(console.hub.error), "its open pages leave"
+        for nobody in (secrets[0], None):
+            assert isinstance(await bench.access.admit(nobody), str)
+        assert (await bench.console(secrets[1])).may("history.get")
+
+    with serving(tmp_path, rates=RateSettings(refused="1/hour")) as service:
+        viewer, other = key_for(service, "viewer"), key_for(service, "arm")
+        run(service, lambda bench: story(bench, service, viewer, other))
 
 
 def test_a_console_with_a_key_of_its_own_serves_everybody_by_it_and_a_browser_may_give_another(

@@ -8,9 +8,7 @@ from starlette.testclient import TestClient
 
 from tests.support.api_keys import key_for
 from tests.support.serving import Service, serving
-from tests.voa_console.keys.doors import Doors, doors
-
-NONSENSE = "voa_000000000000_" + "0" * 64
+from tests.voa_console.keys.doors import NONSENSE, Doors, doors
 
 
 @pytest.fixture(scope="module")

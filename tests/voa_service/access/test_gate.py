@@ -10,7 +10,7 @@ from voa_service.access.gate import Gate
 from voa_service.access.keyring import Keyring
 from voa_service.access.rates import Rates
 from voa_service.access.roles import BY_NAME, UNLISTED
-from voa_service.failures import Forbidden, TooManyRequests, Unauthenticated
+from voa_service.failures import Forbidden, TooManyRequests, TooManyWithoutKey, Unauthenticated
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def test_calls_without_a_valid_key_are_limited_by_origin_and_a_valid_key_passes(
     for key in (None, "nonsense"):
         with pytest.raises(Unauthenticated):
             gate.identify(key, call, "host")
-    with pytest.raises(TooManyRequests, match="2 calls without a valid key per hour came from host: send a key"):
+    with pytest.raises(TooManyWithoutKey, match="2 calls without a valid key per hour came from host: send a key"):
         gate.identify("nonsense", call, "host")
     with pytest.raises(Unauthenticated):
         gate.identify(None, call, "10.0.0.2")

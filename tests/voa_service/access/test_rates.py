@@ -7,7 +7,7 @@ from voa_service.access import rates
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.rates import Rates
 from voa_service.access.roles import BY_NAME
-from voa_service.failures import TooManyRequests
+from voa_service.failures import TooManyRequests, TooManyWithoutKey
 from voa_service.settings import RateSettings
 
 ANNA, BEN = Caller("anna", "operator", "1"), Caller("ben", "viewer", "2")
@@ -85,7 +85,7 @@ def test_refusals_are_counted_by_origin_and_logged_once_a_period(clock: Clock) -
         for _ in range(2):
             own.count_refused("host")
         for _ in range(3):
-            with pytest.raises(TooManyRequests, match="from host") as refused:
+            with pytest.raises(TooManyWithoutKey, match="from host") as refused:
                 own.count_refused("host")
         assert refused.value.headers == {"Retry-After": "60"}
         own.count_refused("other")
@@ -100,7 +100,7 @@ def test_origins_that_a_stranger_makes_up_take_no_more_memory(clock: Clock) -> N
     for number in range(rates._MOST_ORIGINS):
         own.count_refused(f"robot {number}")
     own.count_refused("new")
-    with pytest.raises(TooManyRequests, match="came from others"):
+    with pytest.raises(TooManyWithoutKey, match="came from others"):
         own.count_refused("newer")
     assert len(own._origins._counters) <= rates._MOST_ORIGINS + 1
     clock.at += 60
