@@ -11,6 +11,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.support.api_keys import bearer, make_key, revoke_key, url_of
 from tests.support.browser import NARROW, console_of, opened, picture
+from tests.support.replicas import Replica
 from tests.support.serving import data_scenario
 from tests.support.session_page import SMALL
 from tests.support.waiting import wait_for
@@ -119,6 +120,23 @@ def test_browsers_with_other_keys_see_other_actions_and_all_pages_leave_when_a_k
         expect(page.get_by_text(f"The key elsewhere is not for session {lab.session}.")).to_be_visible()
         expect(actions(page)).to_have_count(0)
         expect(actions(other)).to_have_count(8)
+
+
+def test_the_page_says_that_the_service_does_not_respond_and_leads_on_once_it_has_no_keys(
+    page: Page, tmp_path: Path
+) -> None:
+    replica = Replica(f"sqlite:///{tmp_path / 'voa.db'}", tmp_path / "service.log")
+    try:
+        replica.start()
+        replica.kill()
+        with console_of(replica.url, tmp_path) as console:
+            page.goto(console)
+            expect(page.get_by_text("This page continues by itself.")).to_have_count(1)
+            expect(page.get_by_role("alert")).to_have_count(0)
+            replica.start()
+            expect(page.get_by_role("heading", name="Now")).to_be_visible(timeout=30_000)
+    finally:
+        replica.end()
 
 
 def test_no_page_and_no_log_has_what_a_key_is_needed_for(lab: Lab, viewer: str) -> None:
