@@ -64,6 +64,9 @@ def check_robots(robots: Robots, now: datetime, before: Robots | None = None) ->
 def _robot(robot: RobotReport, before: RobotReport | None, now: datetime) -> Finding:
     check = f"robot {robot.robot}"
     if robot.last_scan_at is None:
+        refused = _refused(robot, before)
+        if refused is not None:
+            return Finding(check, refused.state, f"{refused.why}; {_counts(robot)}", refused.advice)
         seen = f"no scan yet on {robot.key}"
         return Finding(
             check,

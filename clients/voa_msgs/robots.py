@@ -47,15 +47,16 @@ class RobotReport(Message):
     robot: str
     """Name of the robot."""
     session: str | None
-    """Session to which the scans of the robot are applied; null: none, or not known yet."""
+    """Session to which the scans of the robot are applied; null: none, or not known yet. Refused scans change nothing
+    here."""
     source: Literal["scan", "ros2"]
     """Origin of its scans: puts on `scan/<session>/<robot>`, or a ROS 2 topic that a mapping names."""
     key: str
     """Key of the newest sample, or the key expression that is subscribed to."""
     last_scan_at: datetime | None
-    """Time of the newest scan, by the clock of the service, UTC; null: no scan yet."""
+    """Time of the newest scan among `scans`, by the clock of the service, UTC; null: no scan yet."""
     scans: int
-    """Number of scans received."""
+    """Number of scans received; of those that the robot puts, only scans that it may put and that could be decoded."""
     looks: int
     """Number of looks applied to the session, accepted or not."""
     refused: int
@@ -87,7 +88,7 @@ class RobotScan(Message):
     robot: str
     """Name of the robot."""
     session: str | None
-    """Session to which the scans of the robot are applied; null: none, or not known yet."""
+    """Session that the scan is for; null: none, or not known yet."""
     source: Literal["scan", "ros2"]
     """Origin of the scan: a put on `scan/<session>/<robot>`, or a ROS 2 topic that a mapping names."""
     at: datetime

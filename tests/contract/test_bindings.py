@@ -202,7 +202,7 @@ def test_lists_have_what_a_key_may_read_and_nothing_else(closed: Service, operat
     claims = {opened(closed, operator, robot): robot for robot in ("r1", "r2")}
     session, other = claims
     for robot in ("r1", "r2"):
-        closed.inside.robots.seen(robot, SeenScan(ros_scan(1.0), None))
+        closed.inside.robots.seen(robot, SeenScan(ros_scan(1.0), None), None)
     own = key_for(
         closed,
         "viewer",

@@ -1,31 +1,36 @@
 """Keys on Zenoh, through a real router: calls and scans without a valid key have no effect, and robots see why."""
 
+import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from typing import Any
 
 import pytest
 
 from tests.support.api_keys import key_for
-from tests.support.bus import Problem, Stranger, bridged, stranger
+from tests.support.bus import SECONDS, Problem, Stranger, bridged, stranger
 from tests.support.routers import router
 from tests.support.serving import Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from voa_client import ApiKey, Client, DeniedError, OverloadedError, Retries, ZenohAddress, ZenohTransport
+from voa_msgs.robots import RobotReport
 from voa_msgs.sessions import Scan, ScanRequest
 from voa_service.access.rates import Rates
 from voa_service.failures import Overloaded
 from voa_service.rpc.methods import methods_of
 from voa_service.runtime.queues import WorkQueue
-from voa_service.settings import RateSettings
+from voa_service.settings import Limits, RateSettings
 
 GOOD = scan_of([0.5, 0.5, None, 1.0])
+ROLES = ("sensor", "viewer")
+LIMITS = Limits(scan_bytes=20_000, body_bytes=1_000_000)
 
 
 @pytest.fixture(scope="module")
 def endpoint_and_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Service]]:
     folder, rates = tmp_path_factory.mktemp("bus"), RateSettings(heavy="5/hour", refused="100000/second")
-    with router() as own, serving(folder, rates=rates) as service, bridged(service, own):
+    with router() as own, serving(folder, rates=rates, limits=LIMITS) as service, bridged(service, own):
         yield own.endpoint, service
 
 
@@ -59,6 +64,11 @@ def version(service: Service, session: str) -> int:
     state = service.inside.sessions.store.get_session(session)
     assert state is not None
     return state.version
+
+
+def report_on(service: Service, robot: str) -> RobotReport:
+    (report,) = [each for each in service.inside.robots.reports().items if each.robot == robot]
+    return report
 
 
 def test_without_a_valid_key_no_method_but_health_is_answered(bus: Stranger, service: Service) -> None:
@@ -137,6 +147,52 @@ def test_a_scan_that_is_put_without_a_valid_key_has_no_effect_and_is_reported(
     assert not any(key in each.payload.decode() for each in received for key in (sensor, viewer, bound))
 
 
+@pytest.mark.parametrize(
+    ("why", "role", "bound", "payload"),
+    [
+        ("unauthenticated", None, {}, GOOD),
+        ("unauthenticated", "nonsense", {}, GOOD),
+        ("unauthenticated", "unreadable", {}, GOOD),
+        ("forbidden", "viewer", {}, GOOD),
+        ("forbidden", "sensor", {"robots": ("another",)}, GOOD),
+        ("forbidden", "sensor", {"sessions": ("another",)}, GOOD),
+        ("forbidden", "sensor", {"robots": ("victim",)}, GOOD),
+        ("too-large", "sensor", {}, b"\0" * 20_001),
+        ("invalid-request", "sensor", {}, {}),
+        ("invalid-request", "sensor", {}, b"\0nothing"),
+    ],
+)
+def test_a_refused_scan_moves_no_robot_to_another_session(
+    bus: Stranger, service: Service, sessions: list[str], why: str, role: Any, bound: Any, payload: Any
+) -> None:
+    own, other = sessions
+    robots, store = service.inside.robots, service.inside.sessions.store
+    store.claim_robot("victim", own)
+    before = version(service, own)
+    bus.put_scan(own, GOOD, robot="victim", key=key_for(service, "sensor"))
+    wait_for(lambda: version(service, own) == before + 1, "the scan")
+    wait_for(lambda: report_on(service, "victim").last_look, "the report")
+    accepted = report_on(service, "victim")
+    attachment = json.dumps({} if role is None else {"key": key_for(service, role, **bound) if role in ROLES else role})
+    bus.session.put(
+        bus.keys.scan(other, "victim"),
+        payload if isinstance(payload, bytes) else json.dumps(payload),
+        encoding="application/cdr" if isinstance(payload, bytes) else "application/json",
+        attachment="no JSON" if role == "unreadable" else attachment,
+    )
+    wait_for(lambda: report_on(service, "victim").refused == accepted.refused + 1, "the refusal")
+    refused = report_on(service, "victim")
+    assert str(refused.last_refusal).startswith(f"{why}: ")
+    counts = {"refused", "last_refusal", "refusals"}
+    assert refused.model_dump(exclude=counts) == accepted.model_dump(exclude=counts)
+    assert robots.scan("victim").session == own
+    reading, peeping = (key_for(service, "viewer", sessions=(session,)) for session in (own, other))
+    assert bus.call("robot.scan", {"robot": "victim"}, key=reading)["session"] == own
+    assert kind_of(bus, "robot.scan", {"robot": "victim"}, key=peeping) == "forbidden"
+    for key, shown in ((reading, True), (peeping, False)):
+        assert ("victim" in [each["robot"] for each in bus.call("robot.list", {}, key=key)["items"]]) is shown
+
+
 def fill(queue: WorkQueue, work: Callable[[], object]) -> None:
     """Submit work until the queue takes no more."""
     with suppress(Overloaded):
@@ -185,17 +241,12 @@ def test_a_robot_of_a_session_puts_its_scans_there_alone(bus: Stranger, service:
         bus.put_scan(session, GOOD, robot="claimed", key=own)
     wait_for(lambda: version(service, sessions[0]) == before[0] + 1, "the scan of its own session")
     (report,) = [each for each in service.inside.robots.reports().items if each.robot == "claimed"]
-    wait_for(lambda: "which session" in str(_refusal(service, "claimed")), "the refusal")
-    assert report.scans == 2
+    wait_for(lambda: "which session" in str(report_on(service, "claimed").last_refusal), "the refusal")
+    assert report.scans == 1
     assert version(service, sessions[1]) == before[1]
     store.claim_robot("claimed", None)
     bus.put_scan(sessions[1], GOOD, robot="claimed", key=own)
     wait_for(lambda: version(service, sessions[1]) == before[1] + 1, "a scan of a robot that no session has claimed")
-
-
-def _refusal(service: Service, robot: str) -> str | None:
-    (report,) = [each for each in service.inside.robots.reports().items if each.robot == robot]
-    return report.last_refusal
 
 
 def test_a_client_sends_its_key(endpoint_and_service: tuple[str, Service], sessions: list[str]) -> None:

@@ -54,6 +54,10 @@ POSE = UncertainSensorPose(x=0.4, y=-0.12, yaw_rad=3.14159)
         (FRESH, "ok", "0 looks, 0 refused; last scan 0.1 s ago; waits for the robot to stop", ""),
         (FRESH | {"scans": 500}, "warning", "500 scans, 0 looks", "if it is parked: check if its odometry drifts"),
         ({"last_scan_at": None, "scans": 0}, "wrong", "no scan yet on r1/scan", "check that its lidar is on"),
+        (
+            FRESH | {"session": None, "last_scan_at": None, "scans": 0, "refused": 2, "last_refusal": "bad"},
+            "wrong", "all its scans are refused: bad; 0 scans, 0 looks, 2 refused", "follow the reason",
+        ),
         ({"last_scan_at": NOW - timedelta(minutes=1)}, "warning", "60.0 s ago", "it sends no scans any more"),
         ({"session": None}, "wrong", "no session receives its scans", "PUT /v1/robots/r1/session"),
         (FRESH | {"refused": 9, "last_refusal": "bad"}, "wrong", "all its scans are refused: bad", "follow the reason"),

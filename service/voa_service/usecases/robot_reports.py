@@ -52,10 +52,17 @@ class LookSource(Protocol):
 
 
 def at_place(report: RobotReport, scan: SeenScan | None) -> RobotReport:
-    """Complete the report on a robot that puts its scans with the place that its newest scan states."""
+    """Complete the report on a robot that puts its scans with the session and the place of its newest scan."""
     if scan is None:
         return report
-    return report.model_copy(update={"sensor": scan.sensor, "sensor_pose": scan.sensor_pose})
+    stated = {"session": scan.session, "sensor": scan.sensor, "sensor_pose": scan.sensor_pose}
+    return report.model_copy(update=stated)
+
+
+def in_order_of_use(report: RobotReport) -> tuple[bool, str]:
+    """Return the sort key of a report for removal: first those of which every scan was refused, the oldest of each."""
+    newest = report.last_scan_at or (report.refusals[0].at if report.refusals else None)
+    return report.last_scan_at is not None, str(newest)
 
 
 def with_refusal(before: list[Refusal], newest: Refusal) -> list[Refusal]:

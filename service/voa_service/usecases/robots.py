@@ -14,7 +14,7 @@ from voa_msgs.warnings import ProbableMistake
 from voa_ros.pipeline import SeenScan
 from voa_service.failures import InvalidRequest, not_found
 from voa_service.ports import Clock
-from voa_service.usecases.robot_reports import LookSource, at_place, empty_report, with_refusal
+from voa_service.usecases.robot_reports import LookSource, at_place, empty_report, in_order_of_use, with_refusal
 from voa_service.usecases.seen_scans import SeenScans, of_decoded, of_request
 
 _MOST = 1_000  # reports; the bus lets anyone publish under any name
@@ -97,7 +97,10 @@ class Robots:
             self._scans.drop(robot, "ros2")
 
     def received(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
-        """Count a scan that was received."""
+        """Count a scan that was received: of a mapped robot any, else only one that its caller may put, once decoded.
+
+        Any other put may come from anybody and name any session, so it must change nothing but the refusals.
+        """
         with self._lock:
             if self._is_gone(robot, source):
                 return
@@ -106,13 +109,17 @@ class Robots:
             changes = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
             self._keep(before.model_copy(update=changes))
 
-    def seen(self, robot: str, scan: ScanRequest | SeenScan) -> None:
-        """Keep the newest scan of a robot for a preview: a request to update a belief, or a scan of a mapped robot."""
+    def put(self, robot: str, key: str, session: str, request: ScanRequest) -> None:
+        """Count a scan that a robot has put for a session and may put there, and keep it for a preview."""
+        self.received(robot, "scan", key, session)
         with self._lock:
-            if isinstance(scan, ScanRequest):
-                self._scans.keep(robot, "scan", of_request(scan, self._now()))
-            elif robot in self._mapped:
-                self._scans.keep(robot, "ros2", of_decoded(scan, self._now()))
+            self._scans.keep(robot, "scan", of_request(request, self._now(), session))
+
+    def seen(self, robot: str, scan: SeenScan, session: str | None) -> None:
+        """Keep the newest scan of a mapped robot for a preview, with the session that it is for, if that is known."""
+        with self._lock:
+            if robot in self._mapped:
+                self._scans.keep(robot, "ros2", of_decoded(scan, self._now(), session))
 
     def scan(self, robot: str) -> RobotScan:
         """Return the newest scan of a robot, whether it was accepted or not.
@@ -127,7 +134,7 @@ class Robots:
         source, seen = newest
         return RobotScan(
             robot=robot,
-            session=self._session(robot, source),
+            session=seen.session or self._session(robot, source),
             source=source,
             at=seen.at,
             sensor=seen.sensor,
@@ -259,7 +266,7 @@ class Robots:
         if named not in self._reports and len(self._reports) >= _MOST:
             oldest = min(
                 (each for each in self._reports if each[1] == "scan"),
-                key=lambda each: str(self._reports[each].last_scan_at),
+                key=lambda each: in_order_of_use(self._reports[each]),
                 default=None,
             )
             if oldest is not None:

@@ -24,24 +24,26 @@ class SeenScan:
         sensor: name of the sensor configuration; None: `sensor_pose` states where, or it is not known.
         sensor_pose: pose of the lidar; None: `sensor` states where, or it is not known.
         message: makes the message of the scan.
+        session: id of the session that the scan is for; None: not known yet.
     """
 
     at: datetime
     sensor: str | None
     sensor_pose: UncertainSensorPose | None
     message: Callable[[], Scan]
+    session: str | None
 
 
-def of_request(request: ScanRequest, at: datetime) -> SeenScan:
-    """Keep the scan of a request to update a belief."""
-    return SeenScan(at, request.sensor, request.sensor_pose, lambda: request.scan)
+def of_request(request: ScanRequest, at: datetime, session: str) -> SeenScan:
+    """Keep the scan of a request to update the belief of a session."""
+    return SeenScan(at, request.sensor, request.sensor_pose, lambda: request.scan, session)
 
 
-def of_decoded(decoded: DecodedScan, at: datetime) -> SeenScan:
-    """Keep a scan of a mapped robot."""
+def of_decoded(decoded: DecodedScan, at: datetime, session: str | None) -> SeenScan:
+    """Keep a scan of a mapped robot, with the session that the robot has joined by then, if any."""
     where = decoded.where
     name, pose = (where, None) if isinstance(where, str) else (None, where)
-    return SeenScan(at, name, pose, lambda: scan_message(decoded.scan))
+    return SeenScan(at, name, pose, lambda: scan_message(decoded.scan), session)
 
 
 class SeenScans:

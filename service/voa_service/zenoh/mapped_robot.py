@@ -147,7 +147,7 @@ class MappedRobot:
         """Keep a scan for a preview, if it is a new one."""
         if seen is not None and seen is not self._seen:
             self._seen = seen
-            self._services.robots.seen(self.name, seen)
+            self._services.robots.seen(self.name, seen, self.session)
 
     def _due(self, taken: GatheredLook, received_s: float) -> DueLook | None:
         """Make a look due; None where another replica applied a look at this stop while the robot's session changed.

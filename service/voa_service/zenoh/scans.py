@@ -123,7 +123,6 @@ class Scans:
         caller = self._admitted(attachment, session, robot, key)
         if caller is None:
             return
-        self._services.robots.received(robot, "scan", key, session)
         size, most = len(sample.payload), self._services.limits.scan_bytes
         if size > most:
             failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
@@ -159,7 +158,6 @@ class Scans:
                 self._services.metrics.zenoh("scan refused: without a valid key, too often")
                 return None
             record_write(caller, SCAN_PUT.name, failure.status, session=session, robot=robot)
-            self._services.robots.received(robot, "scan", key, session)
             self._refuse(session, robot, key, failure)
             return None
         return caller
@@ -181,15 +179,17 @@ class Scans:
             self._refuse(scan.session, scan.robot, scan.key, failure)
 
     def _apply(self, scan: ReceivedScan) -> None:
-        scan.caller.check_acting(scan.session, scan.robot, self._services.acting)
         attachment = read_attachment(scan.attachment)
         fields = _fields(scan, self._services)
         add_place(fields, attachment)
         request = message(ScanRequest, fields, self._services.limits)
-        self._services.robots.seen(scan.robot, request)
         key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
         sessions, updates = self._services.sessions, self._services.updates
-        if scan.is_deferred and key is not None and sessions.has_response(key):
+        is_repeated = scan.is_deferred and key is not None and sessions.has_response(key)
+        if not is_repeated:  # else its caller was checked when it took effect, and the robot may have moved since
+            scan.caller.check_acting(scan.session, scan.robot, self._services.acting)
+        self._services.robots.put(scan.robot, scan.key, scan.session, request)
+        if is_repeated:
             return
         response = updates.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
         outcome = LookOutcome.model_validate_json(response.body)

@@ -23,4 +23,5 @@ def test_the_place_is_that_of_the_newest_scan() -> None:
     report = empty_report("r", "scan", "scan/S/r")
     assert at_place(report, None) == report
     request = ScanRequest.model_validate(scan_of([0.5], "Q2"))
-    assert at_place(report, of_request(request, NOON)).sensor == "Q2"
+    shown = at_place(report, of_request(request, NOON, "S"))
+    assert (shown.sensor, shown.session) == ("Q2", "S")

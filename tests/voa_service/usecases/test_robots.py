@@ -7,7 +7,9 @@ import pytest
 
 from tests.support.quiet_robot import QuietRobot
 from tests.support.serving import scan_of
+from tests.voa_ros.ros_messages import scan
 from voa_msgs.sessions import ScanRequest, UpdateReport
+from voa_ros.pipeline import SeenScan as DecodedScan
 from voa_service.failures import Failure
 from voa_service.usecases import robots as module
 from voa_service.usecases.robots import LookOutcome, MappedTo, Robots
@@ -23,6 +25,29 @@ def test_the_robot_received_longest_ago_is_forgotten_but_none_that_is_mapped(mon
     for name in ("a", "b", "c", "a", "d", "e"):
         robots.received(name, "scan", f"scan/S/{name}", "S")
     assert [report.robot for report in robots.reports().items] == ["a", "d", "e", "mapped"]
+
+
+def test_a_flood_of_refused_scans_removes_no_robot_whose_scans_were_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_MOST", 3)
+    seconds = count()
+    robots = Robots(lambda: NOON + timedelta(seconds=next(seconds)), lambda robot, scenario: None)
+    robots.received("own", "scan", "scan/S/own", "S")
+    for name in ("a", "b", "c", "d"):
+        robots.refused(name, "scan", f"scan/S/{name}", "why")
+    assert [report.robot for report in robots.reports().items] == ["c", "d", "own"]
+
+
+def test_the_session_of_a_scan_is_that_for_which_it_was_put() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: "newer")
+    request = ScanRequest.model_validate(scan_of([0.5]))
+    robots.put("r", "scan/A/r", "A", request)
+    robots.received("r", "scan", "scan/B/r", "B")  # by another thread, whose scan is not kept yet
+    assert robots.scan("r").session == robots.reports().items[0].session == "A"
+    robots.mapped("m", "m/scan", QuietRobot(), scenario="S")
+    for session, expected in ((None, "newer"), ("A", "A")):
+        robots.seen("m", DecodedScan(scan(0.5), "Q1"), session)
+        assert robots.scan("m").session == expected
+    assert robots.report("m").session == "newer"
 
 
 def test_a_mapped_robot_s_session_is_the_current_one_whatever_was_received_before() -> None:

@@ -21,9 +21,9 @@ def test_the_newest_scan_of_a_robot_replaces_the_one_before() -> None:
     scans = SeenScans()
     assert scans.newest("r") is None
     for minute in range(2):
-        scans.keep("r", "scan", of_request(REQUEST, NOON + timedelta(minutes=minute)))
+        scans.keep("r", "scan", of_request(REQUEST, NOON + timedelta(minutes=minute), "S"))
     assert scans.newest("r") == ("scan", scans.get("r", "scan"))
-    scans.keep("r", "ros2", of_decoded(DecodedScan(scan(0.25, 0.5), POSE), NOON + timedelta(seconds=1)))
+    scans.keep("r", "ros2", of_decoded(DecodedScan(scan(0.25, 0.5), POSE), NOON + timedelta(seconds=1), None))
     newest = scans.newest("r")
     assert newest is not None
     assert (newest[0], newest[1].at, newest[1].sensor) == ("scan", NOON + timedelta(minutes=1), "Q1")
@@ -36,7 +36,7 @@ def test_the_newest_scan_of_a_robot_replaces_the_one_before() -> None:
 
 @pytest.mark.parametrize(("where", "sensor"), [("Q2", "Q2"), (None, None)])
 def test_a_scan_may_have_a_name_for_its_place_or_none(where: str | None, sensor: str | None) -> None:
-    seen = of_decoded(DecodedScan(scan(0.5), where), NOON)
+    seen = of_decoded(DecodedScan(scan(0.5), where), NOON, None)
     assert (seen.sensor, seen.sensor_pose) == (sensor, None)
 
 
@@ -44,5 +44,5 @@ def test_the_robot_that_was_silent_for_longest_is_dropped(monkeypatch: pytest.Mo
     monkeypatch.setattr(module, "_MOST", 2)
     scans = SeenScans()
     for name in ("a", "b", "a", "c"):
-        scans.keep(name, "scan", of_request(REQUEST, NOON))
+        scans.keep(name, "scan", of_request(REQUEST, NOON, "S"))
     assert [name for name in "abc" if scans.newest(name) is not None] == ["a", "c"]
