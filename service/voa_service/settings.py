@@ -88,7 +88,8 @@ class RateSettings(BaseModel):
     heavy: Rate = "600/minute"
     """Rankings, predictions, uploads and other calls of a key that may take long."""
     refused: Rate = "120/minute"
-    """Calls without a valid key from an address, or on Zenoh from a robot or from all callers of methods together."""
+    """Calls without a valid key from an address, or on Zenoh from a robot or from all callers of methods together; from
+    all robots together ten times as many."""
 
 
 class ZenohSettings(BaseModel):

@@ -221,16 +221,21 @@ def test_calls_without_a_valid_key_are_limited_together_and_scans_by_robot(
 ) -> None:
     sensor, session = key_for(service, "sensor"), sessions[0]
     monkeypatch.setattr(service.inside.gate, "_rates", Rates("1000/second", "1000/second", "2/hour"))
-    kinds = [kind_of(bus, method, {}) for method in ("session.get", "session.list", "scan.apply", "robot.list")]
+    unreadable = bus.session.get(bus.keys.rpc("session.get"), attachment="no JSON", timeout=SECONDS)
+    errors = [json.loads(reply.err.payload.to_bytes()) for reply in unreadable if reply.err is not None]
+    assert [error["status"] for error in errors] == [401]
+    assert errors[0]["detail"].startswith("no key can be read: attachment: ")
+    kinds = ["unauthenticated"]
+    kinds += [kind_of(bus, method, {}) for method in ("session.list", "scan.apply", "robot.list")]
     assert kinds == ["unauthenticated", "unauthenticated", "too-many-without-key", "too-many-without-key"]
     assert bus.call("session.get", {"session": session}, key=sensor)["id"] == session
     before = version(service, session)
-    for _ in range(5):
-        bus.put_scan(session, GOOD, robot="flooding")
+    for attachment in (None, "no JSON", "no JSON", None, "no JSON"):
+        bus.session.put(bus.keys.scan(session, "flooding"), json.dumps(GOOD), attachment=attachment)
     bus.put_scan(session, GOOD, robot="flooding", key=sensor)
     wait_for(lambda: version(service, session) == before + 1, "the scan with a key, put last")
     (report,) = [each for each in service.inside.robots.reports().items if each.robot == "flooding"]
-    assert (report.scans, report.refused, report.looks) == (3, 2, 1), "five were put without a key, and two reported"
+    assert (report.scans, report.refused, report.looks) == (1, 2, 1), "five were put without a key, and two reported"
 
 
 def test_a_robot_of_a_session_puts_its_scans_there_alone(bus: Stranger, service: Service, sessions: list[str]) -> None:

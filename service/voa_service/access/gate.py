@@ -19,7 +19,7 @@ class Gate:
         self.keyring = keyring
         self._rates = rates
 
-    def identify(self, key: str | None, call: Call, origin: str) -> Caller:
+    def identify(self, key: str | None, call: Call, origin: str, group: str | None = None) -> Caller:
         """Return the caller of a call; `admit` says whether it may make the call.
 
         Args:
@@ -27,17 +27,18 @@ class Gate:
             call: that is made; public ones may be made by anybody.
             origin: of the call as far as it is known without a key, such as an address; a valid key is accepted from
                 every origin.
+            group: of origins, counted together besides, where callers choose the name of their origin; None: of none.
 
         Raises:
             Unauthenticated: there is no valid key, though the service needs one.
-            TooManyWithoutKey: as well, and too many such calls had this origin.
+            TooManyWithoutKey: as well, and too many such calls had this origin, or this group of origins.
         """
         if call.public:
             return ANONYMOUS
         try:
             return self.keyring.identify(key)
         except Unauthenticated:
-            self._rates.count_refused(origin)
+            self._rates.count_refused(origin, group)
             raise
 
     def admit(self, caller: Caller, call: Call, subject: str | None = None) -> None:

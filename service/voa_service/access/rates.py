@@ -22,6 +22,8 @@ _LONGEST_RETRY_S = 3600
 _MOST_ORIGINS = 1_024
 """Origins of refused calls that are counted apart; beyond, those that are new are counted together."""
 _OTHERS = "others"
+_GROUP = 10
+"""Number of origins whose whole rate a group of origins has together."""
 
 
 class Rates:
@@ -37,6 +39,7 @@ class Rates:
         self._calls = parse(calls)
         self._heavy = parse(heavy)
         self._refused = parse(refused)
+        self._grouped = type(self._refused)(_GROUP * self._refused.amount, self._refused.multiples)
         self._limiter = FixedWindowRateLimiter(_Counters())
         self._origins = _Counters()
         self._refusals = FixedWindowRateLimiter(self._origins)
@@ -59,17 +62,21 @@ class Rates:
         if caller.key is not None and call.heavy:
             self._count(self._heavy, "rankings and other heavy calls", caller.name, caller.key)
 
-    def count_refused(self, origin: str) -> None:
+    def count_refused(self, origin: str, group: str | None = None) -> None:
         """Count a call without a valid key; the first one too many of a period is logged.
 
         Args:
             origin: address, or name on Zenoh.
+            group: of origins, which together have ten times the rate of an origin; None: of none.
 
         Raises:
-            TooManyWithoutKey: too many had this origin.
+            TooManyWithoutKey: too many had this origin, or this group of origins.
         """
-        counted = network_of(origin) if self._origins.has_room(_MOST_ORIGINS) else _OTHERS
-        rate = self._refused
+        self._count_origin(self._refused, network_of(origin) if self._origins.has_room(_MOST_ORIGINS) else _OTHERS)
+        if group is not None:
+            self._count_origin(self._grouped, group)
+
+    def _count_origin(self, rate: RateLimitItem, counted: str) -> None:
         if self._refusals.hit(rate, counted):
             return
         if self._origins.get(rate.key_for(counted)) == rate.amount + 1:

@@ -5,7 +5,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from voa_msgs.keys import Attachment
-from voa_service.failures import Failure, InvalidRequest, of_message
+from voa_service.access.callers import Caller
+from voa_service.access.gate import Gate
+from voa_service.access.roles import Call
+from voa_service.failures import Failure, InvalidRequest, Unauthenticated, of_message
 from voa_service.requests.bodies import json_value
 from voa_service.settings import Limits
 
@@ -30,6 +33,34 @@ def read_attachment(attachment: bytes | None) -> Attachment:
         return Attachment.model_validate(fields)
     except ValidationError as error:
         raise of_message(Attachment, error, "attachment") from error
+
+
+def identified(
+    gate: Gate, attachment: bytes | None, call: Call, origin: str, group: str | None = None
+) -> tuple[Attachment, Caller]:
+    """Read the attachment of a request, and identify its caller by the key in it.
+
+    An attachment that cannot be read has no key: it is refused, and counted, as a request without one.
+
+    Args:
+        gate: identifies callers.
+        attachment: of the request; None: there is none.
+        call: that is made.
+        origin: of the request, as far as it is known without a key.
+        group: of origins, counted together besides; None: of none.
+
+    Raises:
+        Failure: the attachment cannot be read, or there is no valid key though the service needs one.
+    """
+    try:
+        beside = read_attachment(attachment)
+    except Failure as failure:
+        try:
+            gate.identify(None, call, origin, group)
+        except Unauthenticated as refused:
+            raise Unauthenticated(f"no key can be read: {failure.detail}") from refused
+        raise
+    return beside, gate.identify(beside.key, call, origin, group)
 
 
 def add_place(fields: dict[str, Any], attachment: Attachment) -> None:

@@ -14,7 +14,7 @@ from voa_service.access.audit import record_write
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.failures import Failure, NotFound, TooManyWithoutKey, document, wire_failure
 from voa_service.guard import guarded
-from voa_service.requests.attachments import read_attachment
+from voa_service.requests.attachments import identified, read_attachment
 from voa_service.requests.large_json import dumped
 from voa_service.rpc.calls import Call
 from voa_service.rpc.methods import methods_of
@@ -126,8 +126,7 @@ class Rpc:
         gate = self._services.gate
         try:
             with guarded():
-                beside = read_attachment(attachment)
-                record.caller = gate.identify(beside.key, record.call, ORIGIN)
+                beside, record.caller = identified(gate, attachment, record.call, ORIGIN)
                 gate.admit(record.caller, record.call)
         except Failure as failure:
             self._report(method, record, failure.status, began)

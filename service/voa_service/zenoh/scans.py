@@ -27,7 +27,7 @@ from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.roles import SCAN_PUT
 from voa_service.failures import BeamGridMismatch, Failure, InvalidRequest, Overloaded, TooLarge, TooManyWithoutKey
 from voa_service.guard import guarded
-from voa_service.requests.attachments import add_place, read_attachment
+from voa_service.requests.attachments import add_place, identified, read_attachment
 from voa_service.requests.bodies import json_object, message
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
@@ -40,6 +40,8 @@ from voa_service.zenoh.replicas import Replicas
 
 _WORKERS = 4
 _END_SECONDS = 0.4
+_ORIGINS = "robots that put scans"
+"""Group of the origins of puts without a valid key: whoever puts a scan chooses the name of its robot."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ class Scans:
             return ANONYMOUS
         caller: Caller | None = None
         try:
-            caller = gate.identify(read_attachment(attachment).key, SCAN_PUT, f"robot {robot}")
+            caller = identified(gate, attachment, SCAN_PUT, f"robot {robot}", _ORIGINS)[1]
             caller.check_robot(robot)
             gate.admit(caller, SCAN_PUT, session)
         except Failure as failure:

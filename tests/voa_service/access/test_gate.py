@@ -57,6 +57,29 @@ def test_a_call_that_a_key_may_not_make_counts_as_a_call_and_not_as_a_heavy_one(
             gate.admit(caller, call, "s1")
 
 
+def test_origins_whose_name_the_caller_chooses_are_limited_together_at_ten_times_the_rate(
+    gate: Gate, shelf: Shelf
+) -> None:
+    shelf.make()
+    gate.keyring.refresh()
+    call = BY_NAME["scan.put"]
+
+    def is_reported(name: str, group: str | None = "robots") -> bool:
+        try:
+            gate.identify(None, call, name, group)
+        except TooManyRequests:
+            return False
+        except Unauthenticated:
+            return True
+        raise AssertionError("a call without a key was admitted")
+
+    assert [is_reported("one") for _ in range(40)].count(True) == 2, "this name leaves room for others"
+    assert [is_reported(f"robot {number}") for number in range(40)].count(True) == 18
+    assert is_reported("alone", None)
+    with pytest.raises(TooManyRequests, match="more than 20 calls without a valid key per hour came from robots"):
+        gate.identify(None, call, "another", "robots")
+
+
 def test_calls_without_a_valid_key_are_limited_by_origin_and_a_valid_key_passes(gate: Gate, shelf: Shelf) -> None:
     made = shelf.make()
     gate.keyring.refresh()
