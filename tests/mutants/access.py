@@ -126,7 +126,7 @@ MUTANTS = (
     Mutant(
         name="calls without a valid key are not counted",
         file=_GATE,
-        old="            self._rates.count_refused(origin)\n",
+        old="            self._rates.count_refused(origin, group)\n",
         new="",
         tests=_HTTP_TESTS,
     ),
