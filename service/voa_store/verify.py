@@ -123,7 +123,7 @@ def _verified_versions(connection: Connection, id_: str) -> int:
 
 def _wrong_pages(connection: Connection) -> Iterator[str]:
     if connection.dialect.name == "sqlite":
-        for (line,) in connection.exec_driver_sql("PRAGMA quick_check(20)").all():
+        for (line,) in connection.exec_driver_sql("PRAGMA integrity_check(20)").all():
             if line != "ok":
                 yield line
         file = database_file(connection.engine.url)

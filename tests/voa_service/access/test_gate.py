@@ -67,7 +67,7 @@ def test_origins_whose_name_the_caller_chooses_are_limited_together_at_ten_times
     def is_reported(name: str, group: str | None = "robots") -> bool:
         try:
             gate.identify(None, call, name, group)
-        except TooManyRequests:
+        except TooManyWithoutKey:
             return False
         except Unauthenticated:
             return True
@@ -76,7 +76,7 @@ def test_origins_whose_name_the_caller_chooses_are_limited_together_at_ten_times
     assert [is_reported("one") for _ in range(40)].count(True) == 2, "this name leaves room for others"
     assert [is_reported(f"robot {number}") for number in range(40)].count(True) == 18
     assert is_reported("alone", None)
-    with pytest.raises(TooManyRequests, match="more than 20 calls without a valid key per hour came from robots"):
+    with pytest.raises(TooManyWithoutKey, match="more than 20 calls without a valid key per hour came from robots"):
         gate.identify(None, call, "another", "robots")
 
 
