@@ -1,5 +1,6 @@
 """Bits that a disk has changed in a stored history: verification names each of them."""
 
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -82,3 +83,19 @@ def test_a_flipped_bit_of_the_file_is_named_or_changes_no_session(tmp_path: Path
     tried = try_file(file, tmp_path, STEP)
     assert tried.missed == []
     assert tried.named > 20
+
+
+def test_a_damaged_index_by_which_a_mesh_is_looked_up_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "voa.db"
+    store = SqlStore(f"sqlite:///{file}")
+    fill(store)
+    store.close()
+    with closing(sqlite_driver().connect(str(file))) as connection:
+        ((page,),) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_objects_1'")
+        ((size,),) = connection.execute("PRAGMA page_size")
+    content = bytearray(file.read_bytes())
+    content[page * size - 1] ^= 1  # the last character of the id in the index
+    file.write_bytes(content)
+    engines = connect(f"sqlite:///{file}")
+    assert verify_all(engines).pages != []
+    engines.dispose()
