@@ -88,7 +88,7 @@ def test_a_flipped_bit_of_the_file_is_named_or_changes_no_session(tmp_path: Path
 def test_a_damaged_index_by_which_a_mesh_is_looked_up_is_named(tmp_path: Path) -> None:
     file = tmp_path / "voa.db"
     store = SqlStore(f"sqlite:///{file}")
-    fill(store)
+    store.put_object(stored_mesh())
     store.close()
     with closing(sqlite_driver().connect(str(file))) as connection:
         ((page,),) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_objects_1'")
