@@ -41,7 +41,7 @@ def test_it_says_its_address_serves_without_a_service_and_ends_quietly_on_ctrl_c
         assert process.stdout is not None
         words = process.stdout.readline().split()
         url = next(word for word in words if word.startswith("http://"))
-        page = httpx2.get(url, timeout=60.0)
+        page = httpx2.get(url, timeout=60.0, follow_redirects=True)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30.0)
     assert page.status_code == 200
