@@ -33,7 +33,7 @@ def console_beside(url: str, host: str, port: int, names: Sequence[str]) -> Iter
         OSError: the address cannot be used.
     """
     from voa_console.serving import listen  # noqa: PLC0415 - most services run without a console
-    from voa_console.settings import ConsoleSettings  # noqa: PLC0415 - as above
+    from voa_console.settings import ConsoleSettings  # noqa: PLC0415 - most services run without a console
 
     with listen(ConsoleSettings(url, host, port)) as listening:
         taken: int = listening.getsockname()[1]

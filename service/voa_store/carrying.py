@@ -18,11 +18,11 @@ _COLUMNS = tuple(column.name for column in api_keys.c)
 _TABLE = api_keys.name
 _HAS_TABLE = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = ?"
 # The names are those of this package's own tables.
-_INSERT = f"INSERT OR IGNORE INTO {_TABLE} ({', '.join(_COLUMNS)}) VALUES ({', '.join('?' * len(_COLUMNS))})"  # noqa: S608
-_REVOKE = f"UPDATE {_TABLE} SET revoked_at = ? WHERE id = ? AND revoked_at IS NULL"  # noqa: S608
-_USE = f"UPDATE {_TABLE} SET last_used_at = ? WHERE id = ? AND coalesce(last_used_at, '') < ?"  # noqa: S608
-_VALID = f"SELECT count(*) FROM {_TABLE} WHERE revoked_at IS NULL"  # noqa: S608
-_ALL = f"SELECT count(*) FROM {_TABLE}"  # noqa: S608
+_INSERT = f"INSERT OR IGNORE INTO {_TABLE} ({', '.join(_COLUMNS)}) VALUES ({', '.join('?' * len(_COLUMNS))})"  # noqa: S608 - names from this code alone
+_REVOKE = f"UPDATE {_TABLE} SET revoked_at = ? WHERE id = ? AND revoked_at IS NULL"  # noqa: S608 - names from this code alone
+_USE = f"UPDATE {_TABLE} SET last_used_at = ? WHERE id = ? AND coalesce(last_used_at, '') < ?"  # noqa: S608 - names from this code alone
+_VALID = f"SELECT count(*) FROM {_TABLE} WHERE revoked_at IS NULL"  # noqa: S608 - names from this code alone
+_ALL = f"SELECT count(*) FROM {_TABLE}"  # noqa: S608 - names from this code alone
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _rows(database: Path) -> list[dict[str, Any]] | None:
         with closing(driver.connect(f"file:{quote(str(database))}?mode=ro", uri=True)) as connection:
             if not connection.execute(_HAS_TABLE, (_TABLE,)).fetchone()[0]:
                 return []
-            cursor = connection.execute(f"SELECT * FROM {_TABLE}")  # noqa: S608
+            cursor = connection.execute(f"SELECT * FROM {_TABLE}")  # noqa: S608 - names from this code alone
             names = [column[0] for column in cursor.description]
             return [dict(zip(names, row, strict=True)) for row in cursor]
     except driver.Error:

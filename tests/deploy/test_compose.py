@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped] # the library has no types
 
 from tests.deploy.variables import variables
 from voa_service.settings import Settings

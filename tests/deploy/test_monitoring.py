@@ -6,7 +6,7 @@ import runpy
 from pathlib import Path
 from typing import Any
 
-import yaml  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped] # the library has no types
 
 from tests.support.serving import serving
 from voa_connections.settings import ConnectionSettings

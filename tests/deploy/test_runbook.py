@@ -15,8 +15,8 @@ from urllib.parse import urlsplit
 import httpx2
 import pytest
 import uvicorn
-import yaml  # type: ignore[import-untyped]
-from markdown.extensions.toc import slugify  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped] # the library has no types
+from markdown.extensions.toc import slugify  # type: ignore[import-untyped] # the library has no types
 
 from tests.deploy.pages import REPOSITORY, page
 from tests.deploy.test_monitoring import MAKER, MONITORING, existing, rules

@@ -46,7 +46,7 @@ class Change:
                 raise ValueError(f"expected {old!r} once in {self.where}, got it {source.count(old)} times")
             source = source.replace(old, new)
         namespace: dict[str, Any] = {}
-        exec(compile(source, f"<planted: {self.where}>", "exec"), function.__globals__, namespace)  # noqa: S102
+        exec(compile(source, f"<planted: {self.where}>", "exec"), function.__globals__, namespace)  # noqa: S102 - source of this repository
         changed: FunctionType = inspect.unwrap(namespace[function.__name__])
         return changed.__code__
 

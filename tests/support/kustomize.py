@@ -6,7 +6,7 @@ A field that is not known here is an error, so that nothing which kustomize woul
 from pathlib import Path
 from typing import Any
 
-import yaml  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped] # the library has no types
 
 Manifest = dict[str, Any]
 

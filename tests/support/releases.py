@@ -73,7 +73,7 @@ def load(version: str, url: str) -> None:
             for name in sorted(set(names) - {"alembic_version", "sqlite_sequence"}, key=_order):
                 for row in map(dict, rows.execute(f'SELECT * FROM "{name}"')):  # noqa: S608 - a name of our own
                     columns, values = (", ".join(form.format(each) for each in row) for form in ('"{}"', ":{}"))
-                    connection.execute(text(f'INSERT INTO "{name}" ({columns}) VALUES ({values})'), row)  # noqa: S608
+                    connection.execute(text(f'INSERT INTO "{name}" ({columns}) VALUES ({values})'), row)  # noqa: S608 - names from this code alone
             for name in _COUNTED:
                 newest = f"SELECT coalesce(max(seq), 1) FROM {name}"  # noqa: S608 - a name of our own
                 connection.execute(text(f"SELECT setval(pg_get_serial_sequence('{name}', 'seq'), ({newest}))"))
