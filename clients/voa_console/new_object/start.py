@@ -14,16 +14,6 @@ _STYLE = """
 .voa-drop .q-uploader__header { background: transparent; color: inherit; }
 .voa-drop .q-uploader__list { min-height: 0; padding: 0; }
 """
-_DROP = """
-<div class="column items-center q-gutter-sm q-pa-lg">
-  <q-icon name="upload_file" size="lg"></q-icon>
-  <div class="text-subtitle1">Drop the mesh file here, or</div>
-  <q-btn color="primary" icon="folder_open" label="Choose a mesh file" no-caps @click="props.pickFiles">
-    <q-uploader-add-trigger></q-uploader-add-trigger>
-  </q-btn>
-</div>
-"""
-"""Content of the area into which a file is dropped, in place of the uploader's figures."""
 _SENDING = """
 <div v-for="file in props.files" :key="file.__key" class="q-pa-sm text-center">{{ file.name }}</div>
 """
@@ -69,9 +59,25 @@ def draw_start(workshop: Workshop, key: str | None) -> None:
             ),
         )
         upload.props(f'accept="{",".join(f".{ending}" for ending in ENDINGS)}" flat').classes("w-full voa-drop")
-        upload.add_slot("header", _DROP)
+        with upload.add_slot("header"):
+            _draw_field()
         upload.add_slot("list", _SENDING)
     _begun_before(workshop, key)
+
+
+def _draw_field() -> None:
+    """Draw the content of the area into which a file is dropped, in place of the uploader's figures.
+
+    It consists of elements, not of a template: NiceGUI makes the elements of a template again at every change of the
+    page, and a button that is made again loses the focus of the keyboard.
+    """
+    with ui.column().classes("w-full items-center gap-2 p-6"):
+        ui.icon("upload_file", size="lg")
+        ui.label("Drop the mesh file here, or").classes("text-base")
+        choose = ui.button("Choose a mesh file", icon="folder_open").props("no-caps")
+        choose.on("click", js_handler="(event) => props.pickFiles(event)")
+        with choose:
+            ui.element("q-uploader-add-trigger")
 
 
 async def _begun(workshop: Workshop, key: str | None, event: events.UploadEventArguments) -> Bench:

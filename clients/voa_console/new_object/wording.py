@@ -15,6 +15,7 @@ _OPTIONS: Mapping[str, str] = {
     "--scale": "scale",
     "--gripper": "gripper",
 }
+_FILE = re.compile(r"[^\s.]+\.\w+\s")
 _FOLDER = re.compile(r": choose another folder by -o(, or add --force to write over it)?|; choose another by -o")
 
 
@@ -27,9 +28,12 @@ def without_options(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """Write a text as a sentence: a capital letter first, a full stop last."""
+    """Write a text as a sentence: a capital letter first, unless a file name is there; a full stop last."""
     text = without_options(text).strip()
-    return text if not text else f"{text[0].upper()}{text[1:].rstrip('.')}."
+    if not text:
+        return text
+    first = text[0] if _FILE.match(text) else text[0].upper()
+    return f"{first}{text[1:].rstrip('.')}."
 
 
 def without_path(text: str, draft: Draft) -> str:

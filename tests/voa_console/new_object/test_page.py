@@ -82,12 +82,16 @@ def test_a_mesh_file_is_chosen_by_mouse_and_by_keyboard(page: Page, console: str
         button.click()
     chooser.value.set_files(text)  # a browser opens no second dialogue beside an open one
     expect(page.get_by_text("Expected one file of at most 20 MB")).to_be_visible()
-    page.reload()
     button.focus()
+    expect(button).to_be_focused()
     with page.expect_file_chooser() as chooser:
         page.keyboard.press("Enter")
-    chooser.value.set_files(text)
-    expect(page.get_by_text("Expected one file of at most 20 MB")).to_be_visible()
+    mesh = tmp_path / "broken.stl"
+    mesh.write_text("no mesh")
+    chooser.value.set_files(mesh)
+    expect(page.get_by_text("Expected one file of at most 20 MB")).to_be_hidden()
+    expect(page.get_by_role("alert").get_by_text(re.compile(r"\w"))).to_be_visible()
+    expect(button).to_be_focused()
     picture(page, "new-start", tmp_path)
 
 
@@ -179,7 +183,7 @@ def test_a_broken_mesh_and_another_file_are_refused_in_a_sentence(page: Page, co
     broken = tmp_path / "broken.stl"
     broken.write_bytes(b"solid nothing")
     page.set_input_files("input[type=file]", broken)
-    expect(page.get_by_role("alert").get_by_text(re.compile(r"^Broken\.stl (cannot|holds)"))).to_be_visible(
+    expect(page.get_by_role("alert").get_by_text(re.compile(r"^broken\.stl (cannot|holds)"))).to_be_visible(
         timeout=_LONG_MS
     )
     text = tmp_path / "notes.txt"

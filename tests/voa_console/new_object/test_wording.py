@@ -16,6 +16,7 @@ from voa_console.new_object.wording import counted, duration, listed, sentence, 
         ),
         ("a file is there: choose another folder by -o", "A file is there: choose another folder."),
         ("Already a sentence.", "Already a sentence."),
+        ("part.stl holds no triangles", "part.stl holds no triangles."),
         ("", ""),
     ],
 )
