@@ -47,8 +47,8 @@ class RobotReport(Message):
     robot: str
     """Name of the robot."""
     session: str | None
-    """Session to which the scans of the robot are applied; null: none, or not known yet. Refused scans change nothing
-    here."""
+    """Session to which the scans of the robot are applied; null: none, or not known yet. Scans that the robot may
+    not put change nothing here."""
     source: Literal["scan", "ros2"]
     """Origin of its scans: puts on `scan/<session>/<robot>`, or a ROS 2 topic that a mapping names."""
     key: str
@@ -56,7 +56,7 @@ class RobotReport(Message):
     last_scan_at: datetime | None
     """Time of the newest scan among `scans`, by the clock of the service, UTC; null: no scan yet."""
     scans: int
-    """Number of scans received; of those that the robot puts, only scans that it may put and that could be decoded."""
+    """Number of scans received; of those that the robot puts, only scans that it may put."""
     looks: int
     """Number of looks applied to the session, accepted or not."""
     refused: int

@@ -13,6 +13,7 @@ from voa_store.records import (
     ListedObject,
     ListedScenario,
     ListedSession,
+    RobotClaim,
     RobotLook,
     SessionChange,
     SessionMark,
@@ -157,8 +158,8 @@ class Store(Protocol):
         The claim is durable, and the first of several processes decides: all of them return the same session.
         """
 
-    def claimed_session(self, robot: str) -> str | None:
-        """Return the session that a robot was claimed for, on whichever scenario; None: none, or it was deleted."""
+    def robot_claim(self, robot: str) -> RobotClaim | None:
+        """Return the claim on a robot, on whichever scenario; None: there is none, or its session was deleted."""
 
     def claim_robot(self, robot: str, session: str | None) -> bool:
         """Claim a robot for a session, or release it from every session (None); False: there is no such session."""

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from sqlalchemy import BigInteger, Connection, Row, Select, bindparam, func, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
+from voa_store.records import RobotClaim
 from voa_store.tables import GONE, claims, sessions
 
 _BEFORE_ALL = -1
@@ -63,13 +64,15 @@ def find(connection: Connection, robot: str, scenario: str) -> Assignment:
     return _assignment(connection, connection.execute(_CLAIM, {"by_robot": robot}).one_or_none(), scenario)
 
 
-def claimed(connection: Connection, robot: str) -> str | None:
-    """Return the session that a robot was claimed for, on whichever scenario; None: none, or it was deleted."""
+def claimed(connection: Connection, robot: str) -> RobotClaim | None:
+    """Return the claim on a robot, on whichever scenario; None: there is none, or its session was deleted."""
     row = connection.execute(_CLAIM, {"by_robot": robot}).one_or_none()
-    if row is None or row.session is None:
+    if row is None:
         return None
+    if row.session is None:
+        return RobotClaim(None)
     session = connection.execute(_SESSION, {"by_id": row.session}).one_or_none()
-    return None if session is None else str(session.id)
+    return None if session is None else RobotClaim(str(session.id))
 
 
 def settle(connection: Connection, robot: str, scenario: str) -> str | None:

@@ -71,6 +71,16 @@ class SessionState:
     """Announced looks whose scans have not arrived yet, as JSON; None: none. They belong to no version."""
 
 
+class RobotClaim(NamedTuple):
+    """The claim on a robot.
+
+    Attributes:
+        session: id of the session that has claimed it; None: the robot was released from every session.
+    """
+
+    session: str | None
+
+
 class SessionMark(NamedTuple):
     """Values of a session's row that differ after every change of the session."""
 

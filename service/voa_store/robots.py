@@ -5,7 +5,7 @@ from sqlalchemy import Engine
 from voa_store import claims
 from voa_store.engines import statement, transaction
 from voa_store.looks import newest_looks
-from voa_store.records import RobotLook
+from voa_store.records import RobotClaim, RobotLook
 
 
 class RobotRecords:
@@ -19,8 +19,8 @@ class RobotRecords:
         with statement(self._single) as connection:
             return claims.find(connection, robot, scenario).id
 
-    def claimed_session(self, robot: str) -> str | None:
-        """Return the session that a robot was claimed for, on whichever scenario; None: there is none."""
+    def robot_claim(self, robot: str) -> RobotClaim | None:
+        """Return the claim on a robot, on whichever scenario; None: there is none, or its session was deleted."""
         with statement(self._single) as connection:
             return claims.claimed(connection, robot)
 

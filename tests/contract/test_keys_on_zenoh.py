@@ -21,6 +21,7 @@ from voa_service.failures import Overloaded
 from voa_service.rpc.methods import methods_of
 from voa_service.runtime.queues import WorkQueue
 from voa_service.settings import Limits, RateSettings
+from voa_service.zenoh.replicas import Replicas
 
 GOOD = scan_of([0.5, 0.5, None, 1.0])
 ROLES = ("sensor", "viewer")
@@ -157,12 +158,12 @@ def test_a_scan_that_is_put_without_a_valid_key_has_no_effect_and_is_reported(
         ("forbidden", "sensor", {"robots": ("another",)}, GOOD),
         ("forbidden", "sensor", {"sessions": ("another",)}, GOOD),
         ("forbidden", "sensor", {"robots": ("victim",)}, GOOD),
-        ("too-large", "sensor", {}, b"\0" * 20_001),
-        ("invalid-request", "sensor", {}, {}),
-        ("invalid-request", "sensor", {}, b"\0nothing"),
+        ("forbidden", "sensor", {"robots": ("victim",)}, b"\0" * 20_001),
+        ("forbidden", "sensor", {"robots": ("victim",)}, {}),
+        ("forbidden", "sensor", {"robots": ("victim",)}, b"\0nothing"),
     ],
 )
-def test_a_refused_scan_moves_no_robot_to_another_session(
+def test_a_scan_that_may_not_be_put_moves_no_robot_to_another_session(
     bus: Stranger, service: Service, sessions: list[str], why: str, role: Any, bound: Any, payload: Any
 ) -> None:
     own, other = sessions
@@ -251,7 +252,42 @@ def test_a_robot_of_a_session_puts_its_scans_there_alone(bus: Stranger, service:
     assert version(service, sessions[1]) == before[1]
     store.claim_robot("claimed", None)
     bus.put_scan(sessions[1], GOOD, robot="claimed", key=own)
-    wait_for(lambda: version(service, sessions[1]) == before[1] + 1, "a scan of a robot that no session has claimed")
+    wait_for(lambda: "which was released" in str(report_on(service, "claimed").last_refusal), "the refusal")
+    assert version(service, sessions[1]) == before[1]
+    store.claim_robot("claimed", sessions[1])
+    bus.put_scan(sessions[1], GOOD, robot="claimed", key=own)
+    wait_for(lambda: version(service, sessions[1]) == before[1] + 1, "a scan after the next claim")
+
+
+def test_a_scan_that_cannot_be_read_counts_for_the_session_that_its_robot_put_it_for(
+    bus: Stranger, service: Service, sessions: list[str]
+) -> None:
+    def refused() -> list[int]:
+        return [each.refused for each in service.inside.robots.reports().items if each.robot == "unreadable"]
+
+    key = key_for(service, "sensor", robots=("unreadable",), sessions=(sessions[0],))
+    for payload in (b"\0nothing", b"\0" * 20_001):
+        bus.put_scan(sessions[0], payload, robot="unreadable", key=key)
+    wait_for(lambda: refused() == [2], "the refusals")
+    report = report_on(service, "unreadable")
+    assert (report.session, report.scans) == (sessions[0], 2)
+
+
+def test_a_scan_that_another_replica_applied_before_its_robot_moved_is_not_refused(
+    bus: Stranger, service: Service, sessions: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, store = key_for(service, "sensor", robots=("moved",)), service.inside.sessions.store
+    before = version(service, sessions[0])
+    bus.put_scan(sessions[0], GOOD, robot="moved", key=own, id="once")
+    wait_for(lambda: version(service, sessions[0]) == before + 1, "the scan")
+    store.claim_robot("moved", sessions[1])
+    monkeypatch.setattr(Replicas, "owns", lambda _, name: False)
+    bus.put_scan(sessions[0], GOOD, robot="moved", key=own, id="once")
+    bus.put_scan(sessions[0], GOOD, robot="moved", key=own, id="another")
+    wait_for(lambda: report_on(service, "moved").refused, "the refusal of the other scan, put last")
+    report = report_on(service, "moved")
+    assert (report.scans, report.refused, report.looks) == (2, 1, 1)
+    assert version(service, sessions[0]) == before + 1
 
 
 def test_a_client_sends_its_key(endpoint_and_service: tuple[str, Service], sessions: list[str]) -> None:

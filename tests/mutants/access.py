@@ -77,7 +77,7 @@ MUTANTS = (
     Mutant(
         name="a scan that is put does not check what its key is for",
         file="service/voa_service/zenoh/scans.py",
-        old="            scan.caller.check_acting(scan.session, scan.robot, self._services.acting)\n",
+        old="        scan.caller.check_acting(scan.session, scan.robot, self._services.acting)\n",
         new="",
         tests=_ZENOH_TESTS,
     ),

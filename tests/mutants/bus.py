@@ -90,7 +90,7 @@ MUTANTS = (
     Mutant(
         name="a scan that is too large is not refused",
         file="service/voa_service/zenoh/scans.py",
-        old="        if size > most:\n",
+        old="        if scan.size > most:\n",
         new="        if False:\n",
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),

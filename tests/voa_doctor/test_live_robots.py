@@ -141,4 +141,4 @@ def test_a_robot_whose_raw_scans_are_refused(
         wait_for(lambda: any(each.refused for each in client.robots().items), "the service refuses it")
         code, result = examined(capsys, "--url", lab.url, "--zenoh", lab.endpoint)
         assert code == 1
-        assert "0 scans, 0 looks, 1 refused" in wrong(result)["robot clumsy"]
+        assert "1 scan, 0 looks, 1 refused" in wrong(result)["robot clumsy"]

@@ -9,13 +9,14 @@ from voa_msgs import callers as messages
 from voa_msgs.callers import Role
 from voa_service.access.roles import CALLS, UNLISTED, Call
 from voa_service.failures import Forbidden
+from voa_store.records import RobotClaim
 
 
 class Acting(Protocol):
     """Part that robots take in sessions, as keys that are bound to robots are checked by it."""
 
-    def session_of(self, robot: str) -> str | None:
-        """Return the session that has claimed a robot; None: there is none."""
+    def claim_of(self, robot: str) -> RobotClaim | None:
+        """Return the claim on a robot; None: there is none."""
 
     def take_part(self, session: str, robots: Collection[str]) -> bool:
         """Return True if one of some robots takes part in a session, or there is no such session."""
@@ -101,8 +102,9 @@ class Caller:
         """Return if the key is bound to no robots, or may write to a session as one of its robots.
 
         A call that names a robot must name one of the key's, and a robot that a session has claimed acts in that
-        session alone. A call that names none is for keys that are bound to the session as well, and for robots that
-        take part in the session: it has claimed them, or they have announced a look there.
+        session alone; one that was released from every session acts in none. A call that names none is for keys that
+        are bound to the session as well, and for robots that take part in the session: it has claimed them, or they
+        have announced a look there.
 
         Args:
             session: id of the session that the call changes.
@@ -116,11 +118,12 @@ class Caller:
             return
         if robot is not None:
             self.check_robot(robot)
-            claimed = acting.session_of(robot)
-            if claimed not in (None, session):
+            claim = acting.claim_of(robot)
+            if claim not in (None, RobotClaim(session)):
+                state = "was released" if claim.session is None else f"session {claim.session!r} has claimed"
                 raise Forbidden(
-                    f"the key {self.name!r} acts as robot {robot[:80]!r}, which session {claimed!r} has claimed: claim "
-                    f"it for session {session[:80]!r} first"
+                    f"the key {self.name!r} acts as robot {robot[:80]!r}, which {state}: claim it for session "
+                    f"{session[:80]!r} first"
                 )
         elif session not in (self.sessions or ()) and not acting.take_part(session, self.robots):
             raise Forbidden(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from voa_service.mapping.under_way import announced_looks
 from voa_service.usecases.claims import Claims
 from voa_service.usecases.sessions import Sessions
-from voa_store.records import IdempotencyKey
+from voa_store.records import IdempotencyKey, RobotClaim
 
 
 @dataclass(frozen=True)
@@ -21,23 +21,23 @@ class ActingRobots:
     claims: Claims
     sessions: Sessions
 
-    def session_of(self, robot: str) -> str | None:
-        """Return the session that has claimed a robot; None: there is none."""
-        return self.claims.session_of(robot)
+    def claim_of(self, robot: str) -> RobotClaim | None:
+        """Return the claim on a robot; None: there is none."""
+        return self.claims.claim_of(robot)
 
     def take_part(self, session: str, robots: Collection[str]) -> bool:
         """Return True if one of some robots takes part in a session, or there is no such session.
 
         A robot takes part in the session that has claimed it, and until one has, in those where a look of it is under
-        way.
+        way. One that was released from every session takes part in none.
         """
-        claimed = {robot: self.session_of(robot) for robot in robots}
-        if session in claimed.values():
+        claims = {robot: self.claim_of(robot) for robot in robots}
+        if RobotClaim(session) in claims.values():
             return True
         mark = self.sessions.store.session_mark(session)
         if mark is None:
             return True
-        free = {robot for robot, own in claimed.items() if own is None}
+        free = {robot for robot, claim in claims.items() if claim is None}
         return any(look.robot in free for look in announced_looks(mark.under_way, self.sessions.now()))
 
     def is_answered(self, key: IdempotencyKey | None) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from voa_service.failures import ClaimConflict, InvalidRequest, NotFound, UnknownReference
 from voa_service.ports import Store
 from voa_service.usecases.robots import MappedTo, Robots
+from voa_store.records import RobotClaim
 
 
 @dataclass(frozen=True)
@@ -43,15 +44,15 @@ class Claims:
         """
         return self.store.settle_robot(robot, scenario)
 
-    def session_of(self, robot: str) -> str | None:
-        """Return the session that a robot belongs to: that of its mapping, or the one that has claimed it; None: none.
+    def claim_of(self, robot: str) -> RobotClaim | None:
+        """Return the claim on a robot, that of its mapping or a stored one; None: there is none.
 
         Other than `peek` it does not choose a session for a robot that was never claimed.
         """
         mapped = self.robots.mapped_to(robot)
         if mapped is not None and mapped.session is not None:
-            return mapped.session
-        return self.store.claimed_session(robot)
+            return RobotClaim(mapped.session)
+        return self.store.robot_claim(robot)
 
     def claim(self, robot: str, session: str | None) -> None:
         """Claim a mapped robot for a session, or release it from every session until the next claim (None).

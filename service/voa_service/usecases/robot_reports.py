@@ -52,11 +52,13 @@ class LookSource(Protocol):
 
 
 def at_place(report: RobotReport, scan: SeenScan | None) -> RobotReport:
-    """Complete the report on a robot that puts its scans with the session and the place of its newest scan."""
-    if scan is None:
+    """Complete the report on a robot that puts its scans with the place of its newest scan.
+
+    The place is not for the readers of another session, to which the robot has moved since that scan.
+    """
+    if scan is None or scan.session != report.session:
         return report
-    stated = {"session": scan.session, "sensor": scan.sensor, "sensor_pose": scan.sensor_pose}
-    return report.model_copy(update=stated)
+    return report.model_copy(update={"sensor": scan.sensor, "sensor_pose": scan.sensor_pose})
 
 
 def in_order_of_use(report: RobotReport) -> tuple[bool, str]:

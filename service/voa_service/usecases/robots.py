@@ -97,7 +97,7 @@ class Robots:
             self._scans.drop(robot, "ros2")
 
     def received(self, robot: str, source: Literal["scan", "ros2"], key: str, session: str | None) -> None:
-        """Count a scan that was received: of a mapped robot any, else only one that its caller may put, once decoded.
+        """Count a scan that was received: of a mapped robot any, else only one that its caller may put.
 
         Any other put may come from anybody and name any session, so it must change nothing but the refusals.
         """
@@ -109,9 +109,18 @@ class Robots:
             changes = {"session": session, "key": key, "last_scan_at": self._now(), "scans": before.scans + 1}
             self._keep(before.model_copy(update=changes))
 
-    def put(self, robot: str, key: str, session: str, request: ScanRequest) -> None:
-        """Count a scan that a robot has put for a session and may put there, and keep it for a preview."""
+    def put(self, robot: str, key: str, session: str, request: ScanRequest | None) -> None:
+        """Count a scan that a robot has put for a session and may put there, and keep it for a preview.
+
+        Args:
+            robot: name of the robot.
+            key: key expression that the scan was put on.
+            session: id of the session.
+            request: that the scan makes; None: it cannot be read.
+        """
         self.received(robot, "scan", key, session)
+        if request is None:
+            return
         with self._lock:
             self._scans.keep(robot, "scan", of_request(request, self._now(), session))
 

@@ -37,6 +37,7 @@ from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailbo
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
+from voa_store.records import IdempotencyKey
 
 _WORKERS = 4
 _END_SECONDS = 0.4
@@ -52,7 +53,8 @@ class ReceivedScan:
         session: id of the session that the scan is for.
         robot: name of the robot that sent it.
         key: key expression that it was published on.
-        payload: the scan, as JSON or CDR.
+        payload: the scan, as JSON or CDR; empty where it is too large to be kept.
+        size: of the scan as it was put, bytes.
         encoding: of the payload, as Zenoh states it.
         attachment: bytes beside the payload, if there are any.
         name: of the sample, unique to it; None: an equal sample could not be distinguished.
@@ -64,6 +66,7 @@ class ReceivedScan:
     robot: str
     key: str
     payload: bytes
+    size: int
     encoding: str
     attachment: bytes | None
     name: str | None
@@ -125,14 +128,10 @@ class Scans:
         caller = self._admitted(attachment, session, robot, key)
         if caller is None:
             return
-        size, most = len(sample.payload), self._services.limits.scan_bytes
-        if size > most:
-            failure = TooLarge(f"expected a scan of at most {most} bytes, got {size}")
-            self._refuse(session, robot, key, failure)
-            return
-        payload = sample.payload.to_bytes()
+        size = len(sample.payload)
+        payload = b"" if size > self._services.limits.scan_bytes else sample.payload.to_bytes()
         named = name_of(sample, payload)
-        scan = ReceivedScan(session, robot, key, payload, str(sample.encoding), attachment, named, caller)
+        scan = ReceivedScan(session, robot, key, payload, size, str(sample.encoding), attachment, named, caller)
         if self._replicas.owns(f"{session}/{robot}"):
             self._hand_on(scan)
         elif scan.name is None:  # no replica could detect that another one has applied it
@@ -181,18 +180,17 @@ class Scans:
             self._refuse(scan.session, scan.robot, scan.key, failure)
 
     def _apply(self, scan: ReceivedScan) -> None:
-        attachment = read_attachment(scan.attachment)
-        fields = _fields(scan, self._services)
-        add_place(fields, attachment)
-        request = message(ScanRequest, fields, self._services.limits)
-        key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
+        try:
+            fields, request, key = self._read(scan)
+        except Failure:
+            self._count(scan, None)
+            raise
         sessions, updates = self._services.sessions, self._services.updates
-        is_repeated = scan.is_deferred and key is not None and sessions.has_response(key)
-        if not is_repeated:  # else its caller was checked when it took effect, and the robot may have moved since
-            scan.caller.check_acting(scan.session, scan.robot, self._services.acting)
-        self._services.robots.put(scan.robot, scan.key, scan.session, request)
-        if is_repeated:
+        if scan.is_deferred and key is not None and sessions.has_response(key):
+            # Its caller was checked when it took effect, and the robot may have moved to another session since.
+            self._services.robots.put(scan.robot, scan.key, scan.session, request)
             return
+        self._count(scan, request)
         response = updates.apply_scan(scan.session, request, write_of("scan", json.dumps(fields).encode(), key))
         outcome = LookOutcome.model_validate_json(response.body)
         version = outcome.version
@@ -200,6 +198,23 @@ class Scans:
         self._services.robots.looked(scan.robot, "scan", scan.key, scan.session, request, outcome)
         if not outcome.update.accepted:
             self._refuse(scan.session, scan.robot, scan.key, not_accepted(outcome.update.reason))
+
+    def _read(self, scan: ReceivedScan) -> tuple[dict[str, Any], ScanRequest, IdempotencyKey | None]:
+        """Return the fields of a scan, the request that they make, and its idempotency key; raises Failure."""
+        most = self._services.limits.scan_bytes
+        if scan.size > most:
+            raise TooLarge(f"expected a scan of at most {most} bytes, got {scan.size}")
+        attachment = read_attachment(scan.attachment)
+        fields = _fields(scan, self._services)
+        add_place(fields, attachment)
+        request = message(ScanRequest, fields, self._services.limits)
+        key = idempotency_key(attachment.id or scan.name, scope_of(scan.session), "scan", request)
+        return fields, request, key
+
+    def _count(self, scan: ReceivedScan, request: ScanRequest | None) -> None:
+        """Count a scan, readable or not, in the report on its robot; raises Forbidden if the robot may not put it."""
+        scan.caller.check_acting(scan.session, scan.robot, self._services.acting)
+        self._services.robots.put(scan.robot, scan.key, scan.session, request)
 
     def _refuse(self, session: str, robot: str, key: str, failure: Failure) -> None:
         why = f"{failure.kind}: {failure.detail}"

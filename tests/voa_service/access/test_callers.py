@@ -10,6 +10,7 @@ from voa_msgs.callers import Role
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.roles import BY_NAME, CALLS
 from voa_service.failures import Forbidden
+from voa_store.records import RobotClaim
 
 BOUND = Caller("tb3_1", "sensor", "1234", frozenset({"s1"}), frozenset({"tb3_1"}))
 
@@ -43,13 +44,13 @@ def bound(sessions: tuple[str, ...] | None, robots: tuple[str, ...] | None) -> C
 
 
 class Claims:
-    """Claims of two robots for two sessions."""
+    """Claims of two robots for two sessions, and a robot that was released from every session."""
 
-    def session_of(self, robot: str) -> str | None:
-        return {"r1": "s1", "r2": "s2"}.get(robot)
+    def claim_of(self, robot: str) -> RobotClaim | None:
+        return {"r1": RobotClaim("s1"), "r2": RobotClaim("s2"), "released": RobotClaim(None)}.get(robot)
 
     def take_part(self, session: str, robots: Collection[str]) -> bool:
-        return session in map(self.session_of, robots)
+        return RobotClaim(session) in map(self.claim_of, robots)
 
 
 @pytest.mark.parametrize(
@@ -65,6 +66,8 @@ class Claims:
         (None, ("r1",), "s1", "r2", False),
         (None, ("free",), "s1", "free", True),
         (None, ("free",), "s1", None, False),
+        (None, ("released",), "s1", "released", False),
+        (None, ("released",), "s1", None, False),
         (None, ("free", "r2"), "s2", None, True),
         (("s1",), ("free",), "s1", None, True),
         (("s1",), ("r2",), "s1", "r2", False),
@@ -92,7 +95,8 @@ def test_the_robots_that_a_key_sees(
     sessions: tuple[str, ...] | None, robots: tuple[str, ...] | None, seen: set[str]
 ) -> None:
     own = bound(sessions, robots)
-    assert {robot for robot in ("r1", "r2", "free") if own.sees_robot(robot, Claims().session_of(robot))} == seen
+    sessions_of = {"r1": "s1", "r2": "s2", "free": None}
+    assert {robot for robot, session in sessions_of.items() if own.sees_robot(robot, session)} == seen
 
 
 def test_an_operator_withdraws_any_look_and_others_their_own() -> None:

@@ -37,12 +37,24 @@ def test_a_flood_of_refused_scans_removes_no_robot_whose_scans_were_accepted(mon
     assert [report.robot for report in robots.reports().items] == ["c", "d", "own"]
 
 
+def test_a_scan_that_cannot_be_read_counts_for_its_session_and_leaves_the_newest_scan() -> None:
+    robots = Robots(lambda: NOON, lambda robot, scenario: None)
+    robots.put("r", "scan/A/r", "A", ScanRequest.model_validate(scan_of([0.5], "Q2")))
+    robots.put("r", "scan/A/r", "A", None)
+    (report,) = robots.reports().items
+    assert (report.session, report.scans, report.sensor) == ("A", 2, "Q2")
+    robots.put("r", "scan/B/r", "B", None)
+    (report,) = robots.reports().items
+    assert (report.session, report.scans, report.sensor) == ("B", 3, None), "its place is that of a scan for A"
+    assert robots.scan("r").session == "A"
+
+
 def test_the_session_of_a_scan_is_that_for_which_it_was_put() -> None:
     robots = Robots(lambda: NOON, lambda robot, scenario: "newer")
     request = ScanRequest.model_validate(scan_of([0.5]))
     robots.put("r", "scan/A/r", "A", request)
     robots.received("r", "scan", "scan/B/r", "B")  # by another thread, whose scan is not kept yet
-    assert robots.scan("r").session == robots.reports().items[0].session == "A"
+    assert (robots.scan("r").session, robots.reports().items[0].session) == ("A", "B")
     robots.mapped("m", "m/scan", QuietRobot(), scenario="S")
     for session, expected in ((None, "newer"), ("A", "A")):
         robots.seen("m", DecodedScan(scan(0.5), "Q1"), session)
