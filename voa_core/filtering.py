@@ -64,7 +64,7 @@ class Belief:
         Raises:
             InvalidInput: the length is not `length`, the sum is not 1, or a number is negative or not finite.
         """
-        p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type]
+        p = finite_array(field, probabilities, (length,))  # type: ignore[arg-type] # None: any length
         if (p < 0.0).any():
             raise InvalidInput(
                 field, "numbers of at least 0", f"{p.min():g} for pose {int(p.argmin())} (counted from 0)"

@@ -30,6 +30,6 @@ def test_rows_are_measured_and_decide_the_exit_code(capsys: pytest.CaptureFixtur
     ],
 )
 def test_a_figure_is_met_in_the_direction_of_its_demand(sense: str, value: float | None, met: bool | None) -> None:
-    figure = Figure("row", "name", value, sense, 0.9, "")  # type: ignore[arg-type]
+    figure = Figure("row", "name", value, sense, 0.9, "")  # type: ignore[arg-type] # a parameter of the test
     assert figure.met is met
     assert ("NOT MET" in as_text(figure)) is (met is False)

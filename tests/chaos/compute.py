@@ -156,7 +156,7 @@ def _stuck_writers(folder: Path) -> Outcome:
         statuses: dict[str, set[int]] = {"/readyz": set(), f"/v1/sessions/{sessions[0]}": set()}
         while time.monotonic() - began < _LOCKED_S:
             for path, seen in statuses.items():
-                seconds, status = _timed(lambda path=path: http.get(path))  # type: ignore[misc]
+                seconds, status = _timed(lambda path=path: http.get(path))  # type: ignore[misc] # bound in each round, which mypy cannot infer
                 latencies.append(seconds)
                 seen.add(status)
         lock.execute("ROLLBACK")

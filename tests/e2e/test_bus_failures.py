@@ -159,7 +159,7 @@ def test_two_replicas_take_every_scan_once_also_when_one_is_killed(postgres: Ser
         bus = stack.enter_context(router())
         both = stack.enter_context(replicas(postgres.new_database(), tmp_path, 2, "--zenoh", bus.endpoint))
         for service in both:
-            wait_for(lambda own=service: own.zenoh == "connected", "a replica on the bus")  # type: ignore[misc]
+            wait_for(lambda own=service: own.zenoh == "connected", "a replica on the bus")  # type: ignore[misc] # bound in each round, which mypy cannot infer
         robot = stack.enter_context(stranger(bus.endpoint))
         wait_for(lambda: len(list(robot.session.liveliness().get(robot.keys.replica("*")))) == 2, "both tokens")
         sessions = opened(both[0], 4)

@@ -115,7 +115,7 @@ def test_a_client_that_vanishes_in_its_request_changes_nothing_and_after_it_once
                 with socket.create_connection(address) as half:
                     half.sendall(whole[:length])
             assert recorder.version(http, session) == number
-            recorder.give_up(sent, lambda whole=whole: send_and_vanish(address, whole))  # type: ignore[misc]
+            recorder.give_up(sent, lambda whole=whole: send_and_vanish(address, whole))  # type: ignore[misc] # bound in each round, which mypy cannot infer
             response = recorder.response(http, sent)
             assert response.status_code == 200, response.text
         assert check_stored(url, recorder.calls) == VANISHING

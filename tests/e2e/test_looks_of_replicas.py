@@ -2,7 +2,8 @@
 
 Robots drive past stops in real time, some of them with clocks that are set back, stand, or say 0, and some with a lidar
 that sends zeros at first. One replica is killed half way and started again, then the router; then some robots are
-claimed for another session while they drive.
+claimed for another session while they drive. Looks are compared as a set: one that the other replica takes over is
+applied after the grace, when that of the next stop may be there already.
 """
 
 import itertools
@@ -144,7 +145,7 @@ class Labs:
             )
         )
         for service in both:
-            wait_for(lambda own=service: len(self.reports(own)) == ROBOTS + len(SENTINELS), "the mapping", SECONDS)  # type: ignore[misc]
+            wait_for(lambda own=service: len(self.reports(own)) == ROBOTS + len(SENTINELS), "the mapping", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
         for robot in self.robots:
             self.claim(robot, robot.session)
 
@@ -179,13 +180,13 @@ class Labs:
 def on_the_bus(both: list[Replica], bus: Stranger, mapped: list[str]) -> None:
     """Wait until both replicas are connected and subscribed."""
     for service in both:
-        wait_for(lambda own=service: own.zenoh == "connected", "a replica on the bus", SECONDS)  # type: ignore[misc]
+        wait_for(lambda own=service: own.zenoh == "connected", "a replica on the bus", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
     tokens = bus.session.liveliness()
     wait_for(lambda: len(list(tokens.get(bus.keys.replica("*")))) == len(both), "both tokens", SECONDS)
     for topic in [f"{name}/{topic}" for name in mapped for topic in (SCAN, ODOM)]:
         with bus.session.declare_publisher(topic) as publisher:
             # The stub says bool; it is an object with the attribute `matching`.
-            wait_for(lambda own=publisher: own.matching_status.matching, "a subscription", SECONDS)  # type: ignore[misc]
+            wait_for(lambda own=publisher: own.matching_status.matching, "a subscription", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
 
 
 def stops_of(places: list[tuple[float, float]], drive: Drive) -> list[int]:
@@ -208,14 +209,14 @@ def everything_is_worked_on(labs: Labs, fleet: Fleet) -> None:
     for name in SENTINELS:
         fleet.put(f"{name}/{SCAN}", encode_laser_scan(zeros))
     for service in labs.both:
-        wait_for(lambda own=service: all(labs.reports(own)[name]["refused"] for name in SENTINELS), "it", SECONDS)  # type: ignore[misc]
+        wait_for(lambda own=service: all(labs.reports(own)[name]["refused"] for name in SENTINELS), "it", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
 
 
 def restarted(own: Router, both: list[Replica], bus: Stranger, robots: list[Robot]) -> None:
     """Restart the router, and wait until all replicas and robots are connected again."""
     own.kill()
     for service in both:
-        wait_for(lambda each=service: each.zenoh == "connecting", "a replica to notice", SECONDS)  # type: ignore[misc]
+        wait_for(lambda each=service: each.zenoh == "connecting", "a replica to notice", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
     own.start()
     on_the_bus(both, bus, [robot.name for robot in robots])
 
@@ -254,10 +255,9 @@ def test_each_stop_is_one_look_whoever_is_killed(postgres: Server, tmp_path: Pat
             if robot in moved:  # a stop at which it was moved may be one look of either session
                 assert all(set(Counter(own).values()) <= {1} for own in stops.values()), (robot.name, stops)
                 assert set().union(*stops.values()) == set(range(STOPS)), (robot.name, stops)
-                assert all(own == sorted(own) for own in stops.values())
                 assert len([own for own in stops.values() if own]) == 2
             else:
-                assert stops[robot.session] == list(range(STOPS)), (robot.name, stops)
+                assert sorted(stops[robot.session]) == list(range(STOPS)), (robot.name, stops)
                 assert not any(own for session, own in stops.items() if session != robot.session)
         published = Counter(
             sample.key.rpartition("/")[2] for sample in refused if "not-accepted" in sample.json["type"]

@@ -143,7 +143,7 @@ def test_a_rolling_restart_fails_no_request_and_loses_no_scan(
         bus = stack.enter_context(stranger(own.endpoint))
         http = stack.enter_context(httpx2.Client(base_url=front.url, timeout=SECONDS))
         for each in both:
-            wait_for(lambda own=each: own.zenoh == "connected", "a replica on the bus", SECONDS)  # type: ignore[misc]
+            wait_for(lambda own=each: own.zenoh == "connected", "a replica on the bus", SECONDS)  # type: ignore[misc] # bound in each round, which mypy cannot infer
         scenario = http.post("/v1/scenarios", json=data_scenario()).raise_for_status().json()["id"]
         session = http.post("/v1/sessions", json={"scenario": scenario}).raise_for_status().json()["id"]
         all_are_used(front)

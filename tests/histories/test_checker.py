@@ -29,10 +29,10 @@ class Recorded:
         return [index for index, call in enumerate(self.calls) if matches(call)][number]
 
     def change(self, index: int, **changes: object) -> None:
-        self.calls[index] = replace(self.calls[index], **changes)  # type: ignore[arg-type]
+        self.calls[index] = replace(self.calls[index], **changes)  # type: ignore[arg-type] # fields of several types
 
     def change_stored(self, version: int, **changes: object) -> None:
-        self.stored[version] = replace(self.stored[version], **changes)  # type: ignore[arg-type]
+        self.stored[version] = replace(self.stored[version], **changes)  # type: ignore[arg-type] # fields of several types
 
 
 def belief_at(version: int) -> tuple[float, ...]:
@@ -57,7 +57,7 @@ def recorded(seed: int = 0) -> Recorded:
             kind, seen = ("write", key) if fate == "kept" else ("read", None)
             newest = version - 1
             calls.append(
-                Call(kind, SESSION, started, ended, fate, newest, seen, request, f"a{number}", belief_at(newest))  # type: ignore[arg-type]
+                Call(kind, SESSION, started, ended, fate, newest, seen, request, f"a{number}", belief_at(newest))  # type: ignore[arg-type] # a parameter of the test
             )
             continue
         made = Call("write", SESSION, started, ended, "made", version, key, request, f"a{number}", belief_at(version))

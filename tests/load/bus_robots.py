@@ -72,7 +72,7 @@ class BusRobots:
         """Stop all robots."""
         self._ended.set()
         self._thread.join()
-        self._bus.close()  # type: ignore[no-untyped-call]
+        self._bus.close()  # type: ignore[no-untyped-call] # zenoh has no types here
         self._http.close()
 
     def _drive(self) -> None:

@@ -73,7 +73,7 @@ class Bench:
         for topic in [f"{name}/{topic}" for name in names for topic in topics]:
             with self.bus.session.declare_publisher(topic) as publisher:
                 # The stub says bool; it is an object with the attribute `matching`.
-                wait_for(lambda own=publisher: own.matching_status.matching, "the topic to be subscribed to")  # type: ignore[misc]
+                wait_for(lambda own=publisher: own.matching_status.matching, "the topic to be subscribed to")  # type: ignore[misc] # bound in each round, which mypy cannot infer
         wait_for(lambda: all(self.report(name) for name in names), "the mapping")
         return names
 

@@ -11,7 +11,7 @@ import pytest
 from voa_cli.console import main
 
 
-@pytest.mark.parametrize("host", ["0.0.0.0", "192.168.1.5", "robot.lab"])  # noqa: S104
+@pytest.mark.parametrize("host", ["0.0.0.0", "192.168.1.5", "robot.lab"])  # noqa: S104 - a name, not listened on
 def test_other_addresses_than_loopback_are_refused_unless_insecure(
     host: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

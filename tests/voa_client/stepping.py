@@ -89,12 +89,12 @@ class Service:
                     result = self._answer(call.rpc, call.query)
                 case Wait(seconds, _):
                     while left and not isinstance(left[0], Batch):
-                        self.version = left.pop(0)  # type: ignore[assignment]
+                        self.version = left.pop(0)  # type: ignore[assignment] # versions and batches take turns
                     if not left:
                         steps.close()
                         return sessions, None
                     self.waited.append(seconds)
-                    result = left.pop(0)  # type: ignore[assignment]
+                    result = left.pop(0)  # type: ignore[assignment] # the loop above has taken the versions
                     if isinstance(result, Batch) and result.is_empty:
                         self.now += seconds or 0.0
                 case _:

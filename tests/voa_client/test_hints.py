@@ -99,7 +99,7 @@ def test_a_history_that_cannot_be_had_leaves_out_what_lies_between() -> None:
     service = Service(0)
     following = service.following()
     answer = service._answer
-    service._answer = lambda rpc, query: problem("overloaded", 503) if rpc == "history.get" else answer(rpc, query)  # type: ignore[method-assign]
+    service._answer = lambda rpc, query: problem("overloaded", 503) if rpc == "history.get" else answer(rpc, query)  # type: ignore[method-assign] # replaced for this test alone
     sessions, lost = service.follow(following, [3, hints(1, 2)])
     assert (versions(sessions), lost) == ([0, 3], None)
 

@@ -10,7 +10,7 @@ from voa_console.settings import ConsoleSettings, names_of
     [
         ("127.0.0.1", (), ["localhost", "127.0.0.1", "[::1]"]),
         ("::1", ("lab",), ["localhost", "127.0.0.1", "[::1]", "lab"]),
-        ("0.0.0.0", (), ["*"]),  # noqa: S104
+        ("0.0.0.0", (), ["*"]),  # noqa: S104 - a name, not listened on
         ("192.168.0.7", ("lab",), ["localhost", "127.0.0.1", "[::1]", "lab"]),
     ],
 )

@@ -123,7 +123,7 @@ class BruteForce:
         return [
             [
                 [
-                    twin.restrict_predicted(value, LIDAR.range_max, limit)  # type: ignore[arg-type]
+                    twin.restrict_predicted(value, LIDAR.range_max, limit)  # type: ignore[arg-type] # the twin takes plain lists
                     for value, limit in zip(scan, limits, strict=True)
                 ]
                 for scan in as_lists(of_pose)
@@ -167,7 +167,7 @@ class BruteForce:
                             zero="missing",
                             range_min=LIDAR.range_min,
                             range_max=LIDAR.range_max,
-                            within=limit,  # type: ignore[arg-type]
+                            within=limit,  # type: ignore[arg-type] # the twin takes plain lists
                         )
                     )
                 result[row].append(beams)

@@ -43,7 +43,7 @@ def model_of(lidar: LidarModel = LIDAR, poses: PoseSet = POSES, **settings: obje
     model = ScanModel(
         predictor_of_mesh(OBJECT, poses, lidar), PlainGaussian(), UpdatePolicy(), "seed", None, SPREAD, STD
     )
-    return replace(model, **settings)  # type: ignore[arg-type]
+    return replace(model, **settings)  # type: ignore[arg-type] # fields of several types
 
 
 def valued(look: SimulatedWeights | Weigher, belief: Floats = BELIEF, scores: Floats = SCORES) -> Assistance:

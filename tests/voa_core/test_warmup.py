@@ -20,7 +20,7 @@ def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.Mo
 
         def spying(*arguments: object, name: str = name, plain: object = plain) -> None:
             met.add((name, str(getattr(arguments[0], "dtype", None))))
-            plain(*arguments)  # type: ignore[operator]
+            plain(*arguments)  # type: ignore[operator] # a kernel
 
         monkeypatch.setattr(f"voa_core.rules.{module}.{name}", spying)
     warmup.warm_up()
@@ -33,7 +33,7 @@ def test_it_is_a_command(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def spying(*arguments: object) -> object:
         drawn.append("a prediction")
-        return plain(*arguments)  # type: ignore[arg-type]
+        return plain(*arguments)  # type: ignore[arg-type] # passed on as they come
 
     monkeypatch.setattr("voa_core.prediction.rasterise", spying)
     monkeypatch.delitem(sys.modules, "voa_core.warmup")

@@ -146,8 +146,8 @@ def test_a_scan_on_a_grid_says_so_in_its_header() -> None:
 )
 def test_scans_have_the_same_beams_within_a_tenth_of_a_milliradian(change: dict[str, object], same: bool) -> None:
     measured = layout(360, 0.0, math.tau / 360)
-    assert same_grid(measured, replace(measured, **change)) == same  # type: ignore[arg-type]
-    assert same_grid(replace(measured, **change), measured) == same  # type: ignore[arg-type]
+    assert same_grid(measured, replace(measured, **change)) == same  # type: ignore[arg-type] # fields of several types
+    assert same_grid(replace(measured, **change), measured) == same  # type: ignore[arg-type] # fields of several types
 
 
 def test_two_scans_are_compared_as_they_are_where_their_beams_are_the_same() -> None:

@@ -61,7 +61,7 @@ def test_classes_are_those_of_the_service(
     crosses = np.isfinite(crossing.enter)
     counts = {"return": int(np.isfinite(beams).sum()), "no-return": int((np.isposinf(beams) & crosses).sum())}
     kinds = [kind for kind, _ in classified(taken, lidar, BOX)]
-    assert {kind: kinds.count(kind) for kind in counts} == counts  # type: ignore[arg-type]
+    assert {kind: kinds.count(kind) for kind in counts} == counts  # type: ignore[arg-type] # keys of one literal type
     assert kinds.count("missing") <= int(np.isnan(beams).sum())
 
 

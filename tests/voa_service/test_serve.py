@@ -15,7 +15,7 @@ from voa_service.serve import main
 from voa_service.settings import Limits, Settings
 
 
-@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.lab", "10.0.0.1"])  # noqa: S104
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.lab", "10.0.0.1"])  # noqa: S104 - a name, not listened on
 def test_other_addresses_are_not_loopback(host: str) -> None:
     assert not Settings(host=host).is_loopback
 
@@ -25,7 +25,7 @@ def serve_anywhere(folder: Path, *options: str) -> subprocess.CompletedProcess[s
     program = (
         "import sys, voa_service.serve as serve\n"
         "serve.Server.run = lambda self, sockets: print('listening')\n"
-        f"sys.exit(serve.main({['--host', '0.0.0.0', '--port', '0', *options]!r}))\n"  # noqa: S104
+        f"sys.exit(serve.main({['--host', '0.0.0.0', '--port', '0', *options]!r}))\n"  # noqa: S104 - a name, not listened on
     )
     command = [sys.executable, "-c", program]
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, timeout=120)

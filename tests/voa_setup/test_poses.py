@@ -14,7 +14,7 @@ from voa_setup.poses import PoseSet, even_yaws, make_poses
 
 def poses_of(part: trimesh.Trimesh, folder: Path, **options: object) -> PoseSet:
     mesh = setup_mesh(part, folder)
-    return make_poses(mesh, stable_poses(mesh), **({"yaws_deg": even_yaws(8)} | options))  # type: ignore[arg-type]
+    return make_poses(mesh, stable_poses(mesh), **({"yaws_deg": even_yaws(8)} | options))  # type: ignore[arg-type] # fields of several types
 
 
 def names(poses: PoseSet) -> list[str]:

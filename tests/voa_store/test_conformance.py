@@ -211,7 +211,7 @@ def test_floats_come_back_bit_for_bit(opened: Open, store: Store) -> None:
         turned = Belief(np.roll(expected[-1].belief.p, 1), np.roll(expected[-1].belief.log_p, 1))
         after = replace(expected[-1], version=expected[-1].version + 1, belief=turned, last_fit_rmsd_mm=fit)
         expected.append(after)
-        change(store, "S", write(), lambda _, after=after: Result(StoredResponse("", after.version), after))  # type: ignore[misc]
+        change(store, "S", write(), lambda _, after=after: Result(StoredResponse("", after.version), after))  # type: ignore[misc] # bound in each round, which mypy cannot infer
     for reader in (store, opened()):
         newest = reader.get_session("S")
         assert newest is not None

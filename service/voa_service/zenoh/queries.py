@@ -75,7 +75,7 @@ class Queries:
         if self._rpc.may_repeat(self._keys.last(str(query.key_expr)), attachment):
             self._receive(query)
         else:
-            query.drop()  # type: ignore[no-untyped-call]
+            query.drop()  # type: ignore[no-untyped-call] # zenoh has no types here
 
     def _receive(self, query: zenoh.Query) -> None:
         """Queue a query for a worker thread, or refuse it; called in a Zenoh thread.

@@ -76,7 +76,7 @@ CHANGES = [
 
 @pytest.mark.parametrize("change", CHANGES, ids="-".join)
 def test_the_command_makes_the_choices_of_the_draft(change: dict[str, object]) -> None:
-    draft = replace(PLAIN, **change)  # type: ignore[arg-type]
+    draft = replace(PLAIN, **change)  # type: ignore[arg-type] # fields of several types
     assert plain_lists(choices_of(draft)) == plain_lists(command(draft))
     assert choices_of(draft) != choices_of(PLAIN)
 
@@ -144,7 +144,7 @@ def test_a_place_moves_along_the_circle_and_meets_no_other() -> None:
 )
 def test_choices_out_of_their_limits_are_sentences(change: dict[str, object], words: str) -> None:
     assert problems_of(PLAIN) == []
-    (sentence,) = problems_of(replace(PLAIN, **change))  # type: ignore[arg-type]
+    (sentence,) = problems_of(replace(PLAIN, **change))  # type: ignore[arg-type] # fields of several types
     assert words in sentence
 
 

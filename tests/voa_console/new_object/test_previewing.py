@@ -47,7 +47,7 @@ def test_nothing_is_made_before_the_size_is_confirmed_or_with_choices_out_of_lim
     ],
 )
 def test_a_change_makes_again_what_depends_on_it(complete: Previews, change: dict[str, object], step: str) -> None:
-    changed = replace(DRAFT, **change)  # type: ignore[arg-type]
+    changed = replace(DRAFT, **change)  # type: ignore[arg-type] # fields of several types
     assert complete.next_step(changed) == step
 
 

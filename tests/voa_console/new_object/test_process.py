@@ -20,7 +20,7 @@ NOBODY = "http://127.0.0.1:9"
 
 
 def task(mesh: Path, step: str = "measure") -> Task:
-    return Task(step=step, draft=Draft(mesh=str(mesh)), folder=str(mesh.parent))  # type: ignore[arg-type]
+    return Task(step=step, draft=Draft(mesh=str(mesh)), folder=str(mesh.parent))  # type: ignore[arg-type] # a parameter of the test
 
 
 def with_process(folder: Path, use: Callable[[WorkerProcess], Awaitable[None]], key: str | None = None) -> None:

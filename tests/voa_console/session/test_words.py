@@ -134,7 +134,7 @@ def test_each_version_says_what_made_it(made: HistoryEntry, sentence: str) -> No
 
 
 def test_every_reason_of_the_service_has_words() -> None:
-    assert set(REASONS) == set(Reason.__args__)  # type: ignore[attr-defined]
+    assert set(REASONS) == set(Reason.__args__)  # type: ignore[attr-defined] # the values of a Literal
 
 
 def test_places_and_names_are_written_out() -> None:

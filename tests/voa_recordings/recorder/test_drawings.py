@@ -154,7 +154,7 @@ def test_versions_stand_at_their_time_but_at_most_an_hour_before_the_recording(c
         (made_ns + 50 * hour_ns, made_ns + 49 * hour_ns),
         (made_ns - 5_000_000_000, made_ns - 5_000_000_000),
     ):
-        items, _ = drawn(client, scenario, session, [entry], "never", lambda now_ns=now_ns: now_ns)  # type: ignore[misc]
+        items, _ = drawn(client, scenario, session, [entry], "never", lambda now_ns=now_ns: now_ns)  # type: ignore[misc] # bound in each round, which mypy cannot infer
         (at_ns,) = {item.at_ns for item in items}
         assert at_ns == pytest.approx(expected, abs=1_000)
 

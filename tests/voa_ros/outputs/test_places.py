@@ -19,7 +19,7 @@ def test_origin_base_and_mount_lead_back_to_the_lidar() -> None:
     mapping = mapped(f'{{ from = "odometry", {ORIGIN} }}', "lidar = { x = -0.032, y = 0.01, yaw_rad = 0.5 }")
     lidar = Motion(0.3, 0.1, -2.5)
     base = base_pose(lidar, mapping)
-    again = composed(composed(mapping.place.origin, base), mapping.lidar)  # type: ignore[union-attr]
+    again = composed(composed(mapping.place.origin, base), mapping.lidar)  # type: ignore[union-attr] # this mapping has an origin
     assert (again.x, again.y) == pytest.approx((0.3, 0.1))
     assert math.remainder(again.yaw_rad + 2.5, math.tau) == pytest.approx(0.0, abs=1e-12)
 

@@ -33,7 +33,7 @@ class Shelf:
     def make(self, **more: object) -> NewKey:
         made = new_key()
         fields: dict[str, object] = {"name": "tb3_1", "role": "sensor", "created_at": NOON} | more
-        self.keys[made.id] = StoredKey(id=made.id, digest=made.digest, **fields)  # type: ignore[arg-type]
+        self.keys[made.id] = StoredKey(id=made.id, digest=made.digest, **fields)  # type: ignore[arg-type] # fields of several types
         return made
 
     def change(self, made: NewKey, **changes: object) -> None:

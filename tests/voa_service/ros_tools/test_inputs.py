@@ -43,7 +43,7 @@ def marked(x: float, y: float, yaw: float, frame: str = "world", variances: tupl
 
 def put(lab: RosLab, key: str, payload: bytes, attachment: bytes | None = None) -> None:
     with lab.bus.session.declare_publisher(key) as publisher:
-        wait_for(lambda: publisher.matching_status.matching, "the topic to be received")  # type: ignore[attr-defined]
+        wait_for(lambda: publisher.matching_status.matching, "the topic to be received")  # type: ignore[attr-defined] # the stub says bool; it has `matching`
         publisher.put(payload, attachment=attachment)
 
 
@@ -143,4 +143,4 @@ def test_nothing_is_received_unless_the_mapping_allows_it(lab: RosLab) -> None:
     with lab.bus.session.declare_publisher("tb3_1/voa/outcome") as publisher:
         put(lab, "tb3_1/voa/prior", marked(0.0, 0.0, 0.0))
         wait_for_version(lab, 1)
-        assert not publisher.matching_status.matching  # type: ignore[attr-defined]
+        assert not publisher.matching_status.matching  # type: ignore[attr-defined] # the stub says bool; it has `matching`

@@ -58,7 +58,7 @@ class World:
         try:
             yield following
         finally:
-            await events.aclose()  # type: ignore[attr-defined]
+            await events.aclose()  # type: ignore[attr-defined] # a generator, typed as an iterator
 
 
 def test_followers_of_one_session_share_its_reads() -> None:
@@ -184,7 +184,7 @@ def test_a_follower_that_takes_nothing_is_dropped(monkeypatch: pytest.MonkeyPatc
 
         async with asyncio.timeout(30):
             await EventStream(events)({"type": "http"}, receive, stalled)
-        await events.aclose()  # type: ignore[attr-defined]
+        await events.aclose()  # type: ignore[attr-defined] # a generator, typed as an iterator
         return world.feeds.followers
 
     assert asyncio.run(story()) == 0

@@ -47,7 +47,7 @@ UNLIMITED = "9223372036854771712\n"
 def test_the_smallest_memory_limit_applies(
     tmp_path: Path, cgroup: str | None, limits: dict[str, str], expected: tuple[int, str]
 ) -> None:
-    assert available_memory(Settings(), machine(tmp_path, cgroup, **limits)) == AvailableMemory(*expected)  # type: ignore[arg-type]
+    assert available_memory(Settings(), machine(tmp_path, cgroup, **limits)) == AvailableMemory(*expected)  # type: ignore[arg-type] # fields of several types
 
 
 def test_the_setting_wins(tmp_path: Path) -> None:

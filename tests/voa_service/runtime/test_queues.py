@@ -229,7 +229,7 @@ def test_when_to_try_again_is_the_mean_duration_of_the_latest_calls_by_the_line_
         now[0] += seconds
 
     for seconds in (10.0, 20.0):
-        queue.submit(lambda seconds=seconds: take(seconds)).result(30)  # type: ignore[misc]
+        queue.submit(lambda seconds=seconds: take(seconds)).result(30)  # type: ignore[misc] # bound in each round, which mypy cannot infer
     held = [queue.submit(gate.work(i)) for i in range(4)]
     with pytest.raises(Failure, match="try again in 30 s") as refused:
         queue.submit(gate.work(9))

@@ -189,7 +189,7 @@ def test_looks_by_odometry_share_a_place_as_unsure_as_the_mapping_says(own: Lab)
     for number, x in enumerate((0.3, 0.31, 0.5), start=1):
         own.put("tb3_1/odom", odometry(x, 0.0, 3.1, 100.0 + number))
         own.put("tb3_1/scan", laser_scan([0.28] * 4, 100.0 + number))
-        wait_for(lambda number=number: own.version(session) == number, "the look")  # type: ignore[misc]
+        wait_for(lambda number=number: own.version(session) == number, "the look")  # type: ignore[misc] # bound in each round, which mypy cannot infer
     assert own.last_request(session)["sensor_pose"]["std"] == {"xy_m": 0.01, "yaw_rad": 0.02}
     state = own.service.get(f"/v1/sessions/{session}")
     assert [place["looks"] for place in state["places"]] == [2, 1]

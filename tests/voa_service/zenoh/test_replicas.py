@@ -54,7 +54,7 @@ class Pair:
         wait_for(lambda: all(len(self.reports(service, "ros2")) == len(ROBOTS) for service in self.services), "it")
         for robot in ROBOTS:
             with self.bus.session.declare_publisher(f"{robot}/scan") as publisher:
-                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined]
+                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined] # the stub says bool; it has `matching`
 
     def reports(self, service: Service, source: str) -> dict[str, Json]:
         items = service.get("/v1/robots")["items"]
@@ -230,8 +230,8 @@ def test_each_refusal_of_a_mapped_robot_is_published_once_and_both_replicas_know
     for number, payload in enumerate((unreadable, of_an_unknown_place), start=1):
         for robot in ROBOTS:
             pair.bus.session.put(f"{robot}/scan", payload)
-        pair.wait_until_each_robot(lambda report, number=number: report["refused"] == number, "ros2")  # type: ignore[misc]
-        wait_for(lambda number=number: len(received) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc]
+        pair.wait_until_each_robot(lambda report, number=number: report["refused"] == number, "ros2")  # type: ignore[misc] # bound in each round, which mypy cannot infer
+        wait_for(lambda number=number: len(received) >= number * len(ROBOTS), "every robot's problem")  # type: ignore[misc] # bound in each round, which mypy cannot infer
         pair.flush()
         assert Counter(sample.key.rpartition("/")[2] for sample in received) == Counter(ROBOTS * number)
 

@@ -87,7 +87,7 @@ class Lab:
         for name in names:
             with self.bus.session.declare_publisher(f"{name}/scan") as publisher:
                 # The stub says bool; it is an object whose `matching` tells.
-                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined]
+                wait_for(lambda: publisher.matching_status.matching, "the topic to be listened to")  # type: ignore[attr-defined] # the stub says bool; it has `matching`
 
     def reports(self) -> list[Json]:
         return list(self.service.get("/v1/robots")["items"])

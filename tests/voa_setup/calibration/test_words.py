@@ -27,7 +27,7 @@ def test_figures_are_printed_with_their_deviations() -> None:
 
 @pytest.mark.parametrize("coordinate", ["bearing", "distance", "turn"])
 def test_a_direction_that_is_not_determined_gives_no_figure(coordinate: str) -> None:
-    open_ = Undetermined(coordinate, math.radians(30.0))  # type: ignore[arg-type]
+    open_ = Undetermined(coordinate, math.radians(30.0))  # type: ignore[arg-type] # a parameter of the test
     result = Estimate(solution(1.0, undetermined=(open_,)), (), True, 1)
     assert not is_determined(result)
     text = "\n".join(sentences(result, ROBOT, "origin"))

@@ -68,7 +68,7 @@ def test_a_plane_over_flat_rests_warns_as_the_service_does(
 def test_a_choice_that_cannot_be_used_is_a_sentence(
     mesh: SetupMesh, stable: list[StablePose], lidar: LidarPreset, change: dict[str, float], words: str
 ) -> None:
-    plan = preview_plan(replace(CHOICES, **change), mesh, stable, lidar)  # type: ignore[arg-type]
+    plan = preview_plan(replace(CHOICES, **change), mesh, stable, lidar)  # type: ignore[arg-type] # fields of several types
     assert plan.problem is not None
     assert words in plan.problem
     assert plan.rests
