@@ -9,8 +9,9 @@ processes of an earlier generation then report that they are not ready.
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import structlog
 from alembic import command
@@ -98,12 +99,29 @@ def is_current(connection: Connection) -> bool:
     return _current(connection) == _newest()
 
 
-def serves(connection: Connection) -> bool:
-    """Return True if this version can work with the tables: its own, or newer ones of the same generation."""
-    revision, newest = _current(connection), _newest()
-    if revision is None or revision == newest:
-        return revision is not None
-    return revision not in _known() and generation(revision) == generation(newest)
+@dataclass(frozen=True)
+class Revisions:
+    """The revisions of the tables that a process knows since it started, whatever is installed under it later.
+
+    Attributes:
+        newest: that of this version of the service.
+        known: of this version and all before.
+    """
+
+    newest: str
+    known: frozenset[str]
+
+    @classmethod
+    def of_this_version(cls) -> Self:
+        """Read the revisions that are installed."""
+        return cls(_newest(), frozenset(_known()))
+
+    def serve(self, connection: Connection) -> bool:
+        """Return True if this version can work with the tables: its own, or newer ones of the same generation."""
+        revision = _current(connection)
+        if revision is None or revision == self.newest:
+            return revision is not None
+        return revision not in self.known and generation(revision) == generation(self.newest)
 
 
 def generation(revision: str) -> str:

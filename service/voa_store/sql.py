@@ -22,7 +22,7 @@ from voa_store.histories import read_history
 from voa_store.keys import KeyRecords
 from voa_store.listening import CHANNEL, Listener
 from voa_store.looks import count_look
-from voa_store.migrate import migrate, serves
+from voa_store.migrate import Revisions, migrate
 from voa_store.probing import Probe
 from voa_store.records import (
     HistoryEntry,
@@ -53,7 +53,6 @@ from voa_store.tables import GONE, history, sessions
 PATIENCE_SECONDS = 4.0
 _AT_ONCE = 64  # versions, and stored responses, of a session that are removed in the transaction that deletes it
 _ROWS = 256  # stored responses that are dated or removed in one transaction
-
 # Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (sessions, history)}
 _BY_ID = select(sessions).where(sessions.c.id == bindparam("by_id"), sessions.c.version > GONE)
@@ -90,6 +89,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         self._listener: Listener | None = None
         self._probe = Probe(self._engines)
         self._remover = Remover(self._engines)
+        self._revisions = Revisions.of_this_version()
         try:
             migrate(self._engines)
             self._remover.wake_if_needed()
@@ -115,7 +115,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
             RuntimeError: the tables are those of a version of the service with which this one cannot share them.
         """
         with statement(self._single) as connection:
-            if not serves(connection):
+            if not self._revisions.serve(connection):
                 raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
 

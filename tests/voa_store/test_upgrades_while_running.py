@@ -1,6 +1,7 @@
 """Processes of the version before go on while, and after, their database is migrated to newer tables."""
 
 import itertools
+import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -122,6 +123,20 @@ def test_a_running_process_of_an_earlier_generation_is_not_ready(
     start_newer("b9999")
     with pytest.raises(RuntimeError, match="another version of the service has changed the tables"):
         store.ping()
+    store.close()
+
+
+def test_a_running_process_stays_ready_while_a_newer_version_is_installed_under_it(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = SqlStore(database_url)
+    newest = migrate.Revisions.of_this_version().newest
+    installed = tmp_path / "migrations"
+    shutil.copytree(MIGRATIONS, installed)
+    (installed / "versions" / "newer.py").write_text(f'revision = "b9999"\ndown_revision = "{newest}"\n')
+    monkeypatch.setattr(migrate, "_REVISIONS", installed)
+    assert migrate.Revisions.of_this_version().newest == "b9999"
+    store.ping()
     store.close()
 
 
