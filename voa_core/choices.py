@@ -16,9 +16,10 @@ from voa_core.updating import UpdatePolicy, nearest
 
 _BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
 _GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
-_LEAST_NORM = {"float64": 1e-200, "float32": 1e-20}
+_FLOAT64, _FLOAT32 = np.dtype(np.float64), np.dtype(np.float32)
+_LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}
 _LARGEST_ERROR = 1e-6  # of a value, from weights that are left out
-_TIE = {"float64": TIE, "float32": 1e-6}
+_TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: np.float32(1e-6)}
 
 
 class LookWeights(Protocol):
@@ -46,8 +47,10 @@ class LookWeights(Protocol):
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights of the poses `columns` after the scans `rows`, each row scaled by a positive number of its own."""
 
-    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats:
+    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats | None:
         """Largest total, (k,), of what may be left out of `weights(rows, columns)`, each pose counted with its mass.
+
+        None: nothing is left out.
 
         Args:
             rows: scans.
@@ -77,7 +80,7 @@ class Chooser:
     table: GraspTable
     policy: UpdatePolicy
     check: Callable[[], None] = field(repr=False)
-    _factors: dict[tuple[str, bool], "_Factor"] = field(default_factory=dict, init=False, repr=False)
+    _factors: dict[tuple[np.dtype[Any], bool], "_Factor"] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def before(self) -> Choice:
@@ -97,24 +100,18 @@ class Chooser:
         One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
         every grasp, and its last entry the normaliser.
         """
-        factor, belief = self._factor(look), self.belief.p
-        columns, masses = factor.columns, factor.masses
-        chosen = np.zeros(len(rows), dtype=np.intp)
-        scores = np.zeros(len(rows))
-        doubtful = np.zeros(len(rows), dtype=bool)
-        rows_at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(columns)))
-        if look.matrix is not None and len(columns) == len(belief) and len(rows) == len(look.matrix):
-            rows_at_once = len(rows)  # the kept matrix itself: nothing is copied
-        for start in range(0, len(rows), rows_at_once):
+        factor, k = self._factor(look), len(rows)
+        at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
+        if look.matrix is not None and len(factor.columns) == len(self.belief.p) and k == len(look.matrix):
+            at_once = k  # the kept matrix itself: nothing is copied
+        blocks = []
+        for start in range(0, k, at_once):
             self.check()
-            block = slice(start, start + rows_at_once)
-            product = factor.weighted_scores @ look.weights(rows[block], columns).T
-            left_out = look.most_left_out(rows[block], columns, masses)
-            chosen[block], scores[block], undecided = _choose_each(product)
-            again = product[-1] < _LEAST_NORM[look.dtype.name]
-            again |= shares[block] * left_out > 0.5 * _LARGEST_ERROR / len(rows) * product[-1]
-            doubtful[block] = again | undecided if sure else again
-        self._repeat_in_logarithms(look, rows, np.flatnonzero(doubtful), chosen, scores)
+            some = slice(start, start + at_once)
+            blocks.append(_chosen_of_block(look, factor, rows[some], shares[some], _LARGEST_ERROR / k, sure=sure))
+        chosen, scores, doubtful = blocks[0] if len(blocks) == 1 else map(np.concatenate, zip(*blocks, strict=True))
+        if doubtful.any():
+            self._repeat_in_logarithms(look, rows, np.flatnonzero(doubtful), chosen, scores)
         return chosen, scores
 
     def _repeat_in_logarithms(
@@ -137,7 +134,7 @@ class Chooser:
 
     def _factor(self, look: LookWeights) -> "_Factor":
         """Factor by which the weights of a look are multiplied; made once, for it does not depend on the look."""
-        key = look.dtype.name, look.matrix is not None
+        key = look.dtype, look.matrix is not None
         if key not in self._factors:
             self._factors[key] = _Factor.of(self.belief.p, self.table, look.dtype, kept=look.matrix is not None)
         return self._factors[key]
@@ -183,24 +180,50 @@ def scores_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.int
     return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
 
 
+def _chosen_of_block(
+    look: LookWeights,
+    factor: _Factor,
+    rows: NDArray[np.intp],
+    shares: Floats,
+    largest_error: float,
+    *,
+    sure: bool,
+) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
+    """Choose a grasp after each of the scans `rows`, (k,), by one product.
+
+    Returns:
+        Index of the chosen grasp (-1: none), its expected score, and flags of those to repeat in logarithms, (k,).
+    """
+    product = factor.weighted_scores @ look.weights(rows, factor.columns).T
+    norm, left_out = product[-1], look.most_left_out(rows, factor.columns, factor.masses)
+    chosen, scores, undecided = _choose_each(product)
+    doubtful = norm < _LEAST_NORM[product.dtype]
+    if left_out is not None:
+        doubtful |= shares * left_out > 0.5 * largest_error * norm
+    if sure:
+        doubtful |= undecided
+    return chosen, scores, doubtful
+
+
 def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
     """Choose a grasp for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
 
     Returns:
-        Index of the chosen grasp (-1: none) and its expected score for each column, (k,), and flags (k,) of the
-        columns in which rounding or underflow may have decided: no score is left, or in float32 the best score does
-        not differ from the next.
+        Index of the chosen grasp (-1: none) and its expected score for each column, (k,), 0 where nothing is left of
+        the normaliser, and flags (k,) of the columns in which rounding or underflow may have decided: no score is left,
+        or in float32 the best score does not differ from the next.
     """
-    chosen, tied = np.zeros((2, product.shape[1]), dtype=np.intp)
-    best = np.zeros(product.shape[1])
-    choose_each(product, _TIE[product.dtype.name], chosen, best, tied)
+    k, tie = product.shape[1], _TIE[product.dtype]
+    chosen, best, undecided = np.zeros(k, np.int32), np.zeros(k, product.dtype), np.zeros(k, np.bool_)
+    choose_each(product, tie, chosen, best, undecided)
     norm = product[-1].astype(np.float64)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scores = best / norm
-    doubtful = best <= _TIE[product.dtype.name] * norm
-    if product.dtype == np.float32:
-        doubtful |= tied > 1
-    return chosen, scores, doubtful
+    scores = np.zeros(k)
+    np.divide(best, norm, out=scores, where=norm > 0.0)
+    if product.dtype == _FLOAT64:
+        undecided = best <= tie * norm
+    else:
+        undecided |= best <= tie * norm
+    return chosen.astype(np.intp), scores, undecided
 
 
 def belief_after(belief: Belief, log_weights: Floats, policy: UpdatePolicy, distances: Callable[[], Floats]) -> Belief:

@@ -51,17 +51,21 @@ class JointWeights:
             product = product * part.weights(rows, columns)
         return product
 
-    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats:
+    def most_left_out(self, rows: NDArray[np.intp], columns: NDArray[np.intp], masses: Floats) -> Floats | None:
         """Largest total, (k,), of what is left out of the products of the samples `rows`, each pose by its mass.
 
         What a look leaves out of the weight of a pose counts as often as the other looks weigh that pose. With E the
         most that the product P of some looks lacks, and e the most that the weight w of one more look lacks, the
         product of all lacks at most E (w + e) + P e. A bound by the largest weights alone, which are 1, would not do:
         the product is far smaller, and nearly every sample would have to be computed again in full.
+
+        None: nothing is left out.
         """
-        left_out = [part.most_left_out(rows, columns, masses) for part in self.parts]
+        nothing = np.zeros(len(rows))
+        bounds = (part.most_left_out(rows, columns, masses) for part in self.parts)
+        left_out = [nothing if bound is None else bound for bound in bounds]
         if not any(each.any() for each in left_out):
-            return np.zeros(len(rows))
+            return None
         product, lacking = np.ones((len(rows), len(columns))), np.zeros((len(rows), len(columns)))
         for part, each in zip(self.parts, left_out, strict=True):
             weights, most = part.weights(rows, columns), each[:, None]

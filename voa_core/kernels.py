@@ -196,30 +196,37 @@ def _normal(z: float, mean: Floats, inverse_sigma: Floats, bits: NDArray[np.int6
 
 
 @kernel
-def choose_each(product: Array, tie: float, chosen: NDArray[np.intp], best: Floats, tied: NDArray[np.intp]) -> None:
+def choose_each(
+    product: Array, tie: np.floating, chosen: NDArray[np.int32], best: Array, close: NDArray[np.bool_]
+) -> None:
     """Choose the best grasp of each of k beliefs, in loops that run in vector registers.
 
     Args:
         product: (m + 1, k) unnormalised expected scores, the normaliser last.
-        tie: scores within this share of the normaliser are as good as the best.
+        tie: scores within this share of the normaliser are as good as the best; of the type of `product`.
         chosen: (k,) written: the first listed that is as good as the best; -1 where the best is 0.
         best: (k,) written: the best score, unnormalised.
-        tied: (k,) written: how many are as good as the best.
+        close: (k,) written: True where another one is as good as the best.
     """
-    m = len(product) - 1
+    m, k = len(product) - 1, len(best)
+    second = np.full(k, -1.0, product.dtype)
     best[:] = product[0]
+    chosen[:] = 0
     for x in range(1, m):
-        scores = product[x]
-        for j in range(len(best)):
-            best[j] = max(best[j], scores[j])
-    enough = best - tie * product[m]
-    chosen[:] = -1
-    tied[:] = 0
-    for x in range(m - 1, -1, -1):
-        scores = product[x]
-        for j in range(len(best)):
-            as_good = scores[j] >= enough[j]
-            chosen[j] = x if as_good else chosen[j]
-            tied[j] += as_good
-    for j in range(len(best)):
-        chosen[j] = chosen[j] if best[j] > 0.0 else -1
+        scores, index = product[x], np.int32(x)
+        for j in range(k):
+            score, before = scores[j], best[j]
+            less = score if score < before else before
+            second[j] = less if less > second[j] else second[j]
+            chosen[j] = index if score > before else chosen[j]
+            best[j] = score if score > before else before
+    for j in range(k):
+        enough = best[j] - tie * product[m, j]
+        close[j] = second[j] >= enough
+        if best[j] <= 0.0:
+            chosen[j] = -1
+        elif close[j]:
+            first = 0
+            while product[first, j] < enough:
+                first += 1
+            chosen[j] = first

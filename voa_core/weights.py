@@ -122,9 +122,8 @@ class Weigher:
             for row, belief in zip(rows, before, strict=True)
         ]
 
-    def most_left_out(self, rows: NDArray[np.intp], _columns: NDArray[np.intp], _masses: Floats) -> Floats:
-        """Most, (k,), that is left out of the weight of any pose in the rows: nothing is."""
-        return np.zeros(len(rows))
+    def most_left_out(self, _rows: NDArray[np.intp], _columns: NDArray[np.intp], _masses: Floats) -> None:
+        """None: nothing is left out of the weights."""
 
     def seen_with(self, _belief: Belief, _policy: UpdatePolicy) -> "Weigher":
         """Weights of this look: a predicted scan shows the object, as far as the rule can say."""
