@@ -1,11 +1,12 @@
 """Run the simulation: seeds until one fails, or one seed again.
 
-python -m tests.simulation --writes 100000      as many seeds as make so many writes
+python -m tests.simulation --writes 100000      as many seeds as make so many writes; --processes 2 shares them
 python -m tests.simulation --seed 7             one seed; where it fails, its shortest form and last steps
 python -m tests.simulation --planted            each planted fault, with the number of seeds until it is found
 """
 
 import argparse
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -21,11 +22,14 @@ from tests.simulation.shrink import shrunk
 
 _LAST_STEPS = 60
 _REPORT_EVERY_SECONDS = 60.0
+_SEEDS_OF_PROCESS = 1_000_000
 
 
 def main(arguments: list[str]) -> int:
     """Run what the arguments say; returns the number of failing seeds, or of planted faults that stay unnoticed."""
     options = _options(arguments)
+    if options.processes > 1:
+        return _shared(options.first, options.writes, options.processes, options.fault)
     with template() as (database, model):
         run = Simulator(database, model).run
         if options.planted:
@@ -47,6 +51,7 @@ def _options(arguments: list[str]) -> argparse.Namespace:
 
     parser = argparse.ArgumentParser(prog="python -m tests.simulation", description=__doc__)
     parser.add_argument("--writes", type=int, default=100_000, help="run seeds until they have made so many writes")
+    parser.add_argument("--processes", type=int, default=1, help="share the writes among so many processes")
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--seed", type=int, help="run this seed alone")
     parser.add_argument("--only", type=numbers, help="numbers of the only operations of the seed, with commas")
@@ -85,6 +90,15 @@ def _many(first: int, writes: int, run: Callable[[Plan], Result], fault: str | N
         f"in {time.monotonic() - began:.0f} s ({time.process_time():.0f} s of CPU)"
     )
     return 0
+
+
+def _shared(first: int, writes: int, processes: int, fault: str | None) -> int:
+    """Run seeds in several processes, each with seeds of its own; returns the number of processes that failed."""
+    command = [sys.executable, "-m", "tests.simulation", "--writes", str(-(-writes // processes))]
+    command += [] if fault is None else ["--fault", fault]
+    firsts = [str(first + number * _SEEDS_OF_PROCESS) for number in range(processes)]
+    running = [subprocess.Popen([*command, "--first", each]) for each in firsts]
+    return sum(process.wait() != 0 for process in running)
 
 
 def _planted(run: Callable[[Plan], Result]) -> int:
