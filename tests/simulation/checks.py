@@ -13,6 +13,7 @@ from tests.simulation.world import World
 from tests.support.histories import Call, Stored, faults_of
 from voa_service.runtime.changes import Changes
 from voa_service.usecases.robots import Robots
+from voa_store.errors import DamagedData
 from voa_store.records import HistoryEntry
 from voa_store.rows import blob
 from voa_store.sql import SqlStore
@@ -25,9 +26,13 @@ def problems_of(world: World) -> tuple[list[str], int]:
     """Return what was wrong in a run, and the number of versions in all histories; the processes must have ended."""
     store = SqlStore(world.url)
     try:
-        inside = use_cases(store, lambda: START, str, Changes(), Robots(lambda: START, store.robot_session))
         listed = store.list_sessions(_PAGE, None).items
         histories = {each.id: store.history(each.id, -1, _PAGE) for each in listed}
+    except DamagedData as error:
+        store.close()
+        return [*_unexpected(world), f"a history cannot be read at the end: {error}"], 0
+    try:
+        inside = use_cases(store, lambda: START, str, Changes(), Robots(lambda: START, store.robot_session))
         problems = [*_unexpected(world), *_contradictions(world, inside, histories)]
         for check in (_conditions, _publications, _creations, _announcements, _assignments, _looks):
             problems += check(world, histories)
