@@ -19,6 +19,7 @@ from voa_service.access.keys import digest_of, id_of
 from voa_service.access.roles import ROLES
 from voa_service.failures import Unauthenticated
 from voa_service.ports import Clock
+from voa_service.runtime.logs import reason_of
 from voa_store.records import StoredKey
 
 REFRESH_SECONDS = 2.0
@@ -155,7 +156,7 @@ class Keyring:
                 failing = False
             except Exception as error:  # whatever it is: a thread that ends would leave revoked keys valid
                 if not failing:
-                    structlog.get_logger("voa").error("cannot read the keys, trying again", exc_info=error)
+                    structlog.get_logger("voa").error("cannot read the keys, trying again", **reason_of(error))
                 failing = True
 
 

@@ -7,10 +7,20 @@ from typing import Any, TextIO
 
 import structlog
 
+from voa_store.errors import StoreError
+
 
 def is_wanted(level: str) -> bool:
     """Return True if lines of a level are logged; callers check first, for composing a line takes time."""
     return logging.getLogger().isEnabledFor(logging.getLevelNamesMapping()[level])
+
+
+def reason_of(error: Exception) -> dict[str, object]:
+    """Return the fields of a line about an error in the background: with a traceback, unless the store has raised it.
+
+    The store logs its faults itself: a database that is away is no fault of this program.
+    """
+    return {"why": str(error)} | ({} if isinstance(error, StoreError) else {"exc_info": error})
 
 
 def logger_of_command(level: str, stream: TextIO) -> Any:

@@ -5,6 +5,8 @@ from collections.abc import Callable
 
 import structlog
 
+from voa_service.runtime.logs import reason_of
+
 _END_SECONDS = 5.0
 
 
@@ -46,5 +48,5 @@ class Periodic:
                 self._work(self._closed.wait)
             except Exception as error:  # whatever it is: the next round tries again
                 log = structlog.get_logger("voa")
-                log.warning("background work has to wait", work=self._thread.name, exc_info=error)
+                log.warning("background work has to wait", work=self._thread.name, **reason_of(error))
             self._closed.wait(self._interval_s)

@@ -9,6 +9,8 @@ import pytest
 import structlog
 
 from voa_service.runtime import logs
+from voa_service.runtime.logs import reason_of
+from voa_store.errors import Unavailable
 
 
 @pytest.fixture
@@ -94,3 +96,9 @@ def test_colours_are_for_who_wants_them(terminal: io.StringIO, monkeypatch: pyte
     logs.configure("INFO", coloured)
     structlog.get_logger("voa").info("moved")
     assert "\x1b[" in coloured.getvalue()
+
+
+def test_a_database_that_is_away_is_a_reason_without_a_traceback() -> None:
+    assert reason_of(Unavailable("the database is away")) == {"why": "the database is away"}
+    mistake = KeyError("x")
+    assert reason_of(mistake) == {"why": "'x'", "exc_info": mistake}
