@@ -30,14 +30,9 @@ $(STAMP): requirements.lock pyproject.toml
 demo: setup  ## a simulated lidar robot helps an arm to grasp; prints the story, leaves a page in build/demo
 	@$(BIN)/voa demo --out build/demo
 
-# Tests wait for processes a third of their time, so three at once use two cores; those that drive robots in real time, or a
-# browser, run two at once.
-IN_REAL_TIME := tests/e2e tests/voa_console
-
 test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed by themselves where that is allowed
 	rm -rf $(COVERAGE)
-	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 3 $(IN_REAL_TIME:%=--ignore=%) tests
-	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 2 $(IN_REAL_TIME)
+	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 2 tests
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/all --skip-covered --fail-under=$(FLOOR)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --branch --data-file=$(COVERAGE)/core -m pytest -q -n 2 tests/voa_core
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/core --include='voa_core/*' --show-missing --skip-covered --fail-under=100
