@@ -18,6 +18,8 @@ from typing import Any
 
 import zenoh
 
+from tests.support.waiting import wait_for
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 FAST = {"open/return_conditions": {"connect_scouted": False, "declares": False}, "scouting/delay": 0}
 STOP_SECONDS = 10.0
@@ -58,9 +60,16 @@ class Router:
             self._process = None
 
     def signal(self, which: signal.Signals) -> None:
-        """Send a signal, such as SIGSTOP for a router that runs but does not respond."""
+        """Send a signal, such as SIGSTOP for a router that runs but does not respond; returns once it has stopped."""
         assert self._process is not None
         self._process.send_signal(which)
+        if which == signal.SIGSTOP:
+            threads = Path(f"/proc/{self._process.pid}/task")
+            wait_for(lambda: all(map(_is_stopped, threads.iterdir())), "the router to stop")
+
+
+def _is_stopped(thread: Path) -> bool:
+    return (thread / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "T"
 
 
 @contextmanager
