@@ -20,7 +20,7 @@ its docstring names the source.
 | hold a belief and the looks behind it | `estimates`, `places`                  |                                     |
 | make a prior                          | `priors`                               | longer: appendix                    |
 | value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
-| choose a grasp after each scan        | `choices`                              | equation 1                          |
+| choose a grasp after each scan        | `choices`, `screening`                 | equation 1                          |
 | say how far a value may be off        | `standard_errors`                      |                                     |
 | simulate scans that are to be taken   | `simulation`, `scan_model`             |                                     |
 | weigh simulated scans                 | `simulated_weights`, `copies`, `sample_sight` |                             |
@@ -30,7 +30,7 @@ its docstring names the source.
 | evaluate a recorded experiment        | `recorded`                             | evaluation 3: VOA against AECD      |
 | find probable mistakes                | `mistakes`                             |                                     |
 
-The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `copy_kernels`,
-`mixture`, `mixture_kernels`, `mixture_likelihoods`, `vector_math` and `jit` for compiled loops, and `warmup`, which
-compiles them all.
+The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `choice_kernels`,
+`copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `vector_math` and `jit` for compiled loops, and
+`warmup`, which compiles them all.
 """

@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.filtering import Belief, condition
-from voa_core.grasps import TIE, Choice, GraspTable, best_grasp, choose
-from voa_core.kernels import Array, choose_each
+from voa_core.grasps import Choice, GraspTable, best_grasp, choose
+from voa_core.kernels import Array
+from voa_core.screening import LEAST_NORM, choices_after, rough_scores
 from voa_core.updating import UpdatePolicy, nearest
 
 _BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
 _GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
-_FLOAT64, _FLOAT32 = np.dtype(np.float64), np.dtype(np.float32)
-_LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}
 _LARGEST_ERROR = 1e-6  # of a value, from weights that are left out
-_TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: np.float32(1e-6)}
 
 
 class LookWeights(Protocol):
@@ -148,11 +146,13 @@ class _Factor:
         columns: (c,) poses that take part.
         masses: (c,) their probabilities before the scan.
         weighted_scores: (m + 1, c) probability times score of each grasp, and the probabilities last.
+        rough_scores: (m + 1, c) the weighted scores in float32, where they screen the grasps, else None.
     """
 
     columns: NDArray[np.intp]
     masses: Floats
     weighted_scores: Array
+    rough_scores: Array | None
 
     @classmethod
     def of(cls, belief: Floats, table: GraspTable, dtype: np.dtype[Any], *, kept: bool) -> "_Factor":
@@ -164,7 +164,7 @@ class _Factor:
         weighted = np.zeros((len(table.scores) + 1, len(columns)), dtype=dtype)
         weighted[:-1] = masses * (table.scores if len(columns) == len(belief) else table.scores[:, columns])
         weighted[-1] = masses
-        return cls(columns, masses, weighted)
+        return cls(columns, masses, weighted, rough_scores(weighted))
 
 
 def scans_of(poses: NDArray[np.intp], samples: int) -> NDArray[np.intp]:
@@ -189,41 +189,20 @@ def _chosen_of_block(
     *,
     sure: bool,
 ) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """Choose a grasp after each of the scans `rows`, (k,), by one product.
+    """Choose a grasp after each of the scans `rows`, (k,).
 
     Returns:
         Index of the chosen grasp (-1: none), its expected score, and flags of those to repeat in logarithms, (k,).
     """
-    product = factor.weighted_scores @ look.weights(rows, factor.columns).T
-    norm, left_out = product[-1], look.most_left_out(rows, factor.columns, factor.masses)
-    chosen, scores, undecided = _choose_each(product)
-    doubtful = norm < _LEAST_NORM[product.dtype]
+    weights = look.weights(rows, factor.columns)
+    chosen, scores, norms, undecided = choices_after(weights, factor.weighted_scores, factor.rough_scores)
+    left_out = look.most_left_out(rows, factor.columns, factor.masses)
+    doubtful = norms < LEAST_NORM[look.dtype]
     if left_out is not None:
-        doubtful |= shares * left_out > 0.5 * largest_error * norm
+        doubtful |= shares * left_out > 0.5 * largest_error * norms
     if sure:
         doubtful |= undecided
     return chosen, scores, doubtful
-
-
-def _choose_each(product: Array) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """Choose a grasp for every column of (m + 1, k) unnormalised expected scores with the normaliser last.
-
-    Returns:
-        Index of the chosen grasp (-1: none) and its expected score for each column, (k,), 0 where nothing is left of
-        the normaliser, and flags (k,) of the columns in which rounding or underflow may have decided: no score is left,
-        or in float32 the best score does not differ from the next.
-    """
-    k, tie = product.shape[1], _TIE[product.dtype]
-    chosen, best, undecided = np.zeros(k, np.int32), np.zeros(k, product.dtype), np.zeros(k, np.bool_)
-    choose_each(product, tie, chosen, best, undecided)
-    norm = product[-1].astype(np.float64)
-    scores = np.zeros(k)
-    np.divide(best, norm, out=scores, where=norm > 0.0)
-    if product.dtype == _FLOAT64:
-        undecided = best <= tie * norm
-    else:
-        undecided |= best <= tie * norm
-    return chosen.astype(np.intp), scores, undecided
 
 
 def belief_after(belief: Belief, log_weights: Floats, policy: UpdatePolicy, distances: Callable[[], Floats]) -> Belief:

@@ -121,7 +121,8 @@ class Ranking:
 
 def _order(looks: Sequence[RankedLook]) -> list[int]:
     """Indices of looks by net value, the largest first; those that are equal to 1e-12 stay in their order."""
-    return [int(i) for i in np.argsort([-np.round(look.net_value, SAME_VALUE_DIGITS) for look in looks], kind="stable")]
+    values = np.array([look.net_value for look in looks])
+    return [int(i) for i in np.argsort(-np.round(values, SAME_VALUE_DIGITS), kind="stable")]
 
 
 def rank(

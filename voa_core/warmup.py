@@ -45,6 +45,7 @@ def warm_up() -> None:
     prediction = predictor.predict(sensor)
     scan = Scan(prediction.dense()[0], lidar.grid)
     table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
+    many = GraspTable.of_probabilities([f"g{x}" for x in range(64)], [[0.5, 0.6]] * 64, 2)  # so many are screened first
     Surface(object_).holds(corners, 1e-4)
     possible = np.ones(len(poses), dtype=bool)
     sampling, spread = Sampling("warm-up", 1), Spread(0.005, 0.05)
@@ -65,7 +66,8 @@ def warm_up() -> None:
         for dtype in (np.float32, np.float64):
             for keep in (False, True):
                 weigher = Weigher.of(rule, prediction, dtype, keep=keep)
-                rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), table, UpdatePolicy())
+                for grasps in (table, many):
+                    rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), grasps, UpdatePolicy())
 
 
 if __name__ == "__main__":

@@ -5,38 +5,45 @@ from tests.mutants.mutant import Mutant
 MUTANTS = (
     Mutant(
         name="float32 ties are as narrow as float64's",
-        file="voa_core/choices.py",
+        file="voa_core/screening.py",
         old="_FLOAT32: np.float32(1e-6)",
         new="_FLOAT32: np.float32(1e-12)",
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="float32 ties are wide",
-        file="voa_core/choices.py",
+        file="voa_core/screening.py",
         old="_FLOAT32: np.float32(1e-6)",
         new="_FLOAT32: np.float32(1e-4)",
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="float64 ties are as wide as float32's",
-        file="voa_core/choices.py",
+        file="voa_core/screening.py",
         old="_FLOAT64: np.float64(TIE)",
         new="_FLOAT64: np.float64(1e-6)",
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="a weight that float64 has lost is used",
-        file="voa_core/choices.py",
+        file="voa_core/screening.py",
         old="_FLOAT64: 1e-200",
         new="_FLOAT64: 0.0",
         tests="tests/voa_core/test_assistance.py",
     ),
     Mutant(
         name="a weight that float32 has lost is used",
-        file="voa_core/choices.py",
+        file="voa_core/screening.py",
         old="_FLOAT32: 1e-20}",
         new="_FLOAT32: 0.0}",
         tests="tests/voa_core/test_assistance.py",
+    ),
+    Mutant(
+        name="rounding to float32 decides between grasps",
+        file="voa_core/screening.py",
+        old="3.0 * (terms + 4) * _UNIT",
+        new="0.0 * (terms + 4) * _UNIT",
+        tests="tests/voa_core/test_screening.py",
     ),
     Mutant(
         name="the workspace has no slack",
@@ -244,8 +251,8 @@ MUTANTS = (
     Mutant(
         name="many looks that tie are in any order",
         file="voa_core/ranking.py",
-        old='for look in looks], kind="stable")',
-        new="for look in looks])",
+        old='SAME_VALUE_DIGITS), kind="stable")',
+        new="SAME_VALUE_DIGITS))",
         tests="tests/voa_core/test_ranking.py",
     ),
     Mutant(

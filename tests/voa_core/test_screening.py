@@ -1,0 +1,97 @@
+"""Choices after many scans: a product in float32 that screens the grasps changes no choice that float64 would make."""
+
+import numpy as np
+import pytest
+
+from voa_core.checks import Floats
+from voa_core.screening import Choices, choices_after, rough_scores
+
+GRASPS, POSES, SCANS = 40, 30, 300
+
+
+def weighted(scores: Floats, belief: Floats) -> Floats:
+    """Factor [b * Q^T | b]^T of the product, (m + 1, c)."""
+    return np.vstack([belief * scores, belief])
+
+
+def screened(weights: Floats, factor: Floats) -> Choices:
+    """Choices with screening, of a table that is large enough for it."""
+    rough = rough_scores(factor)
+    assert rough is not None
+    return choices_after(weights, factor, rough)
+
+
+def world(seed: int, grasps: int = GRASPS) -> tuple[Floats, Floats, Floats]:
+    """Weights over many orders of magnitude, scores and a belief."""
+    random = np.random.default_rng(seed)
+    weights = np.exp(-random.uniform(0.0, 40.0, (SCANS, POSES)))
+    return weights, random.random((grasps, POSES)), random.dirichlet(np.full(POSES, 0.3))
+
+
+def assert_same(screened: Choices, exact: Choices) -> None:
+    """Choices that agree to the last digits of float64."""
+    assert screened.chosen.tolist() == exact.chosen.tolist()
+    assert screened.scores == pytest.approx(exact.scores, rel=1e-13, abs=1e-300)
+    assert screened.norms == pytest.approx(exact.norms, rel=1e-13, abs=1e-300)
+    assert screened.undecided.tolist() == exact.undecided.tolist()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_screening_by_float32_changes_no_choice(seed: int) -> None:
+    weights, scores, belief = world(seed)
+    factor = weighted(scores, belief)
+    assert_same(screened(weights, factor), choices_after(weights, factor, None))
+
+
+@pytest.mark.parametrize("difference", [1e-5, 1e-7, 1e-9, 2e-12])
+def test_grasps_that_float32_cannot_tell_apart_are_told_apart(difference: float) -> None:
+    weights, scores, belief = world(1)
+    scores *= 0.9
+    scores[7], scores[23] = 0.95, 0.95 + difference
+    factor = weighted(scores, belief)
+    choices = screened(weights, factor)
+    assert set(choices.chosen.tolist()) == {23}
+    assert_same(choices, choices_after(weights, factor, None))
+
+
+def test_of_equal_grasps_the_first_listed_is_chosen() -> None:
+    weights, scores, belief = world(2)
+    factor = weighted(np.vstack([scores, scores, scores]), belief)
+    choices = screened(weights, factor)
+    assert choices.chosen.max() < GRASPS
+    assert_same(choices, choices_after(weights, factor, None))
+
+
+def test_weights_that_float32_loses_are_kept() -> None:
+    weights, scores, belief = world(3)
+    weights[::3] *= 1e-60
+    weights[5] = 0.0
+    factor = weighted(scores, belief)
+    choices = screened(weights, factor)
+    assert_same(choices, choices_after(weights, factor, None))
+    assert (choices.chosen[5], choices.scores[5], choices.norms[5], choices.undecided[5]) == (-1, 0.0, 0.0, True)
+
+
+def test_no_grasp_is_chosen_where_none_succeeds() -> None:
+    weights, scores, belief = world(4)
+    scores[:, :10] = 0.0
+    weights[::4, 10:] = 0.0
+    choices = screened(weights, weighted(scores, belief))
+    assert set(choices.chosen[::4].tolist()) == {-1}
+    assert not choices.scores[::4].any()
+    assert_same(choices, choices_after(weights, weighted(scores, belief), None))
+
+
+def test_few_grasps_and_float32_are_not_screened() -> None:
+    _, scores, belief = world(5)
+    assert rough_scores(weighted(scores[:20], belief)) is None
+    assert rough_scores(weighted(scores, belief).astype(np.float32)) is None
+
+
+def test_the_best_score_is_the_largest_expected_score() -> None:
+    weights, scores, belief = world(6)
+    after = weights * belief
+    expected = (after / after.sum(axis=1, keepdims=True)) @ scores.T
+    choices = screened(weights, weighted(scores, belief))
+    assert choices.scores == pytest.approx(expected.max(axis=1), rel=1e-13)
+    assert choices.chosen.tolist() == expected.argmax(axis=1).tolist()
