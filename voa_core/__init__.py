@@ -9,7 +9,8 @@ its docstring names the source.
 | bound the table                       | `workspace`                            |                                     |
 | propose stable poses of an object     | `stable_poses`, `toppling`, `winding`  | stable poses                        |
 | hold grasp scores, choose a grasp     | `grasps`                               | Definitions 1 and 3, equation 1     |
-| predict scans                         | `prediction`, `cutting`, `rasterising` | Definition 5                        |
+| predict scans                         | `prediction`, `cutting`, `chains`      | Definition 5                        |
+| enter contours into beams             | `window_rasterising`, `rasterising`    |                                     |
 | read measured scans                   | `scans`                                |                                     |
 | turn a scan into weights              | `rules`, `evidence`                    | fit by RMSD; longer: tau 1, 2 and 3 |
 | displace the poses a little           | `displacements`                        |                                     |

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from voa_core.chains import Chains, chains_of
 from voa_core.checks import Floats
 from voa_core.errors import NoMesh
 from voa_core.geometry import upright_rotation
@@ -53,12 +54,18 @@ class Contours:
     def nbytes(self) -> int:
         """Memory held, in bytes."""
         own = self.points.nbytes + self.segments.nbytes + self.placement.nbytes + self.cut_of_pose.nbytes
-        return own + self.points.nbytes + 2 * self.segments.nbytes  # the outlines, made when they are needed
+        # The outlines and the chains are made when they are needed.
+        return own + 3 * self.points.nbytes + 2 * self.segments.nbytes
 
     @cached_property
     def outlines(self) -> Outlines:
         """Outlines of the cuts, for predictions of many displaced copies."""
         return outlines_of(self.points, self.segments, self.point_start, self.segment_start)
+
+    @cached_property
+    def chains(self) -> Chains:
+        """Chains of the points of the cuts, for predictions of poses."""
+        return chains_of(self.points, self.segments, self.point_start, self.segment_start)
 
 
 def cut_poses(object_: Object, poses: PoseSet, height_m: float) -> Contours:

@@ -90,8 +90,8 @@ def _corners(points: Floats, segments: Ints) -> tuple[Ints, NDArray[np.int64]]:
 
     There are none where a point does not belong to exactly two segments.
     """
-    neighbours, closed = _neighbours(segments, len(points))
-    if not closed:
+    neighbours, at_most_two = neighbours_of(segments, len(points))
+    if not at_most_two or (neighbours < 0).any():
         return np.zeros(0, dtype=np.int32), np.zeros(1, dtype=np.int64)
     left = np.ones(len(points), dtype=np.bool_)  # points whose contour is still to be followed
     corners, count = np.zeros(len(points), dtype=np.int32), 0
@@ -110,8 +110,11 @@ def _corners(points: Floats, segments: Ints) -> tuple[Ints, NDArray[np.int64]]:
         corners[count] = last
         count += 1
         for index in range(1, length):
-            if not _is_straight(points[last], points[loop[index]], points[loop[(index + 1) % length]]):
-                last = loop[index]
+            here, after = loop[index], loop[(index + 1) % length]
+            if not is_straight(
+                points[last, 0], points[last, 1], points[here, 0], points[here, 1], points[after, 0], points[after, 1]
+            ):
+                last = here
                 corners[count] = last
                 count += 1
         loops += 1
@@ -120,24 +123,26 @@ def _corners(points: Floats, segments: Ints) -> tuple[Ints, NDArray[np.int64]]:
 
 
 @kernel
-def _neighbours(segments: Ints, points: int) -> tuple[Ints, bool]:
-    """Find the two points (points, 2) to which segments lead from each; False if some point has not exactly two."""
-    neighbours, degree = np.full((points, 2), -1, dtype=np.int32), np.zeros(points, dtype=np.int32)
+def neighbours_of(segments: Ints, points: int) -> tuple[Ints, bool]:
+    """Find the points (points, 2) to which segments (g, 2) lead from each, -1 for none; False if some have more."""
+    neighbours = np.full((points, 2), -1, dtype=np.int32)
     for g in range(len(segments)):
         for end in range(2):
-            point = segments[g, end]
-            if degree[point] == 2:
+            point, other = segments[g, end], segments[g, 1 - end]
+            if neighbours[point, 0] < 0:
+                neighbours[point, 0] = other
+            elif neighbours[point, 1] < 0:
+                neighbours[point, 1] = other
+            else:
                 return neighbours, False
-            neighbours[point, degree[point]] = segments[g, 1 - end]
-            degree[point] += 1
-    return neighbours, bool((degree == 2).all())
+    return neighbours, True
 
 
 @kernel
-def _is_straight(a: Floats, b: Floats, c: Floats) -> bool:
+def is_straight(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:
     """True if b lies on the segment from a to c, to rounding."""
-    dx, dy = c[0] - a[0], c[1] - a[1]
-    ex, ey = b[0] - a[0], b[1] - a[1]
+    dx, dy = cx - ax, cy - ay
+    ex, ey = bx - ax, by - ay
     along = ex * dx + ey * dy
     square = dx * dx + dy * dy
     return bool(0.0 < along < square and abs(dx * ey - dy * ex) <= _STRAIGHT_M * math.sqrt(square))

@@ -1,10 +1,10 @@
 """Observation prediction: the scan that the mesh at each pose would give at a sensor configuration.
 
-Definition 5 of the paper, by an exact cut (`cutting`, `rasterising`) instead of a depth camera.
+Definition 5 of the paper, by an exact cut (`cutting`, `window_rasterising`, `rasterising`) instead of a depth camera.
 """
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from voa_core.objects import Object
 from voa_core.poses import PoseSet
 from voa_core.rasterising import rasterise
 from voa_core.scans import NO_RETURN
+from voa_core.window_rasterising import rasterise_windows
 
 _NUMBERS_AT_ONCE = 2**22  # ranges of displaced poses, 32 MiB, before the columns without a return are dropped
 
@@ -192,7 +193,14 @@ class ObservationPredictor:
         return self.contours_at(height)
 
     def _rasterised(self, contours: Contours, sensor: SensorConfiguration, grid: BeamGrid) -> Prediction:
-        return Prediction.of_dense(grid, rasterise(contours, sensor, grid, self.lidar.range_max))
+        columns, ranges, is_seen = rasterise_windows(contours, sensor, grid, self.lidar.range_max)
+        prediction = Prediction(grid, frozen(columns), frozen(ranges))
+        if is_seen.all():
+            return prediction
+        near = replace(contours, cut_of_pose=contours.cut_of_pose[~is_seen], placement=contours.placement[~is_seen])
+        dense = prediction.dense()
+        dense[~is_seen] = rasterise(near, sensor, grid, self.lidar.range_max)
+        return Prediction.of_dense(grid, dense)
 
 
 def _joined(parts: list[Prediction]) -> Prediction:

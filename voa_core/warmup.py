@@ -43,6 +43,7 @@ def warm_up() -> None:
     sensor = SensorConfiguration("a", -0.3, 0.03, 0.0)
     predictor = predictor_of_mesh(object_, poses, lidar)
     prediction = predictor.predict(sensor)
+    predictor.predict(SensorConfiguration("inside", 0.02, 0.02, 0.0))
     scan = Scan(prediction.dense()[0], lidar.grid)
     table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
     many = GraspTable.of_probabilities([f"g{x}" for x in range(64)], [[0.5, 0.6]] * 64, 2)  # so many are screened first
