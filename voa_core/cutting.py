@@ -29,6 +29,8 @@ from voa_core.poses import PoseSet
 
 ON_PLANE_M = 1e-10
 _SAME_TILT = 1e-12
+_LEAST_TIMES, _MOST_TIMES = 1.2, 16.0  # room that is made beyond what is needed now
+_FILLED = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,13 +84,9 @@ def cut_poses(object_: Object, poses: PoseSet, height_m: float) -> Contours:
     _, first, cut_of_pose = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     cut_of_pose = cut_of_pose.reshape(-1)
     frames = upright_rotation(ups[first])
+    boxed, centres, halves = object_.boxes
     points, segments, point_start, segment_start = _cut_each(
-        object_.vertices,
-        object_.faces,
-        object_.edges[1],
-        *object_.boxes,
-        frames,
-        levels[first],
+        boxed >= 0, centres, halves, *object_.boxed_faces, frames, levels[first]
     )
     turned = np.einsum("nij,nj->ni", poses.rotations, frames[cut_of_pose, 0])
     placement = np.column_stack([turned[:, :2], poses.positions[:, :2]])
@@ -97,144 +95,173 @@ def cut_poses(object_: Object, poses: PoseSet, height_m: float) -> Contours:
 
 @kernel
 def _cut_each(
-    vertices: Floats,
-    faces: Ints,
-    sides: Ints,
-    boxed: Ints,
+    is_face: NDArray[np.bool_],
     centres: Floats,
     halves: Floats,
+    corners: Floats,
+    sides: Ints,
     frames: Floats,
     levels: Floats,
 ) -> tuple[Floats, Ints, NDArray[np.int64], NDArray[np.int64]]:
     """Cut the object once for each frame: `points`, `segments`, `point_start` and `segment_start` of Contours.
 
     Args:
-        vertices: (v, 3).
-        faces: (f, 3) vertices of each face.
-        sides: (f, 3) edges of each face, the first between its first two corners.
-        boxed, centres, halves: of `Object.boxes`.
+        is_face: (b, 16) False where a box has fewer faces.
+        centres, halves: of `Object.boxes`.
+        corners, sides: of `Object.boxed_faces`.
         frames: (k, 3, 3) rotations of the object into the frame of each cut; the last row is the plane's normal.
         levels: (k,) height over the plane of the object's origin.
     """
     points, segments = np.zeros((64, 2)), np.zeros((64, 2), dtype=np.int32)
     point_start = np.zeros(len(levels) + 1, dtype=np.int64)
     segment_start = np.zeros(len(levels) + 1, dtype=np.int64)
-    heights = np.zeros(len(vertices))
     point_of_edge = np.full(sides.max() + 1, -1, dtype=np.int32)
     for cut in range(len(levels)):
-        frame = frames[cut]
-        met, touched = _meet(vertices, faces, boxed, centres, halves, frame[2], levels[cut], heights)
+        met = _meet(is_face, centres, halves, corners, frames[cut, 2], levels[cut])
+        edges = np.zeros(2 * len(met) + 1, dtype=np.int32)
         p, s = point_start[cut], segment_start[cut]
-        for hair in range(2 if touched else 1):
-            more, joined = _contour(vertices, faces, sides, met, heights, hair == 0, frame, point_of_edge)
-            points, segments = _with_room(points, p + len(more)), _with_room(segments, s + len(joined))
-            points[p : p + len(more)] = more
-            segments[s : s + len(joined)] = joined + np.int32(p - point_start[cut])
-            p += len(more)
-            s += len(joined)
+        left = len(levels) / (cut + 1.0)
+        for touching_is_above in (True, False):
+            points, segments = _with_room(points, p + len(edges), left), _with_room(segments, s + len(met), left)
+            more, joined, touched = _contour(
+                corners,
+                sides,
+                met,
+                frames[cut],
+                levels[cut],
+                touching_is_above,
+                point_of_edge,
+                edges,
+                points[p:],
+                segments[s:],
+            )
+            segments[s : s + joined] += np.int32(p - point_start[cut])
+            p += more
+            s += joined
+            if not touched:
+                break
         point_start[cut + 1], segment_start[cut + 1] = p, s
-    return points[: point_start[-1]].copy(), segments[: segment_start[-1]].copy(), point_start, segment_start
+    return _fitted(points, point_start[-1]), _fitted(segments, segment_start[-1]), point_start, segment_start
 
 
 @kernel
-def _with_room(rows: NDArray[Any], needed: int) -> NDArray[Any]:
-    """Give `rows` (q, 2) room for at least `needed` rows: itself, or a larger copy."""
+def _with_room(rows: NDArray[Any], needed: int, times: float) -> NDArray[Any]:
+    """Give `rows` (q, 2) room for at least `needed` rows: itself, or a copy with room for up to `times` as many."""
     if needed <= len(rows):
         return rows
-    larger = np.zeros((2 * needed, 2), dtype=rows.dtype)
+    larger = np.zeros((int(needed * max(min(times, _MOST_TIMES), _LEAST_TIMES)), 2), dtype=rows.dtype)
     larger[: len(rows)] = rows
     return larger
 
 
 @kernel
+def _fitted(rows: NDArray[Any], count: int) -> NDArray[Any]:
+    """The first rows: a copy where they are far fewer than there is memory for."""
+    return rows[:count] if count > _FILLED * len(rows) else rows[:count].copy()
+
+
+@kernel
 def _meet(
-    vertices: Floats,
-    faces: Ints,
-    boxed: Ints,
-    centres: Floats,
-    halves: Floats,
-    up: Floats,
-    level: float,
-    heights: Floats,
-) -> tuple[Ints, bool]:
-    """Find the faces that the plane meets, and if it touches a vertex; writes the `heights` of their corners."""
-    gaps = np.zeros(centres.shape[1])
+    is_face: NDArray[np.bool_], centres: Floats, halves: Floats, corners: Floats, up: Floats, level: float
+) -> Ints:
+    """Find the faces that the plane meets: (met, 2) the box of each, and its place in the box."""
+    gaps = np.zeros(len(is_face))
     for box in range(len(gaps)):
         above = up[0] * centres[0, box] + up[1] * centres[1, box] + up[2] * centres[2, box] + level
         reach = abs(up[0]) * halves[0, box] + abs(up[1]) * halves[1, box] + abs(up[2]) * halves[2, box]
         gaps[box] = abs(above) - reach
-    near = boxed[gaps <= 2.0 * ON_PLANE_M]
-    met = np.zeros(near.size, dtype=np.int32)
+    near = np.flatnonzero(gaps <= 2.0 * ON_PLANE_M)
+    is_met = np.zeros(is_face.shape[1], dtype=np.bool_)
+    met = np.zeros((near.size * is_met.size + 1, 2), dtype=np.int32)  # with room for an entry that does not count
     count = 0
-    touched = False
-    for group in near:
-        for f in group:
-            if f < 0:
-                break
-            lowest, highest = np.inf, -np.inf
-            for corner in range(3):
-                vertex = faces[f, corner]
-                x, y, z = vertices[vertex, 0], vertices[vertex, 1], vertices[vertex, 2]
-                height = up[0] * x + up[1] * y + up[2] * z + level
-                if abs(height) <= ON_PLANE_M:
-                    height = 0.0
-                    touched = True
-                heights[vertex] = height
-                lowest, highest = min(lowest, height), max(highest, height)
-            if lowest <= 0.0 <= highest:
-                met[count] = f
-                count += 1
-    return met[:count], touched
+    for box in near:
+        _cross(corners[box], up, level, is_met)
+        for lane in range(len(is_met)):  # without a branch, which a processor could not predict
+            met[count, 0], met[count, 1] = box, lane
+            count += is_met[lane] & is_face[box, lane]
+    return met[:count]
+
+
+@kernel
+def _cross(corners: Floats, up: Floats, level: float, is_met: NDArray[np.bool_]) -> None:
+    """Flag the faces of one box that have corners (3, 3, 16) on both sides of the plane, or on it."""
+    for lane in range(len(is_met)):
+        a = up[0] * corners[0, 0, lane] + up[1] * corners[0, 1, lane] + up[2] * corners[0, 2, lane] + level
+        b = up[0] * corners[1, 0, lane] + up[1] * corners[1, 1, lane] + up[2] * corners[1, 2, lane] + level
+        c = up[0] * corners[2, 0, lane] + up[1] * corners[2, 1, lane] + up[2] * corners[2, 2, lane] + level
+        is_met[lane] = (min(a, b, c) <= ON_PLANE_M) & (max(a, b, c) >= -ON_PLANE_M)
 
 
 @kernel
 def _contour(
-    vertices: Floats,
-    faces: Ints,
+    corners: Floats,
     sides: Ints,
     met: Ints,
-    heights: Floats,
-    touching_is_above: bool,
     frame: Floats,
+    level: float,
+    touching_is_above: bool,
     point_of_edge: Ints,
-) -> tuple[Floats, Ints]:
-    """Segments of the faces whose corners lie on both sides; one point per cut edge, shared by its two faces.
+    edges: Ints,
+    points: Floats,
+    segments: Ints,
+) -> tuple[int, int, bool]:
+    """Write the segments of the faces whose corners lie on both sides; one point per cut edge, shared by its two faces.
 
-    `point_of_edge` is scratch space: -1 everywhere before and after the call.
+    `point_of_edge` is -1 everywhere before and after the call, and `edges` is scratch space.
+
+    Returns:
+        The number of points, and of segments; and True if a corner of a face lies on the plane.
     """
-    points, edges = np.zeros((2 * len(met), 2)), np.zeros(2 * len(met), dtype=np.int32)
-    segments = np.zeros((len(met), 2), dtype=np.int32)
-    n_points = 0
-    n_segments = 0
-    for f in met:
-        ends = 0
-        for k in range(3):
-            low, high = faces[f, k], faces[f, (k + 1) % 3]
-            if _is_above(heights[low], touching_is_above) == _is_above(heights[high], touching_is_above):
-                continue
-            e = sides[f, k]
-            if point_of_edge[e] < 0:
-                low, high = min(low, high), max(low, high)  # both faces compute the same
-                share = heights[low] / (heights[low] - heights[high])
-                for axis in range(2):
-                    start = _along(frame[axis], vertices[low])
-                    points[n_points, axis] = start + share * (_along(frame[axis], vertices[high]) - start)
-                point_of_edge[e] = n_points
-                edges[n_points] = e
-                n_points += 1
-            segments[n_segments, ends] = point_of_edge[e]
-            ends += 1
-        if ends > 0:
-            n_segments += 1
+    n_points, n_segments = 0, 0
+    touched = False
+    for entry in range(len(met)):
+        box, lane = met[entry, 0], met[entry, 1]
+        face = corners[box]
+        a = _height(face, 0, lane, frame, level)
+        b = _height(face, 1, lane, frame, level)
+        c = _height(face, 2, lane, frame, level)
+        touched |= (a == 0.0) | (b == 0.0) | (c == 0.0)
+        above_a, above_b = _is_above(a, touching_is_above), _is_above(b, touching_is_above)
+        above_c = _is_above(c, touching_is_above)
+        if above_a == above_b == above_c:
+            continue
+        # Two sides are cut. Which ones, and which of their points are new, no processor could predict.
+        for end in range(2):
+            side = (2 if above_c != above_a else 1) if end else (0 if above_a != above_b else 1)
+            edge = sides[box, side, lane]
+            known = point_of_edge[edge]
+            point = n_points if known < 0 else known
+            point_of_edge[edge], edges[n_points] = point, edge
+            segments[n_segments, end] = point
+            after = 0 if side == 2 else side + 1
+            from_height = a if side == 0 else (b if side == 1 else c)
+            to_height = a if after == 0 else (b if after == 1 else c)
+            share = from_height / (from_height - to_height)
+            for axis in range(2):
+                start = _along(face, side, lane, frame, axis)
+                points[n_points, axis] = start + share * (_along(face, after, lane, frame, axis) - start)
+            n_points += known < 0
+        n_segments += 1
     point_of_edge[edges[:n_points]] = -1
-    return points[:n_points], segments[:n_segments]
+    return n_points, n_segments, touched
+
+
+@kernel
+def _height(face: Floats, corner: int, lane: int, frame: Floats, level: float) -> float:
+    """Height of a corner over the plane; exactly 0 where it lies on it to rounding."""
+    height = _along(face, corner, lane, frame, 2) + level
+    return 0.0 if abs(height) <= ON_PLANE_M else height
 
 
 @kernel
 def _is_above(height: float, touching_is_above: bool) -> bool:
-    return height > 0.0 or (touching_is_above and height == 0.0)
+    return (height > 0.0) | (touching_is_above & (height == 0.0))
 
 
 @kernel
-def _along(axis: Floats, vertex: Floats) -> float:
-    return float(axis[0] * vertex[0] + axis[1] * vertex[1] + axis[2] * vertex[2])
+def _along(face: Floats, corner: int, lane: int, frame: Floats, axis: int) -> float:
+    return float(
+        frame[axis, 0] * face[corner, 0, lane]
+        + frame[axis, 1] * face[corner, 1, lane]
+        + frame[axis, 2] * face[corner, 2, lane]
+    )

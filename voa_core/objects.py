@@ -91,6 +91,22 @@ class Object:
         return frozen(boxed), frozen(0.5 * (low + high).T.copy()), frozen(0.5 * (high - low).T.copy())
 
     @cached_property
+    def boxed_faces(self) -> tuple[Floats, NDArray[np.int32]]:
+        """Corners and edges of the faces in each of the `boxes`, in an order in which a loop over boxes reads them.
+
+        Corners are (b, 3, 3, 16) metres, by corner, axis and face; edges are (b, 3, 16), by side and face, the first
+        side between the first two corners, numbered so that edges of one box have near numbers. Where the last box
+        has fewer faces, its last one is repeated.
+        """
+        boxed = self.boxes[0]
+        filled = np.where(boxed >= 0, boxed, boxed.max(axis=1, keepdims=True))
+        corners = self.vertices[self.faces[filled]].transpose(0, 2, 3, 1)
+        edges = self.edges[1][filled].transpose(0, 2, 1)
+        _, first, index = np.unique(edges, return_index=True, return_inverse=True)
+        number = first.argsort().argsort().astype(np.int32)
+        return frozen(corners.copy()), frozen(number[index.reshape(edges.shape)])
+
+    @cached_property
     def watertight(self) -> bool:
         """True if every edge belongs to exactly two faces."""
         ends, of_face = self.edges

@@ -110,11 +110,8 @@ def _corners(points: Floats, segments: Ints) -> tuple[Ints, NDArray[np.int64]]:
         corners[count] = last
         count += 1
         for index in range(1, length):
-            here, after = loop[index], loop[(index + 1) % length]
-            if not is_straight(
-                points[last, 0], points[last, 1], points[here, 0], points[here, 1], points[after, 0], points[after, 1]
-            ):
-                last = here
+            if not is_straight(points[last], points[loop[index]], points[loop[(index + 1) % length]]):
+                last = loop[index]
                 corners[count] = last
                 count += 1
         loops += 1
@@ -139,10 +136,10 @@ def neighbours_of(segments: Ints, points: int) -> tuple[Ints, bool]:
 
 
 @kernel
-def is_straight(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:
+def is_straight(a: Floats, b: Floats, c: Floats) -> bool:
     """True if b lies on the segment from a to c, to rounding."""
-    dx, dy = cx - ax, cy - ay
-    ex, ey = bx - ax, by - ay
+    dx, dy = c[0] - a[0], c[1] - a[1]
+    ex, ey = b[0] - a[0], b[1] - a[1]
     along = ex * dx + ey * dy
     square = dx * dx + dy * dy
     return bool(0.0 < along < square and abs(dx * ey - dy * ex) <= _STRAIGHT_M * math.sqrt(square))

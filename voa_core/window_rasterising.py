@@ -11,14 +11,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from voa_core.chains import Singles
 from voa_core.checks import Floats
 from voa_core.cutting import Contours
 from voa_core.jit import kernel, sum_kernel
 from voa_core.lidars import BeamGrid, SensorConfiguration
 from voa_core.outlines import Ints
 from voa_core.rasterising import EDGE_ON_BEAMS, directions
-
-Singles = NDArray[np.float32]
 
 CLEAR = 1.1
 """A lidar within this many radii of the middle of a cut is too near for bearings in float32."""
@@ -64,8 +63,10 @@ def rasterise_windows(
     cosines, sines = directions(grid, mirror)
     chains = contours.chains
     return _rasterise(
-        chains.places,
-        chains.near,
+        chains.x,
+        chains.y,
+        chains.near_x,
+        chains.near_y,
         chains.joined,
         chains.start,
         chains.circles,
@@ -101,8 +102,10 @@ def bearing(y: np.float32, x: np.float32) -> np.float32:
 
 @kernel
 def _rasterise(
-    places: Floats,
-    near: Singles,
+    xs: Floats,
+    ys: Floats,
+    near_x: Singles,
+    near_y: Singles,
     joined: NDArray[np.bool_],
     start: NDArray[np.int64],
     circles: Floats,
@@ -127,7 +130,6 @@ def _rasterise(
     most = (start[1:] - start[:-1]).max()
     bearings, first, many = np.zeros(most, np.float32), np.zeros(most, np.int32), np.zeros(most, np.int32)
     candidates, pairs, hits = np.zeros(most, np.int32), np.zeros((2, _PAIRS), np.int32), np.zeros(_PAIRS)
-    near_x, near_y, xs, ys = near[0], near[1], places[0], places[1]
     for pose in range(len(cut_of_pose)):
         begin, end = start[cut_of_pose[pose]], start[cut_of_pose[pose] + 1]
         if begin == end or views[pose, 3] < 0.0:

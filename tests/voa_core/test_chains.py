@@ -22,7 +22,7 @@ def chained(*cuts: tuple[list[tuple[float, float]], list[tuple[int, int]]]) -> C
 def segments_of(chains: Chains, cut: int = 0) -> set[frozenset[tuple[float, float]]]:
     """The segments of a cut, each as the set of its ends."""
     own = np.arange(chains.start[cut], chains.start[cut + 1])
-    places = [(float(x), float(y)) for x, y in chains.places.T]
+    places = list(zip(chains.x.tolist(), chains.y.tolist(), strict=True))
     return {frozenset((places[i], places[i + 1])) for i in own if chains.joined[i]}
 
 
@@ -34,7 +34,7 @@ def around(*corners: tuple[float, float]) -> set[frozenset[tuple[float, float]]]
 def test_a_closed_contour_in_any_order_is_one_chain_that_ends_where_it_begins() -> None:
     chains = chained((SQUARE, [(2, 1), (3, 2), (0, 1), (0, 3)]))
     assert chains.joined.tolist() == [True, True, True, True, False]
-    assert chains.places[:, 0].tolist() == chains.places[:, 4].tolist()
+    assert (chains.x[0], chains.y[0]) == (chains.x[4], chains.y[4])
     assert segments_of(chains) == around(*SQUARE)
 
 
@@ -58,7 +58,7 @@ def test_a_chain_with_ends_begins_at_one_of_them() -> None:
 
 def test_two_segments_between_the_same_points_are_closed() -> None:
     chains = chained((SQUARE[:2], [(0, 1), (1, 0)]))
-    assert chains.places[0].tolist() == [0.0, 0.2, 0.0]
+    assert chains.x.tolist() == [0.0, 0.2, 0.0]
     assert chains.joined.tolist() == [True, True, False]
 
 
@@ -69,7 +69,7 @@ def test_segments_are_chains_of_their_own_where_three_meet() -> None:
 
 
 def test_a_point_without_a_segment_is_in_no_chain() -> None:
-    assert chained((SQUARE, [(0, 1)])).places.shape == (2, 2)
+    assert chained((SQUARE, [(0, 1)])).x.tolist() == [0.0, 0.2]
 
 
 def test_several_cuts_have_several_contours() -> None:
@@ -86,10 +86,11 @@ def test_the_circle_holds_every_point_and_the_points_are_given_from_its_middle()
     ring = [(i, (i + 1) % 50) for i in range(50)]
     chains = chained(([(float(x), float(y)) for x, y in points], ring), ([], []))
     x, y, radius = chains.circles[0]
-    apart = np.hypot(chains.places[0] - x, chains.places[1] - y)
+    apart = np.hypot(chains.x - x, chains.y - y)
     assert apart.max() == pytest.approx(radius)
     assert radius < 0.1 * math.sqrt(2.0) + 1e-9
-    np.testing.assert_allclose(chains.near, chains.places - np.array([[x], [y]]), rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(chains.near_x, chains.x - x, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(chains.near_y, chains.y - y, rtol=1e-6, atol=1e-9)
     assert chains.circles[1].tolist() == [0.0, 0.0, 0.0]
 
 

@@ -100,3 +100,21 @@ def test_a_box_has_18_edges_and_every_face_knows_its_three() -> None:
         assert {frozenset(ends[e].tolist()) for e in three} == {
             frozenset((int(face[k]), int(face[(k + 1) % 3]))) for k in range(3)
         }
+
+
+def test_faces_are_kept_box_by_box_with_their_corners_and_edges() -> None:
+    count = 12  # a pyramid: 24 faces in two boxes, the second of them half empty
+    ring = [[np.cos(a), np.sin(a), 0.0] for a in 2.0 * np.pi * np.arange(count) / count]
+    sides = [[i, (i + 1) % count, count + top] for top in (0, 1) for i in range(count)]
+    pyramid = Object.from_arrays([*ring, [0, 0, 1], [0, 0, -1]], sides)
+    boxed = pyramid.boxes[0]
+    corners, edges = pyramid.boxed_faces
+    assert corners.shape == (2, 3, 3, 16)
+    assert sorted(np.unique(edges)) == list(range(len(pyramid.edges[0])))
+    number: dict[int, int] = {}
+    for group, lane in np.ndindex(2, 16):
+        face = boxed[group, lane] if boxed[group, lane] >= 0 else boxed[group].max()
+        np.testing.assert_array_equal(corners[group, :, :, lane], pyramid.vertices[pyramid.faces[face]])
+        for edge, known in zip(pyramid.edges[1][face], edges[group, :, lane], strict=True):
+            assert number.setdefault(int(edge), int(known)) == known
+    assert edges[0].max() <= 3 * 16 - 1, "the edges of the first box have the first numbers"
