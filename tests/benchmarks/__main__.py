@@ -19,7 +19,7 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from tests.benchmarks import bus, durable, growth, history, plots, prediction, ranking, service, spread, weights
-from tests.benchmarks.gates import gate_of, median_of, missed
+from tests.benchmarks.gates import gate_of, goal_of, median_of, missed
 from tests.benchmarks.measure import Result
 
 SUBJECTS: dict[str, Callable[[], list[Result]]] = {
@@ -120,8 +120,11 @@ def _table(title: str, results: list[Result]) -> Table:
 def _judged(result: Result) -> tuple[str, str, str]:
     """Ratio, gate and goal of a result as they are printed: a missed gate in words, a goal that is reached in green."""
     gate, ratio = gate_of(result.name), _figure(result.ratio)
-    if gate is None or result.ratio is None:
+    goal = goal_of(result.name)
+    if result.ratio is None:
         return ratio, "", ""
+    if gate is None:
+        return (f"[green]{ratio}[/]" if goal is not None and result.ratio >= goal else ratio), "", _figure(goal)
     bound = f"{'at most ' if gate.is_cost else ''}{gate.bound:g}"
     if not gate.kept_by(result.ratio):
         return f"[bold red]{ratio}[/]", f"[bold red]{bound}, missed[/]", _figure(gate.goal)

@@ -56,10 +56,21 @@ GATES = (
     Gate(r"round trip of 4 kB by \w+ / .*, p50", 0.5),
 )
 
+GOALS = ((r"prediction, \w+ faces, general poses / embree kernel, windowed beams", 1.0),)
+"""Patterns of results that have no gate, and the ratio that is aimed at."""
+
 
 def gate_of(name: str) -> Gate | None:
     """Return the gate of the result with this name; None if it has none."""
     return next((gate for gate in GATES if re.fullmatch(gate.pattern, name)), None)
+
+
+def goal_of(name: str) -> float | None:
+    """Return the goal of the result with this name, of its gate or without one; None if it has none."""
+    gate = gate_of(name)
+    if gate is not None:
+        return gate.goal
+    return next((goal for pattern, goal in GOALS if re.fullmatch(pattern, name)), None)
 
 
 def missed(results: Sequence[Result]) -> list[str]:

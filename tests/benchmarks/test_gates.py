@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.benchmarks import gates
-from tests.benchmarks.gates import GATES, gate_of, median_of, missed
+from tests.benchmarks.gates import GATES, GOALS, gate_of, goal_of, median_of, missed
 from tests.benchmarks.measure import Result
 
 REPOSITORY = Path(__file__).parents[2]
@@ -62,6 +62,17 @@ def test_every_gate_is_stated_on_the_page() -> None:
     for gate in GATES:
         assert gate.bound in stated, gate
         assert gate.goal is None or gate.goal in stated, gate
+    for pattern, goal in GOALS:
+        assert goal in stated, pattern
+
+
+def test_a_result_may_have_a_goal_without_a_gate() -> None:
+    windowed = "prediction, 10k faces, general poses / embree kernel, windowed beams"
+    assert gate_of(windowed) is None
+    assert goal_of(windowed) == 1.0
+    assert missed([result(windowed, 0.5)]) == []
+    assert goal_of(SPREAD) == gate_of(SPREAD).goal  # type: ignore[union-attr] # it has a gate
+    assert goal_of("growth: unjudged") is None
 
 
 def test_no_gate_is_left_without_a_result_by_a_name_that_has_changed() -> None:
