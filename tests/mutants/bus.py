@@ -118,7 +118,7 @@ MUTANTS = (
     Mutant(
         name="every replica is responsible for every robot",
         file="service/voa_service/zenoh/replicas.py",
-        old="return max(alive, key=lambda id_: _rank(id_, name)) == self._own",
+        old="return owner_of(name, alive) == self._own",
         new="return True",
         tests="tests/voa_service/zenoh/test_replicas.py",
     ),

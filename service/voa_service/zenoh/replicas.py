@@ -7,7 +7,7 @@ database ensures that a sample takes effect once, whichever replicas handle it.
 
 import hashlib
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import zenoh
@@ -52,7 +52,7 @@ class Replicas:
         """Return True if this replica is responsible for samples with a name, such as `<session>/<robot>`."""
         with self._lock:
             alive = list(self._alive)
-        return max(alive, key=lambda id_: _rank(id_, name)) == self._own
+        return owner_of(name, alive) == self._own
 
     def _moved(self, sample: zenoh.Sample) -> None:
         id_ = self._keys.last(str(sample.key_expr))
@@ -65,6 +65,11 @@ class Replicas:
             self._alive.discard(id_)
         for call in self._on_leave:
             call()
+
+
+def owner_of(name: str, replicas: Iterable[str]) -> str:
+    """Return the id of the given replica that is responsible for samples with a name, by rendezvous hashing."""
+    return max(replicas, key=lambda id_: _rank(id_, name))
 
 
 def _rank(id_: str, name: str) -> bytes:
