@@ -142,7 +142,7 @@ def is_straight(a: Floats, b: Floats, c: Floats) -> bool:
     ex, ey = b[0] - a[0], b[1] - a[1]
     along = ex * dx + ey * dy
     square = dx * dx + dy * dy
-    return bool(0.0 < along < square and abs(dx * ey - dy * ex) <= _STRAIGHT_M * math.sqrt(square))
+    return bool(0.0 < along < square and (dx * ey - dy * ex) ** 2 <= _STRAIGHT_M * _STRAIGHT_M * square)
 
 
 @kernel

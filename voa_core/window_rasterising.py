@@ -129,30 +129,36 @@ def _rasterise(
     ranges, seen = np.full((len(cut_of_pose), len(columns)), np.inf), np.zeros(len(columns), dtype=np.bool_)
     most = (start[1:] - start[:-1]).max()
     bearings, first, many = np.zeros(most, np.float32), np.zeros(most, np.int32), np.zeros(most, np.int32)
-    candidates, pairs, hits = np.zeros(most, np.int32), np.zeros((2, _PAIRS), np.int32), np.zeros(_PAIRS)
+    candidates, pairs, hits = np.zeros(most, np.int32), np.zeros((6, _PAIRS)), np.zeros(_PAIRS)
+    met = np.zeros(_PAIRS, dtype=np.int64)
     for pose in range(len(cut_of_pose)):
         begin, end = start[cut_of_pose[pose]], start[cut_of_pose[pose] + 1]
         if begin == end or views[pose, 3] < 0.0:
             continue
-        own = bearings[: end - begin]
-        _aim(near_x[begin:end], near_y[begin:end], frames[pose], views[pose], np.float32(1.0 / spacing), own)
+        own, frame, row = bearings[: end - begin], frames[pose], ranges[pose]
+        _aim(near_x[begin:end], near_y[begin:end], frame, views[pose], np.float32(1.0 / spacing), own)
         for lap in range(windows.shape[1]):
             low, high = windows[pose, lap]
             if high < low:
                 continue
             ahead = views[pose, 2] + lap * turn - low
             _span(own, joined[begin:end], ahead, MARGIN_RAD / spacing, low, high, first, many)
-            pending = 0
+            count = 0
             for candidate in candidates[: _compress(many[: end - begin - 1], candidates)]:
+                i = begin + candidate
+                x, y = _moved(frame, xs[i], ys[i])
+                next_x, next_y = _moved(frame, xs[i + 1], ys[i + 1])
                 for beam in range(first[candidate], first[candidate] + many[candidate]):
-                    pairs[0, pending], pairs[1, pending] = candidate + begin, beam
-                    pending += 1
-                    if pending == _PAIRS:
-                        _decide(pairs, xs, ys, frames[pose], cosines, sines, spacing, range_max, hits)
-                        _enter(pairs[1], hits, column_of_beam, ranges[pose], seen)
-                        pending = 0
-            _decide(pairs[:, :pending], xs, ys, frames[pose], cosines, sines, spacing, range_max, hits)
-            _enter(pairs[1, :pending], hits, column_of_beam, ranges[pose], seen)
+                    pairs[0, count], pairs[1, count], pairs[2, count], pairs[3, count] = x, y, next_x, next_y
+                    pairs[4, count], pairs[5, count] = cosines[beam], sines[beam]
+                    met[count] = column_of_beam[beam]
+                    count += 1
+                    if count == _PAIRS:
+                        _decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
+                        _enter(met, hits, count, row, seen)
+                        count = 0
+            _decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
+            _enter(met, hits, count, row, seen)
     return columns[seen], _chosen(ranges, seen), views[:, 3] >= 0.0
 
 
@@ -251,40 +257,42 @@ def _compress(many: Ints, candidates: Ints) -> int:
 
 
 @kernel
-def _decide(
-    pairs: Ints,
-    xs: Floats,
-    ys: Floats,
-    frame: Floats,
-    cosines: Floats,
-    sines: Floats,
-    spacing: float,
-    range_max: float,
-    hits: Floats,
-) -> None:
-    """Compute the range at which the segment of each pair meets the beam of the pair; inf if it does not."""
-    edge_on = EDGE_ON_BEAMS * spacing
-    for pair in range(pairs.shape[1]):
-        i, k = pairs[0, pair], pairs[1, pair]
-        c, s = cosines[k], sines[k]
-        px, py, qx, qy = xs[i], ys[i], xs[i + 1], ys[i + 1]
-        ix, iy = frame[0] * px + frame[1] * py + frame[4], frame[2] * px + frame[3] * py + frame[5]
-        jx, jy = frame[0] * qx + frame[1] * qy + frame[4], frame[2] * qx + frame[3] * qy + frame[5]
-        # Both ends in the beam's own frame: how far along it, and how far to its left.
-        along_i, left_i, along_j, left_j = c * ix + s * iy, c * iy - s * ix, c * jx + s * jy, c * jy - s * jx
-        nearer = min(along_i, along_j)
-        apart = left_i - left_j
-        r = nearer if abs(apart) < edge_on * nearer else along_i + left_i / apart * (along_j - along_i)
-        hits[pair] = r if ((left_i < 0.0) != (left_j < 0.0)) & (r <= range_max) else math.inf
+def _moved(frame: Floats, x: float, y: float) -> tuple[float, float]:
+    """A point of a cut in the frame of the sensor: one formula for both segments of a point."""
+    return frame[0] * x + frame[1] * y + frame[4], frame[2] * x + frame[3] * y + frame[5]
 
 
 @kernel
-def _enter(beams: Ints, hits: Floats, column_of_beam: NDArray[np.int64], row: Floats, seen: NDArray[np.bool_]) -> None:
+def _decide(pairs: Floats, count: int, edge_on: float, range_max: float, hits: Floats) -> None:
+    """Compute the ranges at which segments meet beams; inf where they do not.
+
+    Args:
+        pairs: (6, _PAIRS) x and y of the first end of each segment, of its second, cosine and sine of the beam.
+        count: of pairs.
+        edge_on: a segment that spans less, in radians, has its nearer end in front.
+        range_max: metres; a hit beyond is a no-return.
+        hits: ranges, metres.
+    """
+    ix, iy, jx, jy, cosines, sines = pairs[0], pairs[1], pairs[2], pairs[3], pairs[4], pairs[5]
+    for p in range(count):
+        c, s = cosines[p], sines[p]
+        # Both ends in the beam's own frame: how far along it, and how far to its left.
+        along_i, left_i = c * ix[p] + s * iy[p], c * iy[p] - s * ix[p]
+        along_j, left_j = c * jx[p] + s * jy[p], c * jy[p] - s * jx[p]
+        nearer = along_i if along_i < along_j else along_j
+        apart = left_i - left_j
+        r = along_i + left_i / apart * (along_j - along_i)
+        r = nearer if abs(apart) < edge_on * nearer else r
+        hits[p] = r if ((left_i < 0.0) != (left_j < 0.0)) & (r <= range_max) else np.inf
+
+
+@kernel
+def _enter(met: NDArray[np.int64], hits: Floats, count: int, row: Floats, seen: NDArray[np.bool_]) -> None:
     """Enter hits into the ranges (c,) of one pose, and flag the columns that have one."""
-    for pair in range(len(beams)):
-        column = column_of_beam[beams[pair]]
-        row[column] = min(row[column], hits[pair])
-        seen[column] |= hits[pair] < math.inf
+    for p in range(count):
+        column = met[p]
+        row[column] = min(row[column], hits[p])
+        seen[column] |= hits[p] < np.inf
 
 
 @kernel
