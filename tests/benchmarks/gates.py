@@ -53,6 +53,7 @@ GATES = (
     Gate(r"ranking, 100 grasps, float32, percent of the sgemm peak", 60.0, 80.0),
     Gate(r"spread, beam: first ranking, a place / without", 8.0, 3.0, is_cost=True),
     Gate(r"spread, beam: scan update, remembered / without", 10.0, 4.0, is_cost=True),
+    Gate(r"durable scan updates, .* / bare transactions by 16 threads", 0.5, 0.9),
     Gate(r"round trip of 4 kB by \w+ / .*, p50", 0.5),
 )
 
