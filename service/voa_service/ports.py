@@ -1,7 +1,6 @@
 """Ports of the use cases: the store, the clock, the source of ids and the mesh reader that they are built with."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import AbstractContextManager
 from datetime import datetime
 from typing import Protocol
 
@@ -32,6 +31,9 @@ Clock = Callable[[], datetime]
 
 IdSource = Callable[[], str]
 """A function that returns a new unique id, of characters `[A-Za-z0-9]`."""
+
+Step = Callable[[SessionChange, SessionState], None]
+"""A function that computes the next state of a session from its present one, and calls `SessionChange.respond`."""
 
 MeshReader = Callable[[bytes, str, float, UpAxis], Object]
 """A function that reads an untrusted mesh file: content, type ("obj", ...), metres per unit, axis that becomes z.
@@ -181,20 +183,23 @@ class Store(Protocol):
     ) -> Listed[ListedSession]:
         """List at most `limit` sessions after a cursor, oldest first: those with the ids `only`, or all (None)."""
 
-    def change(self, id_: str, write: Write) -> AbstractContextManager[SessionChange]:
-        """Change a session within one transaction, which is committed when the `with` block ends.
+    def change(self, id_: str, write: Write, step: Step) -> SessionChange:
+        """Change a session by a step, within one transaction, which is committed and on the disk on return.
 
-        On entry, in this order: the session's row is locked, so that writers on one session wait for each other; the
-        idempotency key is looked up (used before: the change has no `state`, only the stored response); the checksum
-        of the row is verified; the version is compared with the write's `if_match`. The block computes the new state
-        quickly, and calls `respond`. On exit the new version is appended to the history, the robot's look is counted,
-        and the response is stored. An error within the block leaves everything unchanged.
+        In this order: the session's row is locked, so that writers on one session wait for each other; the idempotency
+        key is looked up (used before: the change has no `state`, only the stored response, and the step is not called);
+        the checksum of the row is verified; the version is compared with the write's `if_match`; the step computes the
+        new state quickly, and calls `respond`; the new version is appended to the history, the robot's look is counted,
+        and the response is stored. An error of the step leaves everything unchanged.
+
+        Writes to different sessions at the same time share a transaction. The step runs in the thread of any of them,
+        in the context of the caller; once more where another write made that transaction fail.
 
         Raises:
             KeyReused: the key was used for another request.
             SessionMissing: there is no such session.
             VersionMismatch: the caller expects another version.
-            LookRepeated: a look of this number was counted before; raised on exit, and nothing is changed.
+            LookRepeated: a look of this number was counted before; nothing is changed.
         """
 
     def robot_looks(self, id_: str, robot: str, limit: int) -> list[RobotLook]:

@@ -22,8 +22,9 @@ _READERS = 8
 _CONNECTIONS = 16
 _BUSY_MS = 10_000
 _SWITCH_AGAIN_SECONDS = 0.01
-_WAIT_SECONDS = 10
-_STATEMENT_ERRORS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
+WAIT_SECONDS = 10
+"""Longest wait for a connection, or for a group of writes to begin."""
+STATEMENT_ERRORS = (IntegrityError, ProgrammingError, DataError, NotSupportedError)
 """Errors caused by a statement of this package; every other error is a fault of the database."""
 _MALFORMED = ("malformed", "not a database")
 """Words in the errors of SQLite for a damaged file."""
@@ -145,7 +146,7 @@ def _database_errors(engine: Engine) -> Iterator[None]:
     began = time.perf_counter()
     try:
         yield
-    except _STATEMENT_ERRORS:
+    except STATEMENT_ERRORS:
         raise
     except (DBAPIError, engine.dialect.loaded_dbapi.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error
@@ -162,7 +163,7 @@ def _database_errors(engine: Engine) -> Iterator[None]:
             "Idempotency-Key"
         ) from error
     except NoConnection as error:
-        structlog.get_logger().error("the database is too slow", waited_seconds=_WAIT_SECONDS)
+        structlog.get_logger().error("the database is too slow", waited_seconds=WAIT_SECONDS)
         raise Busy("too many requests wait for the database: try again") from error
     finally:
         if calls.observe is not None:
@@ -197,7 +198,7 @@ def _postgres(url: URL, patience_s: float) -> Engines:
         url,
         pool_size=_CONNECTIONS,
         max_overflow=0,
-        pool_timeout=_WAIT_SECONDS,
+        pool_timeout=WAIT_SECONDS,
         pool_pre_ping=True,  # a database that was restarted costs a query instead of an error
         connect_args=limits,
     )
@@ -231,7 +232,7 @@ def _sqlite(url: URL) -> Engines:
 
 def _sqlite_engine(url: URL, driver: Any, begin: str | None, connections: int) -> Engine:
     """Create an engine in WAL mode with synchronous=FULL: every commit is on the disk before its call returns."""
-    engine = create_engine(url, module=driver, pool_size=connections, max_overflow=0, pool_timeout=_WAIT_SECONDS)
+    engine = create_engine(url, module=driver, pool_size=connections, max_overflow=0, pool_timeout=WAIT_SECONDS)
 
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # transactions are begun by the event below, not by the driver

@@ -1,16 +1,24 @@
 """Receives from PostgreSQL (LISTEN) which sessions other processes changed, so that followers need not poll."""
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import structlog
+from sqlalchemy import Connection, text
 
 CHANNEL = "voa_sessions"
 
 _POLL_SECONDS = 0.5  # delay until the thread sees that it should end
 _RETRY_SECONDS = 1.0  # pause after a connection failed
 _END_SECONDS = 1.0  # longest wait for the thread, which may hang on a host that does not answer
+_NOTIFY = text("SELECT pg_notify(:channel, :session)")
+
+
+def notify(connection: Connection, sessions: Sequence[str]) -> None:
+    """Notify other processes of changed sessions once this transaction is committed; SQLite cannot."""
+    if sessions and connection.dialect.name == "postgresql":
+        connection.execute(_NOTIFY, [{"channel": CHANNEL, "session": session} for session in sessions])
 
 
 class Listener:

@@ -3,24 +3,44 @@
 Responses that report a session are packed (`packing`) with the belief that its history has at that version.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, delete, insert, select, update
+from sqlalchemy import (
+    Connection,
+    and_,
+    bindparam,
+    delete,
+    func,
+    insert,
+    literal_column,
+    select,
+    tuple_,
+    update,
+)
 
 from voa_store import checksums
 from voa_store.errors import KeyReused
 from voa_store.packing import is_packed, pack, unpack
 from voa_store.records import IdempotencyKey, StoredResponse
+from voa_store.rows import Columns
 from voa_store.tables import history, responses, sessions
+
+StoredRows = Mapping[tuple[str, str], Any]
+"""Rows of stored responses, with the beliefs that they report, by scope and key."""
 
 _SESSION = "session:"
 _INSERT = insert(responses)
-_AT_VERSION = and_(history.c.session == bindparam("by_session"), history.c.version == responses.c.version)
+_OF_SCOPE = func.substr(responses.c.scope, literal_column(str(len(_SESSION) + 1)))
+_AT_VERSION = and_(history.c.session == _OF_SCOPE, history.c.version == responses.c.version)
+_NAMED = tuple_(responses.c.scope, responses.c.key)
 _STORED = (
-    select(responses.c.fingerprint, responses.c.body, responses.c.version, history.c.belief)
+    select(
+        *(responses.c[name] for name in ("scope", "key", "fingerprint", "body", "version")),
+        history.c.belief,
+    )
     .select_from(responses.outerjoin(history, _AT_VERSION))
-    .where(responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
+    .where(_NAMED.in_(bindparam("by_keys", expanding=True)))
 )
 _KEY = (responses.c.scope == bindparam("by_scope"), responses.c.key == bindparam("by_key"))
 _DELETE = delete(responses).where(*_KEY)
@@ -55,12 +75,31 @@ def stored_response(connection: Connection, key: IdempotencyKey | None) -> Store
         KeyReused: the key was used for another request.
         DamagedData: the response, or the belief that it reports, differs from what was written.
     """
-    if key is None or "\0" in key.scope:  # PostgreSQL cannot store a NUL in a text, so no scope contains one
-        return None
-    session = key.scope.removeprefix(_SESSION)
-    named = {"by_scope": key.scope, "by_key": key.key, "by_session": session}
-    row = connection.execute(_STORED, named).one_or_none()
-    if row is None:
+    return response_of(stored_rows(connection, [key]), key)
+
+
+def stored_rows(connection: Connection, keys: Iterable[IdempotencyKey | None]) -> StoredRows:
+    """Read what is stored under keys, for `response_of`; None is no key."""
+    # PostgreSQL cannot store a NUL in a text, so no scope contains one.
+    named = [(key.scope, key.key) for key in keys if key is not None and "\0" not in key.scope]
+    if not named:
+        return {}
+    return {(row.scope, row.key): row for row in connection.execute(_STORED, {"by_keys": named})}
+
+
+def response_of(rows: StoredRows, key: IdempotencyKey | None) -> StoredResponse | None:
+    """Return the response stored under a key; None: there is no key, or it has not been used, or its session is gone.
+
+    Args:
+        rows: by `stored_rows`, for this key and others.
+        key: of a write.
+
+    Raises:
+        KeyReused: the key was used for another request.
+        DamagedData: the response, or the belief that it reports, differs from what was written.
+    """
+    row = None if key is None else rows.get((key.scope, key.key))
+    if key is None or row is None:
         return None
     if row.fingerprint != key.fingerprint:
         raise KeyReused(key.key)
@@ -71,26 +110,35 @@ def stored_response(connection: Connection, key: IdempotencyKey | None) -> Store
     try:
         return StoredResponse(unpack(row.body, row.belief), row.version)
     except ValueError as error:
-        raise checksums.damaged(session, row.version) from error
+        raise checksums.damaged(key.scope.removeprefix(_SESSION), row.version) from error
 
 
-def keep_response(
-    connection: Connection, key: IdempotencyKey | None, response: StoredResponse, at: int, belief: bytes | None = None
-) -> None:
-    """Store a response under its key, if the write has one.
+def keep_response(connection: Connection, key: IdempotencyKey | None, response: StoredResponse, at: int) -> None:
+    """Store a response that reports no belief under its key, if the write has one.
 
     Args:
         connection: of the write's transaction.
         key: of the write.
         response: to it.
         at: time of the write, seconds since 1970.
+    """
+    if key is not None:
+        connection.execute(_INSERT, response_row(key, response, at))
+
+
+def response_row(key: IdempotencyKey, response: StoredResponse, at: int, belief: bytes | None = None) -> Columns:
+    """Return the row of a response to be stored under a key.
+
+    Args:
+        key: of the write.
+        response: to it.
+        at: time of the write, seconds since 1970.
         belief: of the session, whose id is the key's scope, at the response's version as the history has it; None: the
             response does not report a session.
     """
-    if key is not None:
-        body = response.body if belief is None else pack(response.body, belief)
-        named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
-        connection.execute(_INSERT, named | {"body": body, "version": response.version})
+    body = response.body if belief is None else pack(response.body, belief)
+    named = {"scope": key.scope, "key": key.key, "fingerprint": key.fingerprint, "at": at}
+    return named | {"body": body, "version": response.version}
 
 
 def has_more_responses(connection: Connection, session: str, rows: int) -> bool:

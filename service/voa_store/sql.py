@@ -1,27 +1,27 @@
 """Implements the service's port `Store` on a relational database.
 
 A write is one transaction: lock the session (SQLite: BEGIN IMMEDIATE, one writer; PostgreSQL: its row), look up the
-idempotency key, verify the checksum, check the version, apply, append to the history, store the response. Writers wait
-for each other and never retry. A response is sent only after its transaction is committed and on the disk.
+idempotency key, verify the checksum, check the version, apply, append to the history, store the response. Writers on
+one session wait for each other and never retry; those on different sessions share a transaction where they come at the
+same time (`changing`). A response is sent only after its transaction is committed and on the disk.
 """
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
-from sqlalchemy import Connection, bindparam, delete, insert, literal_column, select, text, update
+from sqlalchemy import bindparam, delete, insert, literal_column, select, update
 from sqlalchemy.exc import IntegrityError
 
 from voa_store import checksums, claims
+from voa_store.changing import SessionWriter, Step, check_version
 from voa_store.contents import Contents, named_row
 from voa_store.engines import connect, first, statement, transaction
-from voa_store.errors import ContentMissing, SessionMissing, VersionMismatch
+from voa_store.errors import ContentMissing
 from voa_store.histories import read_history
 from voa_store.keys import KeyRecords
-from voa_store.listening import CHANNEL, Listener
-from voa_store.looks import count_look
+from voa_store.listening import Listener, notify
 from voa_store.migrate import Revisions, migrate
 from voa_store.probing import Probe
 from voa_store.records import (
@@ -45,7 +45,7 @@ from voa_store.responses import (
     stored_response,
 )
 from voa_store.robots import RobotRecords
-from voa_store.rows import Columns, blob, session_of, written
+from voa_store.rows import blob, session_of, written
 from voa_store.space import give_back
 from voa_store.summaries import list_sessions
 from voa_store.tables import GONE, history, sessions
@@ -62,7 +62,6 @@ _DELETE = delete(sessions).where(sessions.c.id == bindparam("by_id"))
 _MARK = select(sessions.c.version, sessions.c.updated_at, sessions.c.under_way).where(
     sessions.c.id == bindparam("by_id"), sessions.c.version > literal_column(str(GONE))
 )
-_NOTIFY = text("SELECT pg_notify(:channel, :session)")
 
 
 class SqlStore(Contents, RobotRecords, KeyRecords):
@@ -85,7 +84,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         Contents.__init__(self, self._engines)
         self._readers = self._engines.readers
         self._mark = _MARK.compile(dialect=self._single.dialect)
-        self._notifies = self._writer.dialect.name == "postgresql"
+        self._session_writer = SessionWriter(self._writer, self._now)
         self._listener: Listener | None = None
         self._probe = Probe(self._engines)
         self._remover = Remover(self._engines)
@@ -132,7 +131,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
 
     def listen(self, moved: Callable[[str], None]) -> None:
         """Call `moved`, from any thread, with the id of each session that another process changes (PostgreSQL)."""
-        if self._notifies:
+        if self._writer.dialect.name == "postgresql":
             self._listener = Listener(self._engines.parameters, moved)
 
     def get_response(self, key: IdempotencyKey) -> StoredResponse | None:
@@ -203,13 +202,13 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         with statement(self._single) as connection:
             return list_sessions(connection, limit, after, only)
 
-    @contextmanager
-    def change(self, id_: str, write: Write) -> Iterator[SessionChange]:
-        """Change a session within one transaction, which is committed when the `with` block ends.
+    def change(self, id_: str, write: Write, step: Step) -> SessionChange:
+        """Change a session within one transaction, which is committed on return; see `changing`.
 
-        The block computes the new state from `SessionChange.state` and calls `SessionChange.respond`. `state` is None
-        where the key was used before; `response` is then the stored response. An error within the block leaves
-        everything unchanged.
+        The step computes the next state of the session and calls `SessionChange.respond`. It runs in any
+        thread, and once more where a write that shared its transaction failed. It is not called where the key was used
+        before: `state` is then None, and `response` the stored response. An error of the step leaves everything
+        unchanged.
 
         Raises:
             KeyReused: the key was used for another request.
@@ -217,30 +216,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
             VersionMismatch: the caller expects another version.
             LookRepeated: a look of this number was counted before; nothing is changed.
         """
-        with transaction(self._writer) as connection:
-            row = named_row(connection, _LOCK, id_)
-            before = stored_response(connection, write.key)
-            if before is not None:
-                yield SessionChange.answered(before)
-                return
-            if row is None:
-                raise SessionMissing(id_)
-            prior = checksums.check_session(row)
-            _check_version(row.version, write.if_match)
-            belief: bytes = row.belief
-            change = SessionChange(session_of(row))
-            yield change
-            if change.after is not None and change.after.version == row.version:
-                connection.execute(_UPDATE, {"by_id": id_, "under_way": change.after.under_way})
-            elif change.after is not None:
-                columns, entry = written(change.after, write, change.report, row.newest, prior)
-                connection.execute(_UPDATE, {"by_id": id_, **columns})
-                _append(connection, entry)
-                belief = entry["belief"]
-                if write.look is not None:
-                    count_look(connection, id_, write.look)
-                self._notify(connection, id_)
-            keep_response(connection, write.key, change.response, self._now(), belief)
+        return self._session_writer.change(id_, write, step)
 
     def history(self, id_: str, after: int, limit: int, most_bytes: int | None = None) -> list[HistoryEntry]:
         """Read at most `limit` versions of a session above `after`, ascending; -1 begins with the prior.
@@ -271,14 +247,14 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
                 return True
             if row is None:
                 return False
-            _check_version(row.version, if_match)
+            check_version(row.version, if_match)
             is_long = row.version > _AT_ONCE or has_more_responses(connection, id_, _AT_ONCE)
             if is_long:
                 connection.execute(_UPDATE, {"by_id": id_, "version": GONE})
             else:
                 remove_responses(connection, id_, _AT_ONCE)
                 connection.execute(_DELETE, {"by_id": id_})
-            self._notify(connection, id_)
+            notify(connection, [id_])
             keep_response(connection, key, StoredResponse("", row.version), self._now())
         if is_long:
             self._remover.wake()
@@ -306,25 +282,3 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
 
     def _now(self) -> int:
         return int(self._seconds())
-
-    def _notify(self, connection: Connection, id_: str) -> None:
-        """Notify other processes of a change when this transaction is committed."""
-        if self._notifies:
-            connection.execute(_NOTIFY, {"channel": CHANNEL, "session": id_})
-
-
-def _append(connection: Connection, entry: Columns) -> None:
-    """Insert a row into the history of a session that is locked.
-
-    Raises:
-        DamagedData: the version is there already, so that the session's own row is older than what was written.
-    """
-    try:
-        connection.execute(_INSERT[history], entry)
-    except IntegrityError as error:
-        raise checksums.damaged(entry["session"], entry["version"]) from error
-
-
-def _check_version(version: int, expected: frozenset[int] | None) -> None:
-    if expected is not None and version not in expected:
-        raise VersionMismatch(expected, version)

@@ -75,9 +75,9 @@ MUTANTS = (
     ),
     Mutant(
         name="a session's row is not locked",
-        file="service/voa_store/sql.py",
-        old="_BY_ID.with_for_update()",
-        new="_BY_ID",
+        file="service/voa_store/changing.py",
+        old="_BY_IDS.with_for_update(skip_locked=True)",
+        new="_BY_IDS",
         tests="tests/voa_store/test_concurrency.py",
     ),
     Mutant(
@@ -208,9 +208,9 @@ MUTANTS = (
     ),
     Mutant(
         name="a look counts whatever its number",
-        file="service/voa_store/sql.py",
-        old="                    count_look(connection, id_, write.look)\n",
-        new="                    pass\n",
+        file="service/voa_store/looks.py",
+        old="in counted:",
+        new="in ():",
         tests="tests/voa_store/test_looks.py",
     ),
     Mutant(
@@ -334,8 +334,8 @@ MUTANTS = (
     ),
     Mutant(
         name="announced looks make a version in the store",
-        file="service/voa_store/sql.py",
-        old="change.after.version == row.version:",
+        file="service/voa_store/changing.py",
+        old="after is not None and after.version == row.version:",
         new="False:",
         tests="tests/voa_store/test_conformance.py",
     ),

@@ -4,8 +4,10 @@ The database is a real SQLite file, in memory where the machine has a file syste
 open transaction, as SQLite's own recovery would have it; committed rows stay. The loss of power is not simulated.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import Any
 from unittest.mock import patch
 
@@ -14,6 +16,7 @@ from sqlalchemy.pool import ConnectionPoolEntry, QueuePool
 
 import voa_service.runtime.cache
 import voa_store.engines
+import voa_store.grouping
 import voa_store.sql
 from tests.simulation.scheduler import Killed, Scheduler, Signal
 from voa_store.drivers import sqlite_driver
@@ -93,6 +96,7 @@ def simulated(scheduler: Scheduler, disk: Disk) -> Iterator[None]:
             (voa_store.engines, "create_engine", create),
             (voa_store.engines, "_BUSY_MS", 0),
             (voa_store.sql, "Remover", _remover_type(scheduler)),
+            (voa_store.grouping, "Latch", partial(SimulatedLatch, scheduler)),
             (voa_service.runtime.cache, "_result", computed),
         ):
             stack.enter_context(patch.object(module, name, value))
@@ -115,6 +119,31 @@ def _before_commit(disk: Disk) -> Callable[[Connection], None]:
         disk.fail_sometimes()
 
     return before
+
+
+class SimulatedLatch:
+    """Signal that one task waits for in virtual time, and another gives once.
+
+    Args:
+        scheduler: of the tasks.
+    """
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
+        self._given = Signal()
+        self._is_open = False
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Wait for the signal, for so many seconds of virtual time (None: no bound)."""
+        end = math.inf if seconds is None else self._scheduler.now + seconds
+        while not self._is_open and self._scheduler.now < end:
+            self._scheduler.wait(self._given, min(end - self._scheduler.now, _PATIENCE_SECONDS))
+        return self._is_open
+
+    def open(self) -> None:
+        """Give the signal."""
+        self._is_open = True
+        self._scheduler.notify(self._given)
 
 
 class SimulatedPool(QueuePool):

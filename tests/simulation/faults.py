@@ -82,57 +82,66 @@ def _change(where: str, *texts: tuple[str, str]) -> Change:
     return Change(where, texts)
 
 
+_COMMIT = "voa_store.changing:SessionWriter._commit"
+_BEGIN = "with transaction(self._engine) as connection:\n"
 _UNLOCK = (
-    "with transaction(self._writer) as connection:\n        row = named_row(connection, _LOCK, id_)\n",
-    "with statement(self._single) as unlocked:\n        row = named_row(unlocked, _BY_ID, id_)\n"
-    "    with transaction(self._writer) as connection:\n",
+    f"{_BEGIN}        rows = _locked(connection, lock, group)\n",
+    "with transaction(self._engine) as unlocked:\n        rows = _locked(unlocked, lock, group)\n    " + _BEGIN,
 )
+_REPLACE = ("_INSERT[table],", '_INSERT[table].prefix_with("OR REPLACE"),')
 
 PLANTED = (
     PlantedFault(
         "a session is read before its lock is taken",
-        (_change("voa_store.sql:SqlStore.change", _UNLOCK),),
+        (_change(_COMMIT, _UNLOCK),),
     ),
     PlantedFault(
         "a lost lock: the second of two writers replaces the version of the first",
+        (_change(_COMMIT, _UNLOCK), _change("voa_store.changing:_store", _REPLACE)),
+    ),
+    PlantedFault(
+        "two writes of a group are to one session: the second replaces the version of the first",
         (
-            _change("voa_store.sql:SqlStore.change", _UNLOCK),
-            _change("voa_store.sql:_append", ("_INSERT[history]", '_INSERT[history].prefix_with("OR REPLACE")')),
+            _change(
+                "voa_store.grouping:Groups._companions",
+                ("member.item.id not in ids", "(member.item.id not in ids or True)"),
+            ),
+            _change("voa_store.changing:_store", _REPLACE),
         ),
     ),
     PlantedFault(
         "the idempotency key is not looked up",
         (
-            _change("voa_store.sql:stored_response", ("if key is None or", "if True or")),
-            _change("voa_store.sql:keep_response", ("if key is not None:", "if False:")),
+            _change("voa_store.responses:response_of", ("if key is None or", "if True or")),
+            _change("voa_store.changing:_changed", ("if write.key is not None:", "if False:")),
+            _change("voa_store.responses:keep_response", ("if key is not None:", "if False:")),
         ),
     ),
     PlantedFault(
         "the key is looked up before the lock is taken: a retry at the same moment applies twice",
         (
             _change(
-                "voa_store.sql:SqlStore.change",
+                _COMMIT,
                 (
-                    "with transaction(self._writer) as connection:\n",
-                    "with statement(self._single) as earlier:\n        before = stored_response(earlier, write.key)\n"
-                    "    with transaction(self._writer) as connection:\n",
+                    _BEGIN,
+                    "with transaction(self._engine) as earlier:\n"
+                    "        before = stored_rows(earlier, [pending.write.key for pending in group])\n    " + _BEGIN,
                 ),
-                ("        before = stored_response(connection, write.key)\n", ""),
+                ("        before = stored_rows(connection, [pending.write.key for pending in group])\n", ""),
             ),
-            _change("voa_store.sql:keep_response", ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
+            _change("voa_store.changing:_store", _REPLACE),
         ),
     ),
     PlantedFault(
         "a response is stored under the wrong key",
         (
+            _change("voa_store.responses:response_row", ("key.key", "key.key[:-1]")),
+            _change("voa_store.responses:keep_response", ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
+            _change("voa_store.changing:_store", _REPLACE),
+            _change("voa_store.responses:stored_rows", ("(key.scope, key.key)", "(key.scope, key.key[:-1])")),
             _change(
-                "voa_store.sql:keep_response",
-                ("key.key", "key.key[:-1]"),
-                ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),'),
-            ),
-            _change(
-                "voa_store.sql:stored_response",
-                ('"by_key": key.key', '"by_key": key.key[:-1]'),
+                "voa_store.responses:response_of",
+                ("(key.scope, key.key)", "(key.scope, key.key[:-1])"),
                 ("row.fingerprint != key.fingerprint", "row is None"),
             ),
         ),
@@ -158,16 +167,15 @@ PLANTED = (
             _change(
                 "voa_service.usecases.updates:Updates._change",
                 (
-                    "            if report is not None:\n                self.observed",
-                    "            self._committed(state.id, change)\n"
-                    "            if report is not None:\n                self.observed",
+                    "None if after is before else after, text)\n",
+                    "None if after is before else after, text)\n        self._committed(state.id, change)\n",
                 ),
             ),
         ),
     ),
     PlantedFault(
         "the version that a caller expects is not compared",
-        (_change("voa_store.sql:_check_version", ("version not in expected", "version < min(expected)")),),
+        (_change("voa_store.changing:check_version", ("version not in expected", "version < min(expected)")),),
     ),
     PlantedFault(
         "a read is answered from a stale cache",

@@ -25,6 +25,6 @@ def test_the_texts_that_a_rare_fault_replaces_are_there(fault: PlantedFault) -> 
 
 
 def test_a_text_that_is_gone_is_an_error() -> None:
-    change = Change("voa_store.sql:_check_version", (("no such text", ""),))
+    change = Change("voa_store.changing:check_version", (("no such text", ""),))
     with pytest.raises(ValueError, match="once"):
         change.code()

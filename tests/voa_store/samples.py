@@ -99,12 +99,9 @@ class Result(NamedTuple):
 def change(store: Store, id_: str, write: Write, step: Callable[[SessionState], Result]) -> StoredResponse | None:
     """Apply a write by a step; None: there is no such session."""
     try:
-        with store.change(id_, write) as change:
-            if change.state is not None:
-                change.respond(*step(change.state))
+        return store.change(id_, write, lambda change, state: change.respond(*step(state))).response
     except SessionMissing:
         return None
-    return change.response
 
 
 def next_version(state: SessionState) -> Result:

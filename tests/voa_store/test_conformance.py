@@ -287,14 +287,17 @@ def test_histories_of_two_sessions_do_not_mix(store: Store) -> None:
 
 
 def test_a_session_that_does_not_exist_cannot_be_changed(store: Store) -> None:
-    with pytest.raises(SessionMissing, match="there is no session 'S'"), store.change("S", write()):
-        raise AssertionError("the block must not run")
+    def run(*_: object) -> None:
+        raise AssertionError("the step must not run")
+
+    with pytest.raises(SessionMissing, match="there is no session 'S'"):
+        store.change("S", write(), run)
 
 
 def test_a_change_without_a_response_is_a_defect_and_changes_nothing(store: Store) -> None:
     create(store)
-    with pytest.raises(RuntimeError, match=r"call SessionChange\.respond"), store.change("S", write(key())):
-        pass
+    with pytest.raises(RuntimeError, match=r"call SessionChange\.respond"):
+        store.change("S", write(key()), lambda *_: None)
     assert store.get_response(key()) is None
 
 

@@ -14,7 +14,7 @@ from voa_service.mapping.under_way import (
     stored_text,
 )
 from voa_service.usecases.sessions import Sessions
-from voa_store.records import StoredResponse, Write
+from voa_store.records import SessionChange, SessionState, StoredResponse, Write
 
 
 @dataclass(frozen=True)
@@ -44,16 +44,16 @@ class AnnouncedLooks:
             StoreError: there is no such session, or the idempotency key was used for another request.
         """
         sessions = self.sessions
-        with sessions.store.change(id_, write) as change:
-            state = change.state
-            if state is not None:
-                check_announced(sessions.model_of(state).scenario, request)
-                now = sessions.now()
-                look = announced(marked_id(sessions.new_id(), by), request, now)
-                looks = [*announced_looks(state.under_way, now), look][-MOST_PENDING:]
-                response = StoredResponse(look.model_dump_json(), state.version)
-                change.respond(response, replace(state, under_way=stored_text(looks)))
-        return change.response
+
+        def step(change: SessionChange, state: SessionState) -> None:
+            check_announced(sessions.model_of(state).scenario, request)
+            now = sessions.now()
+            look = announced(marked_id(sessions.new_id(), by), request, now)
+            looks = [*announced_looks(state.under_way, now), look][-MOST_PENDING:]
+            response = StoredResponse(look.model_dump_json(), state.version)
+            change.respond(response, replace(state, under_way=stored_text(looks)))
+
+        return sessions.store.change(id_, write, step).response
 
     def cancel(self, id_: str, look: str, write: Write, by: str | None = None) -> StoredResponse:
         """Withdraw an announced look; the response has no body.
@@ -69,17 +69,17 @@ class AnnouncedLooks:
             Forbidden: another caller announced it.
             StoreError: there is no such session, or the idempotency key was used for another request.
         """
-        with self.sessions.store.change(id_, write) as change:
-            state = change.state
-            if state is not None:
-                looks = announced_looks(state.under_way, self.sessions.now())
-                left = [each for each in looks if each.id != look]
-                if len(left) == len(looks):
-                    raise not_found("look under way", look)
-                if by is not None and not is_marked(look, by):
-                    raise Forbidden(
-                        f"the look {look!r} was not announced by a key {by!r}: the key that announced it may withdraw "
-                        "it, or an operator"
-                    )
-                change.respond(StoredResponse("", state.version), replace(state, under_way=stored_text(left)))
-        return change.response
+
+        def step(change: SessionChange, state: SessionState) -> None:
+            looks = announced_looks(state.under_way, self.sessions.now())
+            left = [each for each in looks if each.id != look]
+            if len(left) == len(looks):
+                raise not_found("look under way", look)
+            if by is not None and not is_marked(look, by):
+                raise Forbidden(
+                    f"the look {look!r} was not announced by a key {by!r}: the key that announced it may withdraw it, "
+                    "or an operator"
+                )
+            change.respond(StoredResponse("", state.version), replace(state, under_way=stored_text(left)))
+
+        return self.sessions.store.change(id_, write, step).response

@@ -29,6 +29,17 @@ _BYTES_AT_ONCE = 2**22
 
 
 @dataclass(frozen=True)
+class _LastState:
+    """The newest state of a session that this process has read or written, as an entry of the cache."""
+
+    state: SessionState
+
+    @property
+    def nbytes(self) -> int:
+        return 4 * self.state.belief.p.nbytes + len(self.state.looks or "") + 1024
+
+
+@dataclass(frozen=True)
 class LookedFrom:
     """Use cases about the places that sessions were looked from.
 
@@ -39,6 +50,21 @@ class LookedFrom:
 
     store: Store
     cache: Cache
+
+    def last_state(self, session: str) -> SessionState | None:
+        """Return the newest state of a session that this process knows; None: there is no such session.
+
+        Other processes may have changed the session, or deleted it: only the transaction knows. This state is good
+        enough to prepare a look, and saves a read for each.
+        """
+        kept = self.cache.peek(("state", session))
+        return cast(_LastState, kept).state if kept is not None else self.store.get_session(session)
+
+    def keep_state(self, state: SessionState) -> None:
+        """Keep a state that was committed for `last_state`."""
+        key = "state", state.id
+        self.cache.drop(key)
+        self.cache.get(key, lambda: _LastState(state))
 
     def prepared(self, state: SessionState, scan: ScanObservation) -> ScanObservation:
         """Do the long part of `updated` before the transaction that it runs in.

@@ -13,6 +13,7 @@ from voa_service.mapping.under_way import without_announcement
 from voa_service.mapping.updates import Updated, next_version, replaced_belief, updated_by_outcome, updated_once
 from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.sessions import Sessions, model_in_body
+from voa_store.errors import SessionMissing
 from voa_store.records import SessionChange, SessionState, StoredResponse, Write
 
 
@@ -50,12 +51,15 @@ class Updates:
             VoaError: the scan does not fit the session's scenario.
             StoreError: the session has another version, or the idempotency key was used for another request.
         """
-        state = self.sessions.store.get_session(id_)
+        state = self.places.last_state(id_)
         if state is None:
             return self._response_of_deleted(id_, write)
         scan = scan_observation(self.sessions.model_of(state).scenario, request)
         scan = self.places.prepared(state, scan)
-        response, updated = self._change(state, write, partial(self.places.updated, scan=scan), scan)
+        try:
+            response, updated = self._change(state, write, partial(self.places.updated, scan=scan), scan)
+        except SessionMissing:  # since this process saw it
+            return self._response_of_deleted(id_, write)
         if updated is not None:
             self.places.keep(id_, updated)
         return response
@@ -122,25 +126,28 @@ class Updates:
         """
         sessions, updated = self.sessions, None
         warnings = [*sessions.warnings(state.scenario), *([] if scan is None else scan.warnings)]
-        with sessions.store.change(state.id, write) as change:
-            before = change.state
-            if before is not None:
-                now, model = sessions.now(), sessions.model_of(before)
-                updated = update(before)
-                after = next_version(model, before, updated, now) if updated.accepted else before
-                if scan is not None:
-                    after = without_announcement(after, scan, now)
-                report = updated.report
-                body = session_message(model.scenario, after, warnings, now, report).model_dump_json()
-                text = None if report is None else report.model_dump_json()
-                change.respond(StoredResponse(body, after.version), None if after is before else after, text)
-                if report is not None:
-                    self.observed(write.kind, report.reason or "accepted")
+
+        def step(change: SessionChange, before: SessionState) -> None:
+            nonlocal updated
+            now, model = sessions.now(), sessions.model_of(before)
+            updated = update(before)
+            after = next_version(model, before, updated, now) if updated.accepted else before
+            if scan is not None:
+                after = without_announcement(after, scan, now)
+            report = updated.report
+            body = session_message(model.scenario, after, warnings, now, report).model_dump_json()
+            text = None if report is None else report.model_dump_json()
+            change.respond(StoredResponse(body, after.version), None if after is before else after, text)
+
+        change = sessions.store.change(state.id, write, step)
+        if updated is not None and updated.report is not None:
+            self.observed(write.kind, updated.report.reason or "accepted")
         return self._committed(state.id, change), updated
 
     def _committed(self, id_: str, change: SessionChange) -> StoredResponse:
         """Publish a committed version, if there is a new one; returns the response to the write."""
         if change.after is not None and change.state is not None and change.after.version > change.state.version:
+            self.places.keep_state(change.after)
             self.sessions.committed(id_, change.after)
         return change.response
 
