@@ -21,6 +21,7 @@ its docstring names the source.
 | hold a belief and the looks behind it | `estimates`, `places`                  |                                     |
 | make a prior                          | `priors`                               | longer: appendix                    |
 | value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
+| rank looks over samples of the poses  | `sampled_ranking`, `pose_samples`      |                                     |
 | choose a grasp after each scan        | `choices`, `screening`                 | equation 1                          |
 | say how far a value may be off        | `standard_errors`                      |                                     |
 | simulate scans that are to be taken   | `simulation`, `scan_model`             |                                     |

@@ -7,6 +7,8 @@
 
 with s the belief of the sensor agent (equation 3 of the longer paper), the gripper agent's own b by default.
 Over simulated scans each pose p gives K scans o_pk instead of o~(p, a), and the mean over them stands for its term.
+Over a sample of the poses, the sum over p is one over the sampled poses with their shares; b_p and the baseline of the
+posterior form still come from all poses, so the value is unbiased.
 A VOA may be negative and is never clamped.
 """
 
@@ -24,6 +26,7 @@ from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable, best_grasp
 from voa_core.perfect_information import value_of_perfect_information
+from voa_core.pose_samples import PoseSample
 from voa_core.standard_errors import score_standard_error, standard_error
 from voa_core.updating import UpdatePolicy
 from voa_core.weights import wanted
@@ -38,12 +41,13 @@ class Assistance:
     Attributes:
         voa: expected gain in success probability.
         expected_score_after: expected success probability after the look.
-        outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0.
+        outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0, or of sampled ones.
         best_grasps: (k,) the grasp chosen most often after the scans of each, the first listed of equals; -1 for none.
         scores: (k,) expected score of the chosen grasp then, Qbar*(b_p), the mean over the scans.
-        shares: (k,) probabilities that the sensor agent gives to these poses.
+        shares: (k,) probabilities that the sensor agent gives to these poses, or the shares of sampled ones.
         gains: (k, K) gain in success probability after each of the K scans of each pose.
-        standard_error: of `voa`, from the number of simulated scans; None over exact scans.
+        standard_error: of `voa`, from the number of simulated scans or of sampled poses; None over exact scans of all
+            poses.
         score_standard_error: of `voa`, from the number of attempts behind the grasp scores; None where that is unknown.
     """
 
@@ -68,6 +72,7 @@ class Valuation:
         policy: effect of a scan that no possible pose explains.
         definition: "posterior" (equations 2 and 3 of the preliminary paper) or "executed" (equation 4 of the longer).
         sensor_belief: of the sensor agent, (n,), for the outer expectation; None: the gripper agent's.
+        sample: poses over which the outer expectation is taken; None: all of them.
         check: called before each block of weights; an error that it raises ends the computation.
 
     Raises:
@@ -79,6 +84,7 @@ class Valuation:
     policy: UpdatePolicy
     definition: Definition = "posterior"
     sensor_belief: Belief | None = None
+    sample: PoseSample | None = None
     check: Callable[[], None] = field(default=wanted, repr=False)
 
     def __post_init__(self) -> None:
@@ -102,23 +108,24 @@ class Valuation:
             kept, pending_scores = self._chosen(pending, scans)
             base = scores_at(self.table, kept, scans.poses) if executed else pending_scores
             without = scans.mean(base)
-        after = scans.mean(values)
+        voa = scans.mean(values) - without
         gains = (values - base).reshape(-1, look.samples)
         return Assistance(
-            after - without,
-            after,
+            voa,
+            scans.mean(values) if self.sample is None or pending is not None else self._without + voa,
             scans.outcomes,
             _most_frequent(chosen.reshape(-1, look.samples)),
             scores if look.samples == 1 else scores.reshape(-1, look.samples).mean(axis=1),
             scans.shares,
             gains,
-            standard_error(scans.shares, gains) if look.simulated else None,
-            score_standard_error(self.table, chosen, kept, scans.poses, scans.of_scans),
+            self._standard_error(scans, gains, simulated=look.simulated),
+            score_standard_error(self.table, chosen, kept, scans.poses, scans.of_scores),
         )
 
     def perfect_information(self, pending: LookWeights | None) -> float:
         """Value of knowing the pose, after the pending scans."""
-        return value_of_perfect_information(self._chooser, self._outer, pending)
+        outer = self.outer if self.sample is None or pending is None else self.sample.over(len(self.outer))
+        return value_of_perfect_information(self._chooser, outer, pending)
 
     def _chosen(self, look: LookWeights, scans: "_Scans") -> tuple[NDArray[np.intp], Floats]:
         look = look.seen_with(self.belief, self.policy)
@@ -128,15 +135,37 @@ class Valuation:
     def _chooser(self) -> Chooser:
         return Chooser(self.belief, self.table, self.policy, self.check)
 
-    @cached_property
-    def _outer(self) -> Floats:
+    @property
+    def outer(self) -> Floats:
+        """Belief over which the outer expectation is taken, (n,)."""
         return (self.belief if self.sensor_belief is None else self.sensor_belief).p
+
+    @cached_property
+    def _without(self) -> float:
+        """Expected success probability without a look, over all poses."""
+        before = self._chooser.before
+        if self.definition == "posterior" or before.index is None:
+            return before.expected_score
+        return float(self.table.scores[before.index] @ self.outer)
+
+    def _standard_error(self, scans: "_Scans", gains: Floats, *, simulated: bool) -> float | None:
+        if self.sample is not None:
+            return self.sample.standard_error(gains.mean(axis=1))
+        return standard_error(scans.shares, gains) if simulated else None
 
     def _scans(self, samples: int) -> "_Scans":
         """Scans that a look may give; made once, for they do not depend on the look."""
         if samples not in self._scans_by_samples:
-            self._scans_by_samples[samples] = _Scans.of(self._outer, samples, self._chooser, self.definition)
+            self._scans_by_samples[samples] = self._make_scans(samples)
         return self._scans_by_samples[samples]
+
+    def _make_scans(self, samples: int) -> "_Scans":
+        if self.sample is None:
+            outcomes = np.flatnonzero(self.outer > 0.0)
+            shares = self.outer[outcomes]
+            return _Scans.of(outcomes, shares, shares, samples, self._chooser, self.definition)
+        sample = self.sample
+        return _Scans.of(sample.poses, sample.shares, sample.cell_weights, samples, self._chooser, self.definition)
 
     @cached_property
     def _scans_by_samples(self) -> "dict[int, _Scans]":
@@ -149,11 +178,12 @@ class _Scans:
 
     Attributes:
         samples: number K of scans of each pose.
-        outcomes: (k,) indices of the poses to which the sensor agent gives a probability above 0.
-        shares: (k,) these probabilities.
+        outcomes: (k,) indices of the poses over which the expectation is taken.
+        shares: (k,) their probabilities, or their shares in a sample.
         rows: (k K,) rows of the scans in the weights of a look.
         poses: (k K,) pose that gives each scan.
         of_scans: (k K,) probability of each scan.
+        of_scores: (k K,) weight of the score that is attained after each scan in the error of the value.
         kept: (k K,) grasp that is chosen without the look; -1 for none.
         base: (k K,) its value, by the definition of the valuation.
         without: expected success probability without the look.
@@ -165,21 +195,29 @@ class _Scans:
     rows: NDArray[np.intp]
     poses: NDArray[np.intp]
     of_scans: Floats
+    of_scores: Floats
     kept: NDArray[np.intp]
     base: Floats
     without: float
 
     @classmethod
-    def of(cls, outer: Floats, samples: int, chooser: Chooser, definition: Definition) -> "_Scans":
-        """Make the scans of a look with `samples` scans of each pose, for a belief `outer` (n,) of the sensor agent."""
-        outcomes = np.flatnonzero(outer > 0.0)
-        shares = outer[outcomes]
+    def of(
+        cls,
+        outcomes: NDArray[np.intp],
+        shares: Floats,
+        of_scores: Floats,
+        samples: int,
+        chooser: Chooser,
+        definition: Definition,
+    ) -> "_Scans":
+        """Make the scans of a look, `samples` of each of the poses `outcomes`, (k,), with `shares` and `of_scores`."""
         rows, poses = scans_of(outcomes, samples), np.repeat(outcomes, samples)
         before = chooser.before
         kept = np.full(len(rows), -1 if before.index is None else before.index)
         executed = definition == "executed"
         base = scores_at(chooser.table, kept, poses) if executed else np.full(len(rows), before.expected_score)
-        scans = cls(samples, outcomes, shares, rows, poses, np.repeat(shares, samples) / samples, kept, base, 0.0)
+        of_scans, of_scores = (np.repeat(each, samples) / samples for each in (shares, of_scores))
+        scans = cls(samples, outcomes, shares, rows, poses, of_scans, of_scores, kept, base, 0.0)
         return replace(scans, without=scans.mean(base) if executed else before.expected_score)
 
     def mean(self, values: Floats) -> float:

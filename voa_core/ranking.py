@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -65,23 +66,31 @@ class Ranking:
             have the values of an evaluation of their own (`recommendation.recommend`).
         value_of_perfect_information: gain in success probability if the pose were known.
         compared: the looks, in this order, with the values that they have over the scans that all share.
+        tied: the looks that tie with the first, where samples of the poses say so; None: `compared` says.
     """
 
     before: Choice
     looks: tuple[RankedLook, ...]
     value_of_perfect_information: float
     compared: tuple[RankedLook, ...]
+    tied: frozenset[RankedLook] | None = None
 
     @classmethod
-    def of(cls, before: Choice, looks: Sequence[RankedLook], value_of_perfect_information: float) -> "Ranking":
+    def of(
+        cls,
+        before: Choice,
+        looks: Sequence[RankedLook],
+        value_of_perfect_information: float,
+        tied: frozenset[RankedLook] | None = None,
+    ) -> "Ranking":
         """Rank looks, in the order in which they are listed, whose values are over scans that all share."""
-        ranked = tuple(looks[index] for index in _order(looks))
-        return cls(before, ranked, value_of_perfect_information, ranked)
+        ranked = tuple(looks[index] for index in order_by_net_value(looks))
+        return cls(before, ranked, value_of_perfect_information, ranked, tied)
 
     def with_value(self, look: RankedLook, own: RankedLook) -> "Ranking":
         """Rank again with the values of an evaluation of its own for one of the looks."""
         looks = [own if each is look else each for each in self.looks]
-        return replace(self, looks=tuple(looks))._in_order(_order(looks))
+        return replace(self, looks=tuple(looks))._in_order(order_by_net_value(looks))
 
     def with_first(self, look: RankedLook) -> "Ranking":
         """Move one of the looks to the first place."""
@@ -109,8 +118,8 @@ class Ranking:
         over exact scans if it exceeds 1e-6.
         """
         index = self.looks.index(look)
-        if index == 0:
-            return True
+        if index == 0 or self.tied is not None:
+            return index == 0 or look in (self.tied or ())
         first, look = self.compared[0], self.compared[index]
         difference = first.net_value - look.net_value
         if look.assistance.standard_error is None:
@@ -119,7 +128,7 @@ class Ranking:
         return difference <= 2.0 * standard_error(look.assistance.shares, gains) + _ROUNDING
 
 
-def _order(looks: Sequence[RankedLook]) -> list[int]:
+def order_by_net_value(looks: Sequence[RankedLook]) -> list[int]:
     """Indices of looks by net value, the largest first; those that are equal to 1e-12 stay in their order."""
     values = np.array([look.net_value for look in looks])
     return [int(i) for i in np.argsort(-np.round(values, SAME_VALUE_DIGITS), kind="stable")]
@@ -172,15 +181,31 @@ def rank_looks(
         ordered_map: `map`, or a function like it that works on several threads.
     """
     pending = looks.baseline()
-
-    def worth(sensor: SensorConfiguration) -> RankedLook:
-        valuation.check()
-        assistance = valuation.value(looks.together(sensor), pending)
-        cost = cost_of([sensor], driving)
-        return RankedLook(sensor, assistance, assistance.voa - cost, cost)
-
+    value = partial(value_look, looks=looks, valuation=valuation, pending=pending, driving=driving)
     return Ranking.of(
         best_grasp(valuation.table, valuation.belief.p),
-        list(ordered_map(worth, sensors)),
+        list(ordered_map(value, sensors)),
         valuation.perfect_information(pending),
     )
+
+
+def value_look(
+    sensor: SensorConfiguration,
+    looks: Looks,
+    valuation: Valuation,
+    pending: LookWeights | None = None,
+    driving: Driving | None = None,
+) -> RankedLook:
+    """Value one look from a sensor configuration; its answer does not depend on which others are ranked.
+
+    Args:
+        sensor: where the lidar would stand.
+        looks: gives the weights after the scans from a sensor configuration and from those where a look is pending.
+        valuation: belief, grasps and definition.
+        pending: weights after the pending scans alone; None where nothing is pending.
+        driving: costs of driving to the sensor configuration; None: driving costs nothing.
+    """
+    valuation.check()
+    assistance = valuation.value(looks.together(sensor), pending)
+    cost = cost_of([sensor], driving)
+    return RankedLook(sensor, assistance, assistance.voa - cost, cost)
