@@ -115,6 +115,10 @@ class ObservationPredictor:
             if not (ranges >= 0.0).all():
                 raise InvalidInput(f"predictions of {name!r}", "ranges of at least 0, or none", "a negative one")
 
+    def without_memory(self) -> "ObservationPredictor":
+        """Make a predictor that keeps no prediction, for so many places that they would displace all that is kept."""
+        return replace(self, remember=_keep_none)
+
     def predict(self, sensor: SensorConfiguration, grid: BeamGrid | None = None, *, listed: bool = False) -> Prediction:
         """Predict the scans of all poses by geometry alone: no workspace, no return beyond `range_max`.
 

@@ -38,6 +38,6 @@ UPDATE: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **SCAN}
 RANKING: dict[str, Any] = {"scenario": SCENARIO_ID, **BELIEF, **VOA}
 
 
-def exemplified(example: dict[str, Any]) -> ConfigDict:
-    """Make the `model_config` of a message whose JSON schema shows `example`."""
-    return ConfigDict(json_schema_extra={"examples": [example]})
+def exemplified(example: dict[str, Any], **more: Any) -> ConfigDict:
+    """Make the `model_config` of a message whose JSON schema shows `example`, and has `more` keys."""
+    return ConfigDict(json_schema_extra={"examples": [example], **more})

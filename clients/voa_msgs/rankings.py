@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
 from pydantic import Field
+from pydantic.config import JsonDict
 
 from voa_msgs import examples
 from voa_msgs.base import Distribution, Id, Message, Name, NotNegative
@@ -17,6 +18,10 @@ Definition = Literal["posterior", "executed"]
 
 Scans = Literal["exact", "simulated"]
 """Predicted scans over which looks are valued: one exact scan of each pose, or noisy scans of displaced poses."""
+Method = Literal["exact", "sampled"]
+"""Method of a ranking: expectations over all poses, or over samples of them."""
+_PREDICTED_SCANS: JsonDict = {"type": "integer", "x-limit": "predicted_scans"}
+"""Schema in which the service states the most scans, places times poses, that a ranking may predict."""
 MOST_PENDING = 64
 """Most looks under way that a ranking can take into account, and most that a session keeps."""
 MOST_SAMPLES = 4_096
@@ -24,7 +29,10 @@ MOST_SAMPLES = 4_096
 
 
 class VoaRequest(
-    Message, serialize_by_alias=True, validate_by_name=True, json_schema_extra={"examples": [examples.VOA]}
+    Message,
+    serialize_by_alias=True,
+    validate_by_name=True,
+    json_schema_extra={"examples": [examples.VOA], "x-predicted-scans": _PREDICTED_SCANS},
 ):
     """Request for a ranking of looks by Value of Assistance."""
 
@@ -36,6 +44,10 @@ class VoaRequest(
     session's last sensor pose a standard deviation, else `exact`."""
     samples: Annotated[int, Ge(1), Le(MOST_SAMPLES)] | None = None
     """Number of simulated scans of each pose; null: as many as make 256 of all poses together, and at least 1."""
+    method: Method | None = None
+    """Method: `exact`, an expectation over all poses; `sampled`, over samples of them, larger ones for the looks that
+    may be the best, over exact scans and without `outcomes`; null: `sampled` where it can be and there are more than
+    320 million weights (places times squared poses), else `exact`."""
     definition: Definition | None = None
     """Definition of VOA: gain of the best expected score (`posterior`), or of the executed grasp's (`executed`); null:
     `posterior` over exact scans, `executed` over simulated ones."""
@@ -65,7 +77,7 @@ class VoaRequest(
 class RankingRequest(VoaRequest):
     """Request for a ranking of looks for a belief that the request states; nothing is stored."""
 
-    model_config = exemplified(examples.RANKING)
+    model_config = exemplified(examples.RANKING, **{"x-predicted-scans": _PREDICTED_SCANS})
 
     scenario: Id
     """Identifier of the scenario."""
@@ -96,7 +108,8 @@ class RankedSensor(Message):
     voa: float
     """Value of Assistance: expected gain in the probability of a successful grasp; it may be negative."""
     standard_error: float | None
-    """Standard error of `voa` from the number of simulated scans, in success probability; null: scans are exact."""
+    """Standard error of `voa` from the number of simulated scans or of sampled poses, in success probability; null:
+    scans are exact, and of all poses."""
     score_standard_error: float | None = None
     """Standard error of `voa` from the number of attempts behind the grasp scores, in success probability; null: the
     scores are given probabilities."""
@@ -108,7 +121,7 @@ class RankedSensor(Message):
     """Expected probability of a successful grasp after the look, 0 to 1."""
     ties_with_first: bool
     """True if the net value does not surely differ from that of the first look: within two standard errors of the
-    difference, and for exact scans within 1e-6; true for the first look."""
+    difference, and for exact scans of all poses within 1e-6; true for the first look."""
     looks_taken: int = 0
     """Number of accepted looks that the session has taken from this place; 0 without a session."""
     outcomes: list[Outcome] | None = None
@@ -152,10 +165,10 @@ class Ranking(Message):
     """Number of simulated scans of each pose; null: scans are exact."""
     lookahead: int = 1
     """Number of looks that the recommendation plans where no single look is worth its cost; 1 for a single place, above
-    64 places, and where the weights of all places take more than 1 GiB."""
+    64 places, where the weights of all places take more than 1 GiB, and for the method `sampled`."""
     value_of_perfect_information: float | None = None
     """Gain in success probability if the pose were known: the most that looks can be expected to gain."""
-    method: Literal["exact", "sampled"]
+    method: Method
     """Method: an expectation over all poses (`exact`), or over a sample of them (`sampled`)."""
     precision: Literal["float64", "float32"]
     """Floating-point precision of the computation; `float32` where the weights of float64 exceed the memory limit."""

@@ -46,6 +46,8 @@ class Limits(BaseModel):
     """Values in a JSON body of a request or a response; in a request, its commas are counted."""
     parts: PositiveInt = 250_000
     """Texts, lists, objects and escapes in a JSON body, counted by their marks: they take many times their bytes."""
+    predicted_scans: PositiveInt = 1_000_000
+    """Scans that a ranking predicts: its places times the poses of its scenario."""
     history_bytes: PositiveInt = 8_000_000
     """Bytes of requests, reports and beliefs in a page of a history; a page has at least one version."""
 

@@ -11,6 +11,7 @@ import platform
 import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
@@ -18,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from tests.benchmarks import bus, durable, growth, history, plots, prediction, ranking, service, spread, weights
+from tests.benchmarks import bus, durable, growth, history, huge, plots, prediction, ranking, service, spread, weights
 from tests.benchmarks.gates import gate_of, goal_of, median_of, missed
 from tests.benchmarks.measure import Result
 
@@ -28,6 +29,7 @@ SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "ranking": ranking.run,
     "spread": spread.run,
     "growth": growth.run,
+    "huge": cache(huge.run),  # minutes long: several whole runs have its result in common
     "service": service.run,
     "durable": durable.run,
     "bus": bus.run,

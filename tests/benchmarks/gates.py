@@ -54,6 +54,8 @@ GATES = (
     Gate(r"spread, beam: first ranking, a place / without", 8.0, 3.0, is_cost=True),
     Gate(r"spread, beam: scan update, remembered / without", 10.0, 4.0, is_cost=True),
     Gate(r"durable scan updates, .* / bare transactions by 16 threads", 0.5, 0.9),
+    Gate(r"huge, .*, CPU minutes", 10.0, 2.0, is_cost=True),
+    Gate(r"huge, .*, GiB of memory", 4.0, is_cost=True),
     Gate(r"round trip of 4 kB by \w+ / .*, p50", 0.5),
 )
 

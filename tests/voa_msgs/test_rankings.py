@@ -26,6 +26,7 @@ def test_a_request_ranks_all_sensors_and_grasps_and_leaves_the_rest_to_the_scena
         "sensors": None,
         "scans": None,
         "samples": None,
+        "method": None,
         "definition": None,
         "sensor_std": None,
         "lookahead": 2,

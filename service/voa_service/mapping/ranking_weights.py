@@ -1,7 +1,7 @@
 """Weights of the looks in a ranking: over exact or simulated scans, kept where they serve other rankings too."""
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -12,6 +12,7 @@ from voa_core.looks import Looks, exact_looks
 from voa_core.scan_model import ScanModel
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.simulation import Sampling, name_of_place
+from voa_core.weights import Weigher
 from voa_service.mapping.models import Precision
 from voa_service.mapping.ranking_tasks import RankingTask
 from voa_service.runtime.queues import Check
@@ -51,6 +52,21 @@ def looks_of(task: RankingTask, weighing: Weighing) -> tuple[Looks, Looks | None
         for each in (sampling, sampling.fresh())
     )
     return usual, fresh
+
+
+def sampled_looks_of(task: RankingTask, weighing: Weighing) -> Looks:
+    """Return the weights of the looks of a ranking over samples of the poses, of which only pending ones are kept.
+
+    There are so many places that their predictions and weights would displace everything else from the cache.
+    """
+    scenario = replace(task.scenario, predictor=task.scenario.predictor.without_memory())
+
+    def weigher(sensor: SensorConfiguration) -> Weigher:
+        return scenario.weigher(sensor, weighing.dtype, keep=False, check=weighing.check)
+
+    pending = {sensor: weigher(sensor) for sensor in task.pending}
+    exact = exact_looks(lambda sensor: pending[sensor] if sensor in pending else weigher(sensor))
+    return Looks(exact, task.pending, task.same_place)
 
 
 def _simulated(

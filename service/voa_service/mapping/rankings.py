@@ -5,31 +5,37 @@ from collections.abc import Sequence
 from voa_core.assistance import Valuation
 from voa_core.filtering import Belief
 from voa_core.grasps import ranked
+from voa_core.looks import Looks
 from voa_core.ranking import OrderedMap, RankedLook, rank_looks
 from voa_core.recommendation import Recommendation, recommend
+from voa_core.sampled_ranking import Progress, rank_over_samples
 from voa_core.scenario import Scenario
-from voa_msgs.rankings import GraspNow, Look, Outcome, RankedGrasp, RankedGrasps, RankedSensor, Ranking
+from voa_msgs.rankings import GraspNow, Look, Method, Outcome, RankedGrasp, RankedGrasps, RankedSensor, Ranking
 from voa_service.mapping.estimates import absence_warnings
 from voa_service.mapping.models import Precision
+from voa_service.mapping.ranking_methods import ranking_method
 from voa_service.mapping.ranking_tasks import RankingTask
-from voa_service.mapping.ranking_weights import Weighing, looks_of
+from voa_service.mapping.ranking_weights import Weighing, looks_of, sampled_looks_of
 
 ParallelMap = OrderedMap
 """A `map` that applies a function to items in several threads, and returns the results in the order of the items."""
 
 
-def ranking_message(task: RankingTask, weighing: Weighing, parallel_map: ParallelMap) -> Ranking:
+def ranking_message(
+    task: RankingTask, weighing: Weighing, parallel_map: ParallelMap, progress: Progress | None = None
+) -> Ranking:
     """Rank looks by their Value of Assistance (Definition 5), as a message without the session's version.
 
     Args:
         task: checked request.
         weighing: choices by which the weights are computed.
         parallel_map: applies the computation of one look to all of them.
+        progress: called after each value of a ranking over samples of the poses.
 
     Raises:
-        VoaError: a prediction cannot be made.
+        VoaError: a prediction cannot be made, or the method of the request does not fit.
     """
-    looks, fresh = looks_of(task, weighing)
+    method = ranking_method(task)
     valuation = Valuation(
         task.belief,
         task.table,
@@ -38,9 +44,19 @@ def ranking_message(task: RankingTask, weighing: Weighing, parallel_map: Paralle
         task.sensor_belief,
         check=weighing.check,
     )
-    ranking = rank_looks(task.sensors, looks, valuation, driving=task.driving, ordered_map=parallel_map)
-    advice = recommend(
-        ranking,
+    if method == "sampled":
+        advice = _sampled_advice(task, sampled_looks_of(task, weighing), valuation, parallel_map, progress)
+    else:
+        advice = _exact_advice(task, *looks_of(task, weighing), valuation, parallel_map)
+    return _message(task, advice, method, weighing.precision)
+
+
+def _exact_advice(
+    task: RankingTask, looks: Looks, fresh: Looks | None, valuation: Valuation, parallel_map: ParallelMap
+) -> Recommendation:
+    """Rank looks over all poses, and recommend one or two of them or a grasp."""
+    return recommend(
+        rank_looks(task.sensors, looks, valuation, driving=task.driving, ordered_map=parallel_map),
         looks,
         valuation,
         fresh=fresh,
@@ -49,7 +65,22 @@ def ranking_message(task: RankingTask, weighing: Weighing, parallel_map: Paralle
         driving=task.driving,
         ordered_map=parallel_map,
     )
-    return _message(task, advice, weighing.precision)
+
+
+def _sampled_advice(
+    task: RankingTask, looks: Looks, valuation: Valuation, parallel_map: ParallelMap, progress: Progress | None
+) -> Recommendation:
+    """Rank looks over samples of the poses, and recommend one of them or a grasp."""
+    ranking = rank_over_samples(
+        task.sensors,
+        looks,
+        valuation,
+        seed=task.scenario.seed,
+        driving=task.driving,
+        ordered_map=parallel_map,
+        progress=progress,
+    )
+    return recommend(ranking, looks, valuation, min_gain=task.min_gain, lookahead=1)
 
 
 def ranked_grasps_message(
@@ -83,7 +114,7 @@ def _separated(names: Sequence[str], known: Sequence[str]) -> list[str]:
     return [part for some in parts for part in some]
 
 
-def _message(task: RankingTask, advice: Recommendation, precision: Precision) -> Ranking:
+def _message(task: RankingTask, advice: Recommendation, method: Method, precision: Precision) -> Ranking:
     ranking, before = advice.ranking, advice.ranking.before
     best = None if before.index is None else task.table.names[before.index]
     recommendation: Look | GraspNow
@@ -99,7 +130,7 @@ def _message(task: RankingTask, advice: Recommendation, precision: Precision) ->
         samples=task.samples,
         lookahead=advice.lookahead,
         value_of_perfect_information=ranking.value_of_perfect_information,
-        method="exact",
+        method=method,
         precision=precision,
         expected_score_before=before.expected_score,
         best_grasp_before=best,

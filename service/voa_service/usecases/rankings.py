@@ -152,6 +152,7 @@ class Rankings:
         check()
         absent = model.scenario.absent if question.state is None and question.absent is None else question.absent
         task = ranking_task(model, question.belief, question.request, absent, self._looks_of(question, model))
+        self._check_predictions(task)
         if question.request.outcomes:
             self._check_outcomes(task)
         _check_scans(task)
@@ -165,6 +166,16 @@ class Rankings:
             return NO_LOOKS
         log_sums = partial(self.places.log_sums, state, model.scenario)
         return SessionLooks(state.id, question.record, question.under_way, log_sums)
+
+    def _check_predictions(self, task: RankingTask) -> None:
+        """Refuse to keep a worker for so many places and poses as a process of its own should have."""
+        places, poses, most = len(task.sensors), len(task.scenario.poses), self.limits.predicted_scans
+        if places * poses > most:
+            raise TooLarge(
+                f"the ranking would predict a scan of each of {poses} poses at each of {places} places, and may "
+                f"predict at most {most} (VOA_LIMITS__PREDICTED_SCANS): rank at most {most // poses} places at a time, "
+                "or rank the scenario file with `voa rank --local`, which has no such limit"
+            )
 
     def _check_outcomes(self, task: RankingTask) -> None:
         """Refuse to list more outcomes than a response may hold."""
