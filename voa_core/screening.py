@@ -1,8 +1,8 @@
 """Choice of a grasp after each of many scans by products of matrices, in as little of float64 as it takes.
 
 With B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for every grasp x, and the normaliser last.
-Of many grasps in float64 all but the best need not be known so well: a product in float32, which takes half the time,
-tells which grasp is the best after most scans, since its rounding errors are bounded; the score of that one grasp is
+Of many grasps in float64 all but the best need not be known so well. A product in float32, which takes half the time,
+shows which grasp is the best after most scans, since its rounding errors are bounded; the score of that one grasp is
 then computed in float64. Scans after which other grasps come near the best are multiplied in float64 throughout.
 """
 

@@ -44,7 +44,7 @@ def test_screening_by_float32_changes_no_choice(seed: int) -> None:
 
 
 @pytest.mark.parametrize("difference", [1e-5, 1e-7, 1e-9, 2e-12])
-def test_grasps_that_float32_cannot_tell_apart_are_told_apart(difference: float) -> None:
+def test_grasps_that_float32_cannot_distinguish_are_distinguished(difference: float) -> None:
     weights, scores, belief = world(1)
     scores *= 0.9
     scores[7], scores[23] = 0.95, 0.95 + difference
