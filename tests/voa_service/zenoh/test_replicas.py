@@ -40,7 +40,7 @@ def owned_by_both(session: str, replicas: Sequence[str]) -> list[str]:
 
     Ids of replicas and sessions are random: of robots with given names, a replica may own none.
     """
-    chosen: dict[tuple[str, str], list[str]] = {pairing: [] for pairing in itertools.product(replicas, repeat=2)}
+    chosen: dict[tuple[str, str], list[str]] = {(one, other): [] for one in replicas for other in replicas}
     for number in itertools.count():
         robot = f"r{number}"
         alike = chosen[owner_of(robot, replicas), owner_of(f"{session}/{robot}", replicas)]
