@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.jit import kernel, sum_kernel
+from voa_core.jit import frugal_kernel, kernel, sum_kernel
 from voa_core.outlines import Ints
-from voa_core.vector_math import exp_of_negative, take_logarithms
+from voa_core.vector_math import HALVING_WIDTH, exp_of_negative, half_to_the, take_logarithms
 
 _SMALL = 1e-3
-_FAR_M = 1e30
+FAR_M = 1e30
+"""Range of a scan that stands for no return, metres."""
 
 
 class Mixture(NamedTuple):
@@ -73,7 +74,7 @@ class MeasuredScans(NamedTuple):
 def measured_scans(observed: Floats, mixture: Mixture) -> MeasuredScans:
     """Prepare classified scans, of any shape, for the loops below."""
     missing, returned = np.isnan(observed), np.isfinite(observed)
-    ranges = np.where(returned, observed, _FAR_M)
+    ranges = np.where(returned, observed, FAR_M)
     decay = np.where(returned, np.exp(-mixture.decay_per_m * np.where(returned, observed, 0.0)), 0.0)
     reached = -math.expm1(-mixture.decay_per_m * mixture.range_max)
     background = mixture.random + (mixture.nothing - mixture.lost) / mixture.range_max
@@ -85,9 +86,12 @@ def measured_scans(observed: Floats, mixture: Mixture) -> MeasuredScans:
 
 @sum_kernel
 def tabulate(
-    predicted: Floats, mixture: Mixture, means: Floats, inverse_sigmas: Floats, peaks: Floats, shorts: Floats
+    predicted: Floats, mixture: Mixture, means: Floats, inverse_widths: Floats, peaks: Floats, shorts: Floats
 ) -> None:
-    """Compute the four numbers of the density of each predicted range (h,); without a return all are 0."""
+    """Compute the four numbers of the density of each predicted range (h,); without a return all are 0.
+
+    A hit has the density `peaks` 2^-(`inverse_widths` (z - `means`))^2, see `vector_math.HALVING_WIDTH`.
+    """
     for h in range(len(predicted)):
         returns = predicted[h] < np.inf
         z = predicted[h] if returns else 0.0
@@ -97,7 +101,7 @@ def tabulate(
         series = x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)))
         reached = series if x < _SMALL else 1.0 - exp_of_negative(-x)
         means[h] = z
-        inverse_sigmas[h] = inverse if returns else 0.0
+        inverse_widths[h] = HALVING_WIDTH * inverse if returns else 0.0
         peaks[h] = mixture.hit_peak * inverse if returns else 0.0
         shorts[h] = mixture.short / reached if returns else 0.0
 
@@ -109,7 +113,7 @@ def empty_tables(rows: int, copies: int) -> tuple[Floats, Floats, Floats, Floats
     return np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
 
 
-@kernel
+@frugal_kernel
 def flush(product: Floats, bits: NDArray[np.int64], log: Floats) -> None:
     """Add the logarithms of `product` to `log`, and begin again with 1."""
     take_logarithms(product, bits)
@@ -118,24 +122,27 @@ def flush(product: Floats, bits: NDArray[np.int64], log: Floats) -> None:
     product[:] = 1.0
 
 
-@sum_kernel
+@frugal_kernel
 def _multiply_copies(
     z: float,
     base: float,
     decay: float,
     none: float,
     means: Floats,
-    inverse_sigmas: Floats,
+    inverse_widths: Floats,
     peaks: Floats,
     shorts: Floats,
     product: Floats,
+    bits: NDArray[np.int64],
 ) -> None:
     """Multiply `product` (J,) by the density of one beam of a scan under each copy of a pose."""
+    numbers = bits.view(np.float64)
     for j in range(len(product)):
-        off = (z - means[j]) * inverse_sigmas[j]
+        off = (z - means[j]) * inverse_widths[j]
         before = shorts[j] * decay
-        density = base + peaks[j] * exp_of_negative(-0.5 * off * off) + (before if z <= means[j] else 0.0)
-        product[j] *= density if inverse_sigmas[j] > 0.0 else none
+        hit = half_to_the(off * off, numbers, bits, j)
+        density = base + peaks[j] * hit + (before if z <= means[j] else 0.0)
+        product[j] *= density if inverse_widths[j] > 0.0 else none
 
 
 @kernel
@@ -192,6 +199,7 @@ def mixture_of_pairs(
                 peaks[k],
                 shorts[k],
                 product,
+                bits,
             )
             factors += 1
             if factors == mixture.factors:

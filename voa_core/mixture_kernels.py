@@ -1,13 +1,22 @@
 """Weights of many scans at many displaced copies under the rule `beam`, without those that are negligible."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.copy_kernels import log_sums_of_exp
-from voa_core.jit import kernel
+from voa_core.jit import frugal_kernel, kernel
 from voa_core.mixture import MeasuredScans, Mixture, empty_tables, flush, tabulate
-from voa_core.mixture_likelihoods import likelihood, likelihood_bound, multiply_largest, write_intervals
+from voa_core.mixture_likelihoods import (
+    REGISTER,
+    likelihood_bound,
+    likelihoods,
+    multiply_largest,
+    write_intervals,
+    write_window,
+)
 from voa_core.outlines import Ints
 
 _SHARE_WORTH_GATHERING = 0.8
@@ -34,7 +43,7 @@ def mixture_of_copies(
     copies predict; no return counts where some copy predicts none.
 
     Args:
-        measured: the scans, arrays (r, N).
+        measured: the scans, arrays (r, N); fastest where scans that return on the same beams are neighbours.
         own: (N,) index of the pose that gives each scan, which is compared with it in any case.
         least: (N,) log weight below which copies are left out; -inf: none are.
         first_pose: index of the first of the poses.
@@ -48,56 +57,93 @@ def mixture_of_copies(
     scans, copies, most = measured.ranges.shape[1], predicted.shape[1], 0
     for pose in range(len(start) - 1):
         most = max(most, start[pose + 1] - start[pose])
-    tables = empty_tables(most, copies)
-    intervals = np.zeros((most, 4))
-    of_pose, of_cluster = np.zeros((most, 4, scans)), np.zeros((most, 4, scans))
-    bits, product, sums = np.zeros(scans, dtype=np.int64), np.ones(scans), np.zeros(scans)
-    rests, limits, some = np.zeros(scans), np.zeros(scans), np.zeros(scans, dtype=np.intp)
-    totals = np.zeros(scans)
+    tables, scratch = empty_tables(most, copies), _scratch(scans, most, cluster)
+    windows = np.zeros((len(measured.ranges), 2), dtype=np.intp)
+    rests, totals, some = np.zeros(scans), np.zeros(scans), np.zeros(_whole_registers(scans), dtype=np.uint64)
     for beam in range(len(measured.ranges)):
         totals += measured.log_none[beam]
+        write_window(measured.ranges[beam], windows[beam])
     for pose in range(len(start) - 1):
-        rows = start[pose + 1] - start[pose]
         seen, ranges = beams[start[pose] : start[pose + 1]], predicted[start[pose] : start[pose + 1]]
-        for row in range(rows):
-            tabulate(ranges[row], mixture, tables[0][row], tables[1][row], tables[2][row], tables[3][row])
         rests[:] = totals
-        write_intervals(ranges, order, intervals)
-        _bound_all(measured, seen, intervals, mixture, product, bits, rests, sums)
+        write_intervals(ranges, order, scratch.intervals)
+        _bound_all(measured, windows, seen, mixture, scratch, rests)
         n = 0
         for i in range(scans):  # without a branch, which a processor could not predict
             some[n] = i
-            n += (mixture.temper * (rests[i] + sums[i]) >= least[i]) | (own[i] == first_pose + pose)
+            n += (mixture.temper * (rests[i] + scratch.sums[i]) >= least[i]) | (own[i] == first_pose + pose)
         out[pose] = -np.inf
         if n == 0:
             continue
-        for row in range(rows):
-            _pick(measured.ranges[seen[row]], some[:n], of_pose[row, 0])
-            _pick(measured.base[seen[row]], some[:n], of_pose[row, 1])
-            _pick(measured.decay[seen[row]], some[:n], of_pose[row, 2])
-            _pick(measured.none[seen[row]], some[:n], of_pose[row, 3])
-        for i in range(n):  # what the log-likelihood on the beams of the pose must reach
-            limits[i] = least[some[i]] / mixture.temper - rests[some[i]]
-            limits[i] = -np.inf if own[some[i]] == first_pose + pose else limits[i]
-        _sum_over_copies(
-            of_pose, of_cluster, ranges, order, cluster, limits[:n], tables, intervals, mixture, product, bits, sums
-        )
+        for row in range(len(seen)):
+            tabulate(ranges[row], mixture, tables[0][row], tables[1][row], tables[2][row], tables[3][row])
+        limits = np.full(n, -np.inf)  # what the log-likelihood on the beams of the pose must reach
+        for i in range(n):
+            if own[some[i]] != first_pose + pose:
+                limits[i] = least[some[i]] / mixture.temper - rests[some[i]]
+        sums = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
         for i in range(n):
             out[pose, some[i]] = sums[i] + mixture.temper * rests[some[i]]
 
 
+class _Scratch(NamedTuple):
+    """Numbers in use, for at most N scans, rounded up to whole vector registers, on r beams under c copies.
+
+    Attributes:
+        product, bits, logs: (c N,).
+        sums, few: (N,).
+        of_pose, of_cluster: (4 r N,).
+        intervals: (r, 4).
+        windows, fewer: (r, 2).
+    """
+
+    product: Floats
+    bits: NDArray[np.int64]
+    logs: Floats
+    sums: Floats
+    few: NDArray[np.uint64]
+    of_pose: Floats
+    of_cluster: Floats
+    intervals: Floats
+    windows: NDArray[np.intp]
+    fewer: NDArray[np.intp]
+
+
 @kernel
+def _scratch(scans: int, rows: int, copies: int) -> _Scratch:
+    size = _whole_registers(scans)
+    return _Scratch(
+        np.ones(copies * size),
+        np.zeros(copies * size, dtype=np.int64),
+        np.zeros(copies * size),
+        np.zeros(size),
+        np.zeros(size, dtype=np.uint64),
+        np.zeros(4 * rows * size),
+        np.zeros(4 * rows * size),
+        np.zeros((rows, 4)),
+        np.zeros((rows, 2), dtype=np.intp),
+        np.zeros((rows, 2), dtype=np.intp),
+    )
+
+
+@frugal_kernel
+def _whole_registers(numbers: int) -> int:
+    """Smallest multiple of the numbers in a vector register that is at least `numbers`."""
+    return (numbers + REGISTER - 1) // REGISTER * REGISTER
+
+
+@frugal_kernel
 def _bound_all(
     measured: MeasuredScans,
+    windows: NDArray[np.intp],
     beams: Ints,
-    intervals: Floats,
     mixture: Mixture,
-    product: Floats,
-    bits: NDArray[np.int64],
+    scratch: _Scratch,
     rests: Floats,
-    sums: Floats,
 ) -> None:
-    """Write upper bounds of the log-likelihood of all scans on some beams to `sums`; take these beams off `rests`."""
+    """Write upper bounds of the log-likelihood of all scans on some beams to the sums; take these beams off `rests`."""
+    n, bits = len(rests), scratch.bits
+    product, sums = scratch.product[:n], scratch.sums[:n]
     sums[:] = 0.0
     factors = 0
     for row in range(len(beams)):
@@ -108,9 +154,11 @@ def _bound_all(
             measured.base[beam],
             measured.decay[beam],
             measured.none[beam],
-            intervals[row],
+            windows[beam],
+            scratch.intervals[row],
             mixture,
             product,
+            bits,
         )
         factors += 1
         if factors == mixture.factors:
@@ -121,70 +169,98 @@ def _bound_all(
 
 @kernel
 def _sum_over_copies(
-    of_pose: Floats,
-    of_cluster: Floats,
+    measured: MeasuredScans,
+    some: NDArray[np.uint64],
+    beams: Ints,
     ranges: Floats,
+    limits: Floats,
     order: NDArray[np.intp],
     cluster: int,
-    limits: Floats,
     tables: tuple[Floats, Floats, Floats, Floats],
-    intervals: Floats,
     mixture: Mixture,
-    product: Floats,
-    bits: NDArray[np.int64],
-    sums: Floats,
-) -> None:
-    """Write the logarithm of the sum of weights over the copies of a pose, (n,).
+    scratch: _Scratch,
+) -> Floats:
+    """Logarithm of the sum of weights over the copies of a pose, for the first scans of `some`, as many as `limits`.
 
     The weights are those of the beams (rows,) of the pose; clusters whose log-likelihood stays below `limits` (n,) are
     left out.
     """
-    rows, n, copies = len(ranges), len(limits), len(order)
-    few, every, bounds = np.zeros(n, dtype=np.intp), np.arange(n), np.zeros(n)
-    parts = np.full((copies // cluster, n), -np.inf)
-    for c in range(0, copies, cluster):
-        members = order[c : c + cluster]
+    rows, n, size, few = len(beams), len(limits), _whole_registers(len(limits)), scratch.few
+    numbers, sums, intervals = (
+        scratch.of_pose[: 4 * rows * size].reshape(rows, 4, size),
+        scratch.sums,
+        scratch.intervals,
+    )
+    for row in range(rows):
+        _pick(measured.ranges[beams[row]], some[:size], numbers[row, 0])
+        _pick(measured.base[beams[row]], some[:size], numbers[row, 1])
+        _pick(measured.decay[beams[row]], some[:size], numbers[row, 2])
+        _pick(measured.none[beams[row]], some[:size], numbers[row, 3])
+        write_window(numbers[row, 0], scratch.windows[row])
+    parts = np.full((len(order) // cluster, size), -np.inf)
+    for c in range(len(parts)):
+        members = order[c * cluster : (c + 1) * cluster]
         write_intervals(ranges, members, intervals)
-        likelihood_bound(of_pose, rows, intervals, mixture, product[:n], bits, bounds)
+        likelihood_bound(
+            numbers, scratch.windows, intervals, mixture, scratch.product[:size], scratch.bits, sums[:size]
+        )
         m = 0
         for i in range(n):
             few[m] = i
-            m += bounds[i] >= limits[i]
-        whole = m > _SHARE_WORTH_GATHERING * n
-        m = n if whole else m
-        if m == 0:
-            continue
-        if not whole:
-            _gather(of_pose, few[:m], intervals, rows, of_cluster)
-        numbers, which = (of_pose, every) if whole else (of_cluster, few)
-        logs = np.zeros((cluster, m))
-        for index in range(cluster):
-            log = logs[index]
-            likelihood(numbers, rows, tables, members[index], mixture, product[:m], bits, log)
+            m += sums[i] >= limits[i]
+        if m > _SHARE_WORTH_GATHERING * n:
+            _sum_over_cluster(numbers, scratch.windows, members, tables, mixture, scratch, parts[c])
+        elif m > 0:
+            fit = _whole_registers(m)
+            few[m:fit] = few[0]
+            fewer = scratch.of_cluster[: 4 * rows * fit].reshape(rows, 4, fit)
+            _gather(numbers, few[:fit], intervals, fewer, scratch.fewer)
+            _sum_over_cluster(fewer, scratch.fewer, members, tables, mixture, scratch, sums[:fit])
             for i in range(m):
-                log[i] *= mixture.temper
-        log_sums_of_exp(logs, sums[:m], bits)
-        part = parts[c // cluster]
-        for i in range(m):
-            part[which[i]] = sums[i]
-    log_sums_of_exp(parts, sums[:n], bits)
+                parts[c, few[i]] = sums[i]
+    total = np.zeros(size)
+    log_sums_of_exp(parts, total, scratch.bits)
+    return total
 
 
 @kernel
-def _pick(source: Floats, which: NDArray[np.intp], target: Floats) -> None:
+def _sum_over_cluster(
+    numbers: Floats,
+    windows: NDArray[np.intp],
+    members: NDArray[np.intp],
+    tables: tuple[Floats, Floats, Floats, Floats],
+    mixture: Mixture,
+    scratch: _Scratch,
+    sums: Floats,
+) -> None:
+    """Write the logarithm of the sum of the weights of n scans over some copies of a pose, to `sums` (n,)."""
+    used = len(members) * len(sums)
+    product, logs = scratch.product[:used], scratch.logs[:used]
+    likelihoods(numbers, windows, members, tables, mixture, product, scratch.bits, logs)
+    for i in range(used):
+        logs[i] *= mixture.temper
+    log_sums_of_exp(logs.reshape(len(members), len(sums)), sums, scratch.bits)
+
+
+@frugal_kernel
+def _pick(source: Floats, which: NDArray[np.uint64], target: Floats) -> None:
     for i in range(len(which)):
         target[i] = source[which[i]]
 
 
-@kernel
+@frugal_kernel
 def _subtract(values: Floats, out: Floats) -> None:
     for i in range(len(out)):
         out[i] -= values[i]
 
 
-@kernel
-def _gather(numbers: Floats, which: NDArray[np.intp], intervals: Floats, rows: int, out: Floats) -> None:
+@frugal_kernel
+def _gather(
+    numbers: Floats, which: NDArray[np.uint64], intervals: Floats, out: Floats, windows: NDArray[np.intp]
+) -> None:
     """Copy the numbers of some scans; what counts where no return is predicted only where that is needed."""
-    for row in range(rows):
+    for row in range(len(numbers)):
         for k in range(0 if intervals[row, 0] < np.inf else 3, 4 if intervals[row, 2] > 0.0 else 3):
             _pick(numbers[row, k], which, out[row, k])
+        if intervals[row, 0] < np.inf:
+            write_window(out[row, 0], windows[row])

@@ -6,12 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.jit import kernel, sum_kernel
-from voa_core.mixture import Mixture, flush
-from voa_core.vector_math import bound_of_exp, exp_of_negative
+from voa_core.jit import frugal_kernel
+from voa_core.mixture import FAR_M, Mixture, flush
+from voa_core.vector_math import HALVING_WIDTH, bound_of_half_to_the, half_to_the
+
+REGISTER = 4
+"""Numbers that a vector register holds; loops over a multiple of them are the fastest."""
 
 
-@kernel
+@frugal_kernel
 def write_intervals(predicted: Floats, members: NDArray[np.intp], out: Floats) -> None:
     """Write the interval of the ranges (rows, J) that some copies predict on each beam, and 1 if some predicts none."""
     for row in range(len(predicted)):
@@ -26,23 +29,47 @@ def write_intervals(predicted: Floats, members: NDArray[np.intp], out: Floats) -
         out[row, 0], out[row, 1], out[row, 2] = low, high, none
 
 
-@kernel
+@frugal_kernel
+def write_window(ranges: Floats, out: NDArray[np.intp]) -> None:
+    """Write the bounds of the indices (2,) between which all returns among the ranges (n,) of scans lie.
+
+    The indices between them fill whole vector registers where n does: loops over what is left would be slow.
+    """
+    first, last = 0, len(ranges)
+    while first < last and ranges[first] >= FAR_M:
+        first += 1
+    while last > first and ranges[last - 1] >= FAR_M:
+        last -= 1
+    out[0] = first // REGISTER * REGISTER
+    out[1] = min((last + REGISTER - 1) // REGISTER * REGISTER, len(ranges))
+
+
+@frugal_kernel
 def likelihood_bound(
     numbers: Floats,
-    rows: int,
+    windows: NDArray[np.intp],
     intervals: Floats,
     mixture: Mixture,
     product: Floats,
     bits: NDArray[np.int64],
     out: Floats,
 ) -> None:
-    """Upper bounds (n,) of the log-likelihood of n scans on the beams of a pose, under some of its copies."""
-    n = len(out)
+    """Upper bounds (n,) of the log-likelihood of n scans on the beams of a pose, under some of its copies.
+
+    Args:
+        numbers: (rows, 4, n) the first four of `MeasuredScans` on each beam of the pose.
+        windows: (rows, 2) of the scans that return, see `write_window`.
+        intervals: (rows, 4) see `write_intervals`.
+        mixture: of the rule.
+        product: (n,) ones, in use.
+        bits: (n,) scratch.
+        out: (n,) written.
+    """
     out[:] = 0.0
     factors = 0
-    for row in range(rows):
+    for row in range(len(numbers)):
         own = numbers[row]
-        multiply_largest(own[0, :n], own[1, :n], own[2, :n], own[3, :n], intervals[row], mixture, product)
+        multiply_largest(own[0], own[1], own[2], own[3], windows[row], intervals[row], mixture, product, bits)
         factors += 1
         if factors == mixture.factors:
             flush(product, bits, out)
@@ -50,23 +77,44 @@ def likelihood_bound(
     flush(product, bits, out)
 
 
-@kernel
+@frugal_kernel
 def multiply_largest(
-    z: Floats, base: Floats, decay: Floats, none: Floats, interval: Floats, mixture: Mixture, product: Floats
+    z: Floats,
+    base: Floats,
+    decay: Floats,
+    none: Floats,
+    window: NDArray[np.intp],
+    interval: Floats,
+    mixture: Mixture,
+    product: Floats,
+    bits: NDArray[np.int64],
 ) -> None:
-    """Multiply `product` (n,) by upper bounds of the densities of one beam of n scans under some copies of a pose."""
+    """Multiply `product` (n,) by upper bounds of the densities of one beam of n scans under some copies of a pose.
+
+    Scans outside the window do not return, and need no exponential.
+    """
     low, high = interval[0], interval[1]
     if low == np.inf:
         _multiply(none, product)
         return
     near, far = min(max(low, 1e-9), mixture.range_max), min(max(high, 1e-9), mixture.range_max)
-    inverse = 1.0 / max(mixture.sigma_m, mixture.noise_ratio * far)
+    inverse = HALVING_WIDTH / max(mixture.sigma_m, mixture.noise_ratio * far)
     peak = mixture.hit_peak / max(mixture.sigma_m, mixture.noise_ratio * near)
     short = mixture.short / -math.expm1(-mixture.decay_per_m * near)
-    _multiply_bounds(z, base, decay, none, low, high, inverse, peak, short, interval[2], product)
+    a, b, some = window[0], window[1], interval[2]
+    _multiply_silent_bounds(base[:a], none[:a], some, product[:a])
+    own = z[a:b], base[a:b], decay[a:b], none[a:b]
+    _multiply_bounds(*own, low, high, inverse, peak, short, some, product[a:b], bits)
+    _multiply_silent_bounds(base[b:], none[b:], some, product[b:])
 
 
-@sum_kernel
+@frugal_kernel
+def _multiply_silent_bounds(base: Floats, none: Floats, may_be_none: float, product: Floats) -> None:
+    for i in range(len(product)):
+        product[i] *= max(base[i], may_be_none * none[i])
+
+
+@frugal_kernel
 def _multiply_bounds(
     z: Floats,
     base: Floats,
@@ -79,37 +127,56 @@ def _multiply_bounds(
     short: float,
     may_be_none: float,
     product: Floats,
+    bits: NDArray[np.int64],
 ) -> None:
+    numbers = bits.view(np.float64)
     for i in range(len(product)):
         off = (z[i] - min(max(z[i], low), high)) * inverse
         before = short * decay[i]
-        density = base[i] + peak * bound_of_exp(-0.5 * off * off) + (before if z[i] <= high else 0.0)
+        hit = bound_of_half_to_the(off * off, numbers, bits, i)
+        density = base[i] + peak * hit + (before if z[i] <= high else 0.0)
         product[i] *= max(density, may_be_none * none[i])
 
 
-@kernel
-def likelihood(
+@frugal_kernel
+def likelihoods(
     numbers: Floats,
-    rows: int,
+    windows: NDArray[np.intp],
+    members: NDArray[np.intp],
     tables: tuple[Floats, Floats, Floats, Floats],
-    copy: int,
     mixture: Mixture,
     product: Floats,
     bits: NDArray[np.int64],
     out: Floats,
 ) -> None:
-    """Log-likelihood (n,) of n scans on the beams of a pose, under one of its copies."""
-    n = len(out)
+    """Log-likelihoods of n scans on the beams of a pose, under each of k of its copies.
+
+    Args:
+        numbers, windows, mixture: as in `likelihood_bound`.
+        members: (k,) indices of the copies.
+        tables: four numbers of each beam and copy, see `mixture.tabulate`.
+        product: (k n,) ones, in use.
+        bits: (k n,) scratch.
+        out: (k n,) written, one copy after the other.
+    """
+    n = numbers.shape[2]
     means, inverses, peaks, shorts = tables
     out[:] = 0.0
     factors = 0
-    for row in range(rows):
-        own, inverse = numbers[row], inverses[row, copy]
-        if inverse == 0.0:
-            _multiply(own[3, :n], product)
-        else:
-            mean, peak, short = means[row, copy], peaks[row, copy], shorts[row, copy]
-            _multiply_scans(own[0, :n], own[1, :n], own[2, :n], mean, inverse, peak, short, product)
+    for row in range(len(numbers)):
+        z, base, decay, none = numbers[row, 0], numbers[row, 1], numbers[row, 2], numbers[row, 3]
+        a, b = windows[row, 0], windows[row, 1]
+        for index in range(len(members)):
+            copy, own = members[index], product[index * n : (index + 1) * n]
+            mean, inverse = means[row, copy], inverses[row, copy]
+            if inverse == 0.0:
+                _multiply(none, own)
+            else:
+                _multiply(base[:a], own[:a])
+                _multiply_scans(
+                    z[a:b], base[a:b], decay[a:b], mean, inverse, peaks[row, copy], shorts[row, copy], own[a:b], bits
+                )
+                _multiply(base[b:], own[b:])
         factors += 1
         if factors == mixture.factors:
             flush(product, bits, out)
@@ -117,18 +184,28 @@ def likelihood(
     flush(product, bits, out)
 
 
-@sum_kernel
+@frugal_kernel
 def _multiply(values: Floats, product: Floats) -> None:
     for i in range(len(product)):
         product[i] *= values[i]
 
 
-@sum_kernel
+@frugal_kernel
 def _multiply_scans(
-    z: Floats, base: Floats, decay: Floats, mean: float, inverse: float, peak: float, short: float, product: Floats
+    z: Floats,
+    base: Floats,
+    decay: Floats,
+    mean: float,
+    inverse: float,
+    peak: float,
+    short: float,
+    product: Floats,
+    bits: NDArray[np.int64],
 ) -> None:
     """Multiply `product` (n,) by the densities of one beam of n scans under a predicted return."""
+    numbers = bits.view(np.float64)
     for i in range(len(product)):
         off = (z[i] - mean) * inverse
         before = short * decay[i]
-        product[i] *= base[i] + peak * exp_of_negative(-0.5 * off * off) + (before if z[i] <= mean else 0.0)
+        density = base[i] + peak * half_to_the(off * off, numbers, bits, i)
+        product[i] *= density + (before if z[i] <= mean else 0.0)

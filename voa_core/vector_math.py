@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.jit import sum_kernel
+from voa_core.jit import frugal_kernel, sum_kernel
 
 LOWEST = -40.0
 """Exponent below which `exp_of_negative` falls no further: e^-40 is 4.2e-18."""
@@ -25,7 +25,23 @@ _EXP = (
     1.8195437500000008e-05,
     2.022100000000001e-06,
 )
-_BOUND = (0.7316196289466417, 0.7315974061946907, 0.365804779553189, 0.12268190872762266, 0.030608240718068558)
+# 2^-t as a polynomial in t for |t| <= 1/2, of the least largest relative error (7.8e-13), and one from above (1.6e-4).
+_HALVES = (
+    0.999999999999764,
+    -0.6931471805465075,
+    0.24022650698873377,
+    -0.05550410939355957,
+    0.009618128544002146,
+    -0.001333345205263195,
+    0.00015403851076051245,
+    -1.5309739497482155e-05,
+    1.3175988780034231e-06,
+)
+_HALVES_BOUND = (1.000008067243192, -0.693316447081855, 0.24263054027328204, -0.055176083093079344)
+_MOST_HALVINGS = -LOWEST * math.log2(math.e)
+_TO_WHOLE = 1.5 * 2.0**52  # a float64 that is added to this is rounded, and its whole part fills the lowest bits
+HALVING_WIDTH = math.sqrt(0.5 * math.log2(math.e))
+"""Factor h with which 2^-(h x)^2 = exp(-x^2 / 2)."""
 
 _EXPONENT_BITS, _BIAS = 52, 1023
 _MANTISSA, _ONE = (1 << 52) - 1, 1023 << 52
@@ -55,21 +71,48 @@ def exp_of_negative(x: float) -> float:
     return p * p
 
 
-@sum_kernel
-def bound_of_exp(x: float) -> float:
-    """Upper bound of exp(x) for x <= 0, at most 0.1 % above it, with fewer operations; e^-40 for all x below -40."""
-    t = max(x, LOWEST) * _SHARE + _MIDDLE
-    p = _BOUND[4]
-    p = p * t + _BOUND[3]
-    p = p * t + _BOUND[2]
-    p = p * t + _BOUND[1]
-    p = p * t + _BOUND[0]
-    p = p * p
-    p = p * p
-    p = p * p
-    p = p * p
-    p = p * p
-    return p * p
+@frugal_kernel
+def half_to_the(power: float, numbers: Floats, bits: NDArray[np.int64], i: int) -> float:
+    """2^-power for a power of at least 0 within 1e-12 of it, without branches; e^-40 for all larger powers.
+
+    Args:
+        power: at least 0.
+        numbers: (n,) scratch: compiled loops over `i` keep it in vector registers.
+        bits: the same memory as `numbers`, seen as integers.
+        i: index of the number that is used up.
+    """
+    power = min(power, _MOST_HALVINGS)
+    numbers[i] = power + _TO_WHOLE
+    halvings = bits[i] << _EXPONENT_BITS
+    t = power - (numbers[i] - _TO_WHOLE)
+    p = _HALVES[8]
+    p = p * t + _HALVES[7]
+    p = p * t + _HALVES[6]
+    p = p * t + _HALVES[5]
+    p = p * t + _HALVES[4]
+    p = p * t + _HALVES[3]
+    p = p * t + _HALVES[2]
+    p = p * t + _HALVES[1]
+    numbers[i] = p * t + _HALVES[0]
+    bits[i] = bits[i] - halvings
+    halved: float = numbers[i]
+    return halved
+
+
+@frugal_kernel
+def bound_of_half_to_the(power: float, numbers: Floats, bits: NDArray[np.int64], i: int) -> float:
+    """Upper bound of `half_to_the`, at most 0.02 % above it, with fewer operations; its arguments are the same."""
+    power = min(power, _MOST_HALVINGS)
+    numbers[i] = power + _TO_WHOLE
+    halvings = bits[i] << _EXPONENT_BITS
+    t = power - (numbers[i] - _TO_WHOLE)
+    p = _HALVES_BOUND[3]
+    p = p * t + _HALVES_BOUND[2]
+    p = p * t + _HALVES_BOUND[1]
+    numbers[i] = p * t + _HALVES_BOUND[0]
+    bits[i] = bits[i] - halvings
+    halved: float = numbers[i]
+    return halved
 
 
 @sum_kernel

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.displaced_scans import DisplacedScans
-from voa_core.mixture import Mixture, measured_scans, mixture_of_pairs
+from voa_core.mixture import FAR_M, MeasuredScans, Mixture, measured_scans, mixture_of_pairs
 from voa_core.mixture_kernels import mixture_of_copies
 from voa_core.scans import NO_RETURN
 
@@ -47,14 +47,16 @@ class MixtureComparison:
 
     def log_means(self, own: NDArray[np.intp], least: Floats, check: Callable[[], None]) -> Floats:
         """Logarithms of the mean weight over the copies of each pose after each scan, (k, N); -inf where left out."""
-        copies, measured = self._copies, self._measured.by_beam()
+        copies, order = self._copies, self._neighbours_together()
+        measured = MeasuredScans(*(numbers[order] for numbers in self._measured)).by_beam()
+        own, least = own[order], least[order] - self._constant
         means = np.zeros((len(copies), len(own)))
         for first in range(0, len(means), _POSES_AT_ONCE):
             check()
             mixture_of_copies(
                 measured,
                 own,
-                least - self._constant,
+                least,
                 first,
                 copies.start[first : first + _POSES_AT_ONCE + 1],
                 copies.beams,
@@ -64,5 +66,11 @@ class MixtureComparison:
                 self._mixture,
                 means[first : first + _POSES_AT_ONCE],
             )
-        means += self._constant - np.log(copies.copies)
+        means[:, order] = means + (self._constant - np.log(copies.copies))
         return means
+
+    def _neighbours_together(self) -> NDArray[np.intp]:
+        """Order (N,) of the scans by the beam in the middle of their returns, so that neighbours return alike."""
+        returned = self._measured.ranges < FAR_M
+        middle = returned @ np.arange(returned.shape[1]) / np.maximum(returned.sum(axis=1), 1)
+        return np.argsort(middle, kind="stable")
