@@ -62,10 +62,10 @@ def _against_echo(place: Path) -> list[Result]:
         body = json.dumps(scan)
         rounds: list[tuple[float, float, float, float]] = []
         for _ in range(_ROUNDS):
-            numerics, store = spans.read()
+            before = spans.read()
             whole = _cpu_per_request(ours.pid, lambda: _raw(http, path, body))
-            taken = [(now - before) / _REQUESTS for now, before in zip(spans.read(), (numerics, store), strict=True)]
-            rounds.append((whole, *taken, _cpu_per_request(echo.pid, lambda: _raw(peer, "/scans", body))))
+            numerics, store = ((now - then) / _REQUESTS for now, then in zip(spans.read(), before, strict=True))
+            rounds.append((whole, numerics, store, _cpu_per_request(echo.pid, lambda: _raw(peer, "/scans", body))))
     numerics, store, theirs = (median(each) for each in list(zip(*rounds, strict=True))[1:])
     mine = median(whole - inside - stored for whole, inside, stored, _ in rounds)
     of_scan = "scan update over HTTP, 500 poses"

@@ -12,6 +12,7 @@ A request passes the parts in this order:
 | `middleware`     | request ids and the access log, limits on bodies, the version of the messages      |
 | `access`         | refuses unknown host names, and calls from web pages of other sites                |
 | `authentication` | admits requests by their keys, from the headers alone, and records writes          |
+| `direct`         | calls the operations of plain requests without FastAPI's routing and solving       |
 | `calls`          | refuses unknown query parameters, and reads the body of a request into its message |
 | `routes/`        | the operations: each hands its work to a queue and its result to a response        |
 | `headers`        | the headers `ETag`, `If-Match` and `Idempotency-Key`                               |

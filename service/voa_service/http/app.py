@@ -3,6 +3,7 @@
 from importlib.metadata import version
 
 from fastapi import FastAPI
+from fastapi.routing import APIRoute
 from fastapi_offline import FastAPIOffline
 
 from voa_connections.in_flight import ByteBudget, BytesInFlight
@@ -11,6 +12,7 @@ from voa_service.console import ConsolePort, no_console
 from voa_service.http import openapi, problems
 from voa_service.http.access import Access
 from voa_service.http.authentication import Authentication
+from voa_service.http.direct import Direct
 from voa_service.http.middleware import BodyLimit, RequestLog, WireVersion
 from voa_service.http.refusals import refusal_response
 from voa_service.http.routes import (
@@ -53,7 +55,7 @@ def create_app(services: Services, budget: ByteBudget | None = None, console: Co
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    for module in (
+    modules = (
         objects,
         scenarios,
         sessions,
@@ -65,8 +67,12 @@ def create_app(services: Services, budget: ByteBudget | None = None, console: Co
         robots,
         caller,
         health,
-    ):
-        app.include_router(module.routes(services))
+    )
+    routers = [module.routes(services) for module in modules]
+    for router in routers:
+        app.include_router(router)
+    described = [route for router in routers for route in router.routes if isinstance(route, APIRoute)]
+    app.router.middleware_stack = Direct(app.router.middleware_stack, described, services.reader)
     root.install(app, console)
     problems.install(app)
     openapi.install(app, services.limits, lambda: services.gate.keyring.is_closed)
