@@ -9,5 +9,5 @@
 | `in_flight`  | ASGI middleware that bounds the bytes of request bodies in memory                   |
 | `refusals`   | the reasons for which a connection or a request is refused or ended                 |
 | `responses`  | the responses of refusals; the server's application says how its problems look      |
-| `asgi`       | the types of ASGI                                                                   |
+| `asgi`       | the types of ASGI, and the headers of its requests and responses                    |
 """

@@ -9,8 +9,8 @@ import argparse
 import mmap
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import wraps
 from pathlib import Path
 from struct import pack_into, unpack_from
@@ -45,50 +45,32 @@ class Spans:
         numerics, store = unpack_from(_LAYOUT, self._sums)
         return numerics, store
 
-    @contextmanager
-    def span(self, kind: int) -> Iterator[None]:
-        """Add the CPU time of a `with` block to a sum: 0 of numerics, 1 of the store; within another span: nothing."""
+    def within(self, kind: int, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+        """Call a function, and add its CPU time to a sum, 0 of numerics or 1 of the store, unless a span lasts."""
         if self._inside:
-            yield
-            return
+            return function(*arguments, **named)
         self._inside, began = True, time.process_time()
         try:
-            yield
+            return function(*arguments, **named)
         finally:
-            sums = list(self.read())
-            sums[kind] += time.process_time() - began
-            pack_into(_LAYOUT, self._sums, 0, *sums)
+            spent = time.process_time() - began
+            pack_into("d", self._sums, 8 * kind, self.read()[kind] + spent)
             self._inside = False
 
-    def around(self, kind: int, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Make a function that calls another within a span."""
 
-        @wraps(function)
-        def spanned(*arguments: Any, **named: Any) -> Any:
-            with self.span(kind):
-                return function(*arguments, **named)
+class Transaction:
+    """A context manager whose entry and exit, and not what is done between, are spans of the store."""
 
-        return spanned
+    def __init__(self, spans: Spans, manager: AbstractContextManager[Any]) -> None:
+        self._spans, self._manager = spans, manager
 
-    def around_transaction(self, change: Callable[..., Any]) -> Callable[..., Any]:
-        """Make a context manager whose entry and exit, and not what is done between, are spans of the store."""
+    def __enter__(self) -> Any:
+        """Begin the transaction."""
+        return self._spans.within(1, self._manager.__enter__)
 
-        @contextmanager
-        @wraps(change)
-        def spanned(*arguments: Any, **named: Any) -> Iterator[Any]:
-            manager = change(*arguments, **named)
-            with self.span(1):
-                entered = manager.__enter__()
-            try:
-                yield entered
-            except BaseException as error:
-                if not manager.__exit__(type(error), error, error.__traceback__):
-                    raise
-            else:
-                with self.span(1):
-                    manager.__exit__(None, None, None)
-
-        return spanned
+    def __exit__(self, *error: Any) -> Any:
+        """End the transaction: commit it, or undo it after an error."""
+        return self._spans.within(1, self._manager.__exit__, *error)
 
 
 def put_spans(spans: Spans) -> None:
@@ -96,15 +78,26 @@ def put_spans(spans: Spans) -> None:
     for owner, name in (
         (updates, "scan_observation"),
         (updates, "next_version"),
-        (estimates, "best_grasp"),
+        (estimates, "belief_summary"),
         (LookedFrom, "prepared"),
         (LookedFrom, "updated"),
         (LookedFrom, "keep"),
     ):
-        setattr(owner, name, spans.around(0, getattr(owner, name)))
+        setattr(owner, name, _around(spans, 0, getattr(owner, name)))
     for name in ("get_session", "get_response"):
-        setattr(SqlStore, name, spans.around(1, getattr(SqlStore, name)))
-    setattr(SqlStore, "change", spans.around_transaction(SqlStore.change))  # noqa: B010 - mypy allows no other way
+        setattr(SqlStore, name, _around(spans, 1, getattr(SqlStore, name)))
+    change: Callable[..., AbstractContextManager[Any]] = SqlStore.change
+    setattr(SqlStore, "change", lambda *given: Transaction(spans, change(*given)))  # noqa: B010 - mypy allows no other
+
+
+def _around(spans: Spans, kind: int, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function that calls another within a span."""
+
+    @wraps(function)
+    def spanned(*arguments: Any, **named: Any) -> Any:
+        return spans.within(kind, function, *arguments, **named)
+
+    return spanned
 
 
 if __name__ == "__main__":

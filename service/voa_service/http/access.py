@@ -2,9 +2,7 @@
 
 import ipaddress
 
-from starlette.datastructures import Headers
-
-from voa_connections.asgi import Asgi, Receive, Scope, Send
+from voa_connections.asgi import Asgi, Receive, Scope, Send, header
 from voa_service.failures import Failure, Forbidden, MisdirectedRequest
 from voa_service.http.problems import problem_response
 
@@ -34,9 +32,8 @@ class Access:
         await (self._app if refusal is None else problem_response(refusal))(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> Failure | None:
-        headers = Headers(scope=scope)
         path: str = scope["path"]
-        host = headers.get("host", "")
+        host = header(scope, b"host") or ""
         if path not in HEALTH and self._names is not None and not _is_ours(host, self._names):
             known = ", ".join(sorted(self._names | {"localhost", "127.0.0.1"}))
             return MisdirectedRequest(
@@ -44,7 +41,7 @@ class Access:
                 "or start it with this name in VOA_HOSTS",
             )
         is_call = scope["method"] not in _READS or path.startswith("/v1/")
-        if is_call and headers.get("sec-fetch-site", "").strip().lower() == "cross-site":
+        if is_call and (header(scope, b"sec-fetch-site") or "").strip().lower() == "cross-site":
             return Forbidden(
                 "the request comes from a web page of another site: serve the page from the service's own origin"
             )
@@ -64,7 +61,7 @@ def _is_ours(host: str, names: frozenset[str]) -> bool:
 
 
 def _is_loopback(name: str) -> bool:
-    if name == "localhost":
+    if name in ("127.0.0.1", "localhost"):
         return True
     try:
         return ipaddress.ip_address(name).is_loopback

@@ -54,6 +54,7 @@ def create_app(services: Services, budget: ByteBudget | None = None, console: Co
         description=_DESCRIPTION,
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
+        telemetry={"tracing": False, "metrics": False, "logs": False},
     )
     modules = (
         objects,

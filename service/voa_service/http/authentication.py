@@ -9,7 +9,7 @@ import structlog
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 
-from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send, header
 from voa_service.access.audit import record_write
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.gate import Gate
@@ -45,7 +45,7 @@ class Authentication:
         matched = self._routes.match(scope["method"], scope["path"])
         caller: Caller | None = None
         try:
-            caller = self._gate.identify(key_of(Headers(scope=scope)), matched.call, origin_of(scope))
+            caller = self._gate.identify(key_of(header(scope, b"authorization")), matched.call, origin_of(scope))
             if caller.key is not None:
                 structlog.contextvars.bind_contextvars(caller=caller.name)
             self._gate.admit(caller, matched.call, matched.subject)
@@ -69,9 +69,8 @@ class Authentication:
         await self._app(scope, receive, send_recorded)
 
 
-def key_of(headers: Headers) -> str | None:
-    """Return the key in the header `Authorization`; None: there is no such header, "": it has another form."""
-    given = headers.get("authorization")
+def key_of(given: str | None) -> str | None:
+    """Return the key in a header `Authorization`; None: there is no such header, "": it has another form."""
     if given is None:
         return None
     scheme, _, key = given.partition(" ")

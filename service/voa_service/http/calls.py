@@ -6,8 +6,9 @@ from typing import Any, get_args, get_origin
 from fastapi import Request, Response, params
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
-from starlette.datastructures import Headers, QueryParams
+from starlette.datastructures import QueryParams
 
+from voa_connections.asgi import Scope, header
 from voa_msgs.reading import models_of
 from voa_service.failures import Failure, InvalidRequest, UnsupportedMediaType
 from voa_service.http.problems import RefusedBody
@@ -63,7 +64,7 @@ def strict_route(reader: Reader) -> type[APIRoute]:
 
             async def strict(request: Request) -> Response:
                 check_query(request.query_params, parameters)
-                check_type(request.headers, _FORM if is_form else _JSON)
+                check_type(request.scope, _FORM if is_form else _JSON)
                 if kinds:
                     request = _MessageRequest(request, reader, kinds[0], keeps_body, optional)
                 return await handle(request)
@@ -98,19 +99,19 @@ def check_query(given: QueryParams, known: dict[str, bool]) -> None:
         raise InvalidRequest("{field}: {problem}".format(**errors[0]), errors=errors)
 
 
-def check_type(headers: Headers, expected: str) -> None:
+def check_type(scope: Scope, expected: str) -> None:
     """Refuse a body whose declared type is not the expected one; a web page of another site could send such a body.
 
     Args:
-        headers: of the request.
+        scope: of the request.
         expected: media type of the bodies that the route accepts.
 
     Raises:
         Failure: there is a body, and its type is missing or another one.
     """
-    if headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers:
+    if header(scope, b"content-length") in (None, "0") and header(scope, b"transfer-encoding") is None:
         return
-    given = headers.get("content-type", "")
+    given = header(scope, b"content-type") or ""
     if given.partition(";")[0].strip().lower() != expected:
         got = repr(given[:80]) if given else "none"
         raise UnsupportedMediaType(f"expected a body with Content-Type: {expected}, got {got}")

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple, get_args
 from fastapi import Response, params
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
-from starlette.requests import ClientDisconnect, Request
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
 
-from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send, header
 from voa_msgs.reading import models_of
 from voa_service.http.calls import check_type
 from voa_service.requests.bodies import Reader
@@ -36,7 +37,7 @@ class Operation(NamedTuple):
     Attributes:
         route: whose endpoint is called.
         segments: names of the parameters in the path, in its order.
-        headers: fields of FastAPI that check the headers which the operation uses.
+        headers: names of the headers that the operation uses, with the fields of FastAPI that check them.
         read: reads the message in the body; None: there is no body.
         body: name of the parameter that takes the message; None: there is no body.
         needs_body: True if a request without a body is refused.
@@ -45,7 +46,7 @@ class Operation(NamedTuple):
 
     route: APIRoute
     segments: tuple[str, ...]
-    headers: tuple[Any, ...]
+    headers: tuple[tuple[bytes, Any], ...]
     read: ReadBody | None
     body: str | None
     needs_body: bool
@@ -90,10 +91,9 @@ class Direct:
         operation, values = matched
         scope["route"] = operation.route
         scope["path_params"] = values
-        given = Request(scope, receive)
-        check_type(given.headers, _JSON)
+        check_type(scope, _JSON)
         body = b"" if operation.read is None else await _body(receive)
-        arguments = await _arguments(operation, given, body)
+        arguments = await _arguments(operation, scope, body)
         if arguments is None:
             await self._app(scope, receive if operation.read is None else _replayed(body, receive), send)
             return
@@ -120,19 +120,19 @@ class Direct:
         return None if operation is None else (operation, dict(zip(operation.segments, values, strict=True)))
 
 
-async def _arguments(operation: Operation, request: Request, body: bytes) -> dict[str, Any] | None:
+async def _arguments(operation: Operation, scope: Scope, body: bytes) -> dict[str, Any] | None:
     """Return the arguments of an operation but for the request itself; None: FastAPI must say what is wrong with them.
 
     Raises:
         Failure: the body is not a message that the operation takes.
     """
-    arguments = dict(request.path_params)
+    arguments = dict(scope["path_params"])
     if operation.needs_body and not body:
         return None
     if body and operation.read is not None and operation.body is not None:
         arguments[operation.body] = await operation.read(body)
-    for field in operation.headers:
-        given = request.headers.get(field.alias)
+    for name, field in operation.headers:
+        given = header(scope, name)
         if given is not None:
             arguments[field.name], errors = field.validate(given, {}, loc=("header", field.alias))
             if errors:
@@ -158,8 +158,9 @@ def _operation(route: APIRoute, reader: Reader) -> Operation | None:
             return None
         needs_body = type(None) not in get_args(info.annotation)
         read, name = partial(_read, reader, kinds[0], needs_body), needs.body_params[0].name
+    headers = tuple((field.alias.lower().encode(), field) for field in needs.header_params)
     segments = tuple(each[1:-1] for each in route.path.split("/") if each.startswith("{"))
-    return Operation(route, segments, tuple(needs.header_params), read, name, needs_body, needs.request_param_name)
+    return Operation(route, segments, headers, read, name, needs_body, needs.request_param_name)
 
 
 async def _read(reader: Reader, kind: type[BaseModel], needed: bool, body: bytes) -> BaseModel | None:
@@ -174,12 +175,12 @@ def _is_text(field: Any) -> bool:
 
 
 async def _body(receive: Receive) -> bytes:
-    """Receive the body of a request; raises ClientDisconnect."""
+    """Receive the body of a request; raises HTTPException."""
     parts = []
     while True:
         message = await receive()
         if message["type"] == "http.disconnect":
-            raise ClientDisconnect
+            raise HTTPException(400, "the client has gone before the body ended")
         parts.append(message.get("body", b""))
         if not message.get("more_body", False):
             return parts[0] if len(parts) == 1 else b"".join(parts)

@@ -6,10 +6,9 @@ import secrets
 import time
 
 import structlog
-from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from voa_connections.asgi import Asgi, Message, Receive, Scope, Send
+from voa_connections.asgi import Asgi, Message, Receive, Scope, Send, header, set_header
 from voa_msgs import WIRE_VERSION
 from voa_service.failures import TooLarge, wire_failure
 from voa_service.http.access import HEALTH
@@ -21,7 +20,8 @@ from voa_service.settings import Limits
 _SANE_ID = re.compile(r"[A-Za-z0-9_.:-]{1,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _FORM_OVERHEAD = 65_536
-_WIRE_HEADER = "Voa-Wire-Version"
+_WIRE_HEADER = b"voa-wire-version"
+_VERSION = str(WIRE_VERSION)
 
 
 class RequestLog:
@@ -39,7 +39,7 @@ class RequestLog:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        offered = Headers(scope=scope).get("x-request-id", "")
+        offered = header(scope, b"x-request-id") or ""
         request_id = offered if _SANE_ID.fullmatch(offered) else secrets.token_hex(8)
         structlog.contextvars.clear_contextvars()
         structlog.contextvars.bind_contextvars(request_id=request_id)
@@ -50,7 +50,7 @@ class RequestLog:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                MutableHeaders(scope=message)["X-Request-Id"] = request_id
+                set_header(message, b"x-request-id", request_id.encode())
             await send(message)
 
         try:
@@ -88,12 +88,12 @@ class WireVersion:
 
         async def send_with_version(message: Message) -> None:
             if message["type"] == "http.response.start":
-                MutableHeaders(scope=message)[_WIRE_HEADER] = str(WIRE_VERSION)
+                set_header(message, _WIRE_HEADER, _VERSION.encode())
             await send(message)
 
-        theirs = Headers(scope=scope).get(_WIRE_HEADER, str(WIRE_VERSION))
-        if theirs != str(WIRE_VERSION):
-            await problem_response(wire_failure(theirs[:40]))(scope, receive, send_with_version)
+        theirs = header(scope, _WIRE_HEADER)
+        if theirs not in (None, _VERSION):
+            await problem_response(wire_failure(str(theirs)[:40]))(scope, receive, send_with_version)
             return
         await self._app(scope, receive, send_with_version)
 
@@ -110,10 +110,9 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        headers = Headers(scope=scope)
-        form = headers.get("content-type", "").startswith("multipart/")
+        form = (header(scope, b"content-type") or "").startswith("multipart/")
         most = self._limits.upload_bytes + _FORM_OVERHEAD if form else self._limits.body_bytes
-        declared = headers.get("content-length", "")
+        declared = header(scope, b"content-length") or ""
         if declared.isdigit() and int(declared) > most:
             failure = TooLarge(f"expected a body of at most {most} bytes, got {declared}")
             await problem_response(failure)(scope, receive, send)

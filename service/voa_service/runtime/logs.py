@@ -9,10 +9,12 @@ import structlog
 
 from voa_store.errors import StoreError
 
+_LEVELS = logging.getLevelNamesMapping()
+
 
 def is_wanted(level: str) -> bool:
     """Return True if lines of a level are logged; callers check first, for composing a line takes time."""
-    return logging.getLogger().isEnabledFor(logging.getLevelNamesMapping()[level])
+    return logging.getLogger().isEnabledFor(_LEVELS[level])
 
 
 def reason_of(error: Exception) -> dict[str, object]:

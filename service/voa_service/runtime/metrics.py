@@ -44,6 +44,7 @@ class Metrics:
             buckets=_SECONDS,
             registry=self._registry,
         )
+        self._routes: dict[tuple[str, str, int], tuple[Counter, Histogram]] = {}
         self._observations = Counter(
             "voa_observations",
             "Scans and grasp outcomes, by result: accepted, or the reason why not.",
@@ -109,8 +110,12 @@ class Metrics:
 
     def request(self, method: str, route: str, status: int, seconds: float) -> None:
         """Count an HTTP request that was answered, with its duration."""
-        self._requests.labels(method, route, str(status)).inc()
-        self._seconds.labels(route).observe(seconds)
+        counted = self._routes.get((method, route, status))
+        if counted is None:
+            counted = self._requests.labels(method, route, str(status)), self._seconds.labels(route)
+            self._routes[method, route, status] = counted
+        counted[0].inc()
+        counted[1].observe(seconds)
 
     def observation(self, kind: str, result: str) -> None:
         """Count a scan or grasp outcome, by its result: accepted, or the reason why not."""

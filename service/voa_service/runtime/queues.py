@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -85,9 +86,10 @@ class WorkQueue:
 
     async def run(self, work: Callable[[], T]) -> T:
         """Call `work` in a worker thread and await its result; the call goes on where its caller is cancelled."""
-        call = asyncio.wrap_future(self.submit(work))
-        call.add_done_callback(_seen)
-        return await asyncio.shield(call)
+        loop = asyncio.get_running_loop()
+        result: asyncio.Future[T] = loop.create_future()
+        self.submit(work).add_done_callback(partial(_hand_over, loop, result))
+        return await result
 
     async def share(self, key: Hashable, work: Callable[[Check], T]) -> T:
         """Await the call with a key: callers with equal keys share one call while it waits or is under way.
@@ -186,6 +188,26 @@ class WorkQueue:
     def _left(self, _: object = None) -> None:
         with self._lock:
             self._inside -= 1
+
+
+def _hand_over(loop: asyncio.AbstractEventLoop, result: asyncio.Future[T], call: Future[T]) -> None:
+    """Give the outcome of a call, in the thread where it ended, to a future of an event loop that may be closed."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(_set, result, call)
+
+
+def _set(result: asyncio.Future[T], call: Future[T]) -> None:
+    """Set the result of a call, unless its caller has gone."""
+    if result.done():
+        return
+    if call.cancelled():
+        result.cancel()
+        return
+    error = call.exception()
+    if error is None:
+        result.set_result(call.result())
+    else:
+        result.set_exception(error)
 
 
 def _seen(call: asyncio.Future[Any]) -> None:

@@ -1,15 +1,17 @@
 """Direct calls of operations: they answer as FastAPI does, and the operations that robots call often are direct."""
 
+import asyncio
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from fastapi.routing import APIRoute
 from httpx2 import Response
+from starlette.exceptions import HTTPException
 from starlette.testclient import TestClient
 
 from tests.support.serving import Service, data_scenario, scan_of, serving
-from voa_connections.asgi import Scope
+from voa_connections.asgi import Message, Scope
 from voa_service.http.app import create_app
 from voa_service.http.direct import Direct
 
@@ -164,3 +166,21 @@ def test_the_walk_of_a_path_finds_the_route_that_fastapi_finds(service: Service)
 )
 def test_other_requests_are_left_to_fastapi(service: Service, scope: Scope) -> None:
     assert direct_of(service).find(scope) is None
+
+
+def test_a_client_that_leaves_before_its_body_ends_is_no_defect(service: Service) -> None:
+    arriving: list[Message] = [
+        {"type": "http.request", "body": b"{", "more_body": True},
+        {"type": "http.disconnect"},
+    ]
+
+    async def receive() -> Message:
+        return arriving.pop(0)
+
+    async def drop(_: Message) -> None:
+        """Send nothing."""
+
+    headers = [(b"content-type", b"application/json"), (b"content-length", b"9")]
+    with pytest.raises(HTTPException) as refused:
+        asyncio.run(direct_of(service)(scope_of("PUT", "/v1/sessions/a/belief", headers=headers), receive, drop))
+    assert refused.value.status_code == 400
