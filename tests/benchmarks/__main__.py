@@ -19,7 +19,20 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from tests.benchmarks import bus, durable, growth, history, huge, plots, prediction, ranking, service, spread, weights
+from tests.benchmarks import (
+    bus,
+    durable,
+    growth,
+    history,
+    huge,
+    plots,
+    prediction,
+    ranking,
+    service,
+    spread,
+    startup,
+    weights,
+)
 from tests.benchmarks.gates import gate_of, goal_of, median_of, missed
 from tests.benchmarks.measure import Result
 
@@ -31,6 +44,7 @@ SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "growth": growth.run,
     "huge": cache(huge.run),  # minutes long: several whole runs have its result in common
     "service": service.run,
+    "startup": startup.run,
     "durable": durable.run,
     "bus": bus.run,
 }

@@ -56,6 +56,8 @@ GATES = (
     Gate(r"durable scan updates, .* / bare transactions by 16 threads", 0.5, 0.9),
     Gate(r"huge, .*, CPU minutes", 10.0, 2.0, is_cost=True),
     Gate(r"huge, .*, GiB of memory", 4.0, is_cost=True),
+    Gate(r"scan update over HTTP, 500 poses, besides numerics and commit / FastAPI echo", 1.5, 1.2, is_cost=True),
+    Gate(r"first scan update after a start / tenth", 2.0, is_cost=True),
     Gate(r"round trip of 4 kB by \w+ / .*, p50", 0.5),
 )
 

@@ -82,9 +82,9 @@ def _steps(place: Path, rule: str) -> list[Result]:
         body = scenario_of(http, place, rule, poses=2_000, sensors=64)
 
         def step(name: str, call: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-            cpu, began = _cpu_seconds(service.pid), time.perf_counter()
+            cpu, began = cpu_seconds(service.pid), time.perf_counter()
             answer = call()
-            wall, spent = time.perf_counter() - began, _cpu_seconds(service.pid) - cpu
+            wall, spent = time.perf_counter() - began, cpu_seconds(service.pid) - cpu
             title = f"2000 poses x 64 sensors, {rule}: {name}"
             results.append(Result(title, None, 1e3 * wall, None, f"ms wall ({1e3 * spent:.0f} ms CPU)"))
             return answer
@@ -148,12 +148,12 @@ def _raw(http: httpx2.Client, path: str, body: str) -> None:
 
 
 def _cpu_per_request(pid: int, call: Callable[[], None]) -> float:
-    before = _cpu_seconds(pid)
+    before = cpu_seconds(pid)
     for _ in range(_REQUESTS):
         call()
-    return (_cpu_seconds(pid) - before) / _REQUESTS
+    return (cpu_seconds(pid) - before) / _REQUESTS
 
 
-def _cpu_seconds(pid: int) -> float:
+def cpu_seconds(pid: int) -> float:
     """CPU time of a process so far, of all its threads, from the clock that Linux keeps for each process."""
     return time.clock_gettime((~pid << 3) | _SCHEDULED)
