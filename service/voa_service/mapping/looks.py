@@ -7,6 +7,7 @@ The belief and this record are stored with every version. The weights of the dis
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from voa_core.estimates import Attempts, Estimate
 from voa_core.filtering import Belief
@@ -115,6 +116,7 @@ class LookRecord:
         )
 
 
+@lru_cache(maxsize=256)  # an update reads the record of its session four times
 def record_of(text: str | None) -> LookRecord:
     """Read a record from the JSON in the store; None: there are no looks, or none since looks are recorded."""
     if text is None:
