@@ -78,7 +78,7 @@ def test_a_result_may_have_a_goal_without_a_gate() -> None:
 def test_no_gate_is_left_without_a_result_by_a_name_that_has_changed() -> None:
     sources = "".join(
         Path(importlib.import_module(f"tests.benchmarks.{name}").__file__ or "").read_text(encoding="utf-8")
-        for name in ("prediction", "weights", "ranking", "spread", "durable", "bus")
+        for name in ("prediction", "weights", "ranking", "spread", "huge", "service", "startup", "durable", "bus")
     )
     peers = ("embree kernel", "trimesh+embreex", "scipy cdist", "numpy loop", "filterpy loop (scaled)")
     for words in (*(f"/ {peer}" for peer in peers), "/ bare transactions by 16 threads"):
