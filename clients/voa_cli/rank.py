@@ -6,11 +6,13 @@ voa rank --session ID --url http://lab:8000         under a session's belief
 voa rank scenario.json --sensor-std 0.01,1          by a robot that arrives within 1 cm and 1 degree (std)
 voa rank scenario.json --from Q1 --cost-per-m 0.05  with the drive from Q1 as a cost
 voa rank scenario.json --picture ranking.png        and draws it
+voa rank scenario.json --local                      without a service and its limits, with the progress
+voa rank scenario.json --cluster tcp://head:8786    on the workers of a cluster; --resume DIR keeps finished parts
 
 VOA is printed with its standard error where scans are simulated; looks that tie share a rank.
 
 With a file, the service of `--url` stores the scenario and its mesh under ids made from their content; no session is
-opened.
+opened. With `--local` nothing is stored.
 """
 
 import argparse
@@ -22,17 +24,19 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.console import Console
 
+from voa_cli.local_process import rank_locally
 from voa_cli.predicted_points import predicted_points
-from voa_cli.rank_options import read_options, request_of
+from voa_cli.progress import shown_progress
+from voa_cli.rank_options import process_options, read_options, request_of
 from voa_cli.tables import ranking_table
 from voa_cli.warnings import print_warnings
 from voa_client import Client, VoaClientError
 from voa_client.formatting import absence, perfect_information, recommendation, scans, score_error, share
 from voa_client.local import service_at
-from voa_client.scenario_files import load_with_warnings
+from voa_client.scenario_files import load_with_warnings, read_scenario_file
 from voa_msgs.rankings import Ranking, RankingRequest
 from voa_msgs.reading import InvalidMessage, in_one_line, read_json
-from voa_msgs.scenarios import Scenario
+from voa_msgs.scenarios import Scenario, ScenarioRequest
 from voa_msgs.warnings import ProbableMistake
 
 
@@ -44,10 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Rank looks, print the ranking, and return 0; 1 after an error."""
     options = read_options(__doc__, arguments)
     try:
-        with service_at(options.url) as client:
-            result = _rank(client, options)
-            if options.picture is not None:
-                _draw(client, options.picture, result)
+        result = _rank_locally(options) if options.local else _rank_on_service(options)
     except VoaClientError as error:
         print(f"voa rank: {error}", file=sys.stderr)
         return 1
@@ -69,7 +70,7 @@ class _Result:
     `belief` is the one that was ranked under; None: the scenario's prior.
     """
 
-    scenario: Scenario
+    scenario: ScenarioRequest
     ranking: Ranking
     belief: list[float] | None
     absent: float | None
@@ -92,29 +93,50 @@ def _print(console: Console, result: _Result) -> None:
     console.print(recommendation(ranking, result.scenario.min_gain), style="bold")
 
 
-def _rank(client: Client, options: argparse.Namespace) -> _Result:
-    """Request the ranking, of a session or of a scenario file."""
+def _rank_locally(options: argparse.Namespace) -> _Result:
+    """Rank the looks of a scenario file in a process of this machine."""
+    request = request_of(options)
+    belief = None if options.belief is None else _belief(options.belief)
+    scenario, mesh = read_scenario_file(options.scenario)
+    with shown_progress("ranking") as report:
+        ranking, warnings = rank_locally(scenario, mesh, belief, request, report, process_options(options))
+    return _Result(scenario, ranking, belief, scenario.absent, [*warnings, *ranking.warnings])
+
+
+def _rank_on_service(options: argparse.Namespace) -> _Result:
+    """Rank on the service of `--url`, or on one that is started for it, and draw the picture that is wanted."""
+    with service_at(options.url) as client:
+        scenario, result = _rank(client, options)
+        if options.picture is not None:
+            _draw(client, options.picture, scenario, result)
+        return result
+
+
+def _rank(client: Client, options: argparse.Namespace) -> tuple[Scenario, _Result]:
+    """Request the ranking, of a session or of a scenario file; returns it with the stored scenario."""
     request = request_of(options)
     if options.session is not None:
         session = client.get_session(options.session)
         scenario = client.get_scenario(session.scenario)
         ranking = client.rank_looks(options.session, request)
-        return _Result(scenario, ranking, session.belief, session.absent, [*scenario.warnings, *ranking.warnings])
+        warnings = [*scenario.warnings, *ranking.warnings]
+        return scenario, _Result(scenario, ranking, session.belief, session.absent, warnings)
     scenario, of_mesh = load_with_warnings(client, options.scenario)
     belief = None if options.belief is None else _belief(options.belief)  # None: the scenario's prior
     stated = RankingRequest.model_validate(
         {"scenario": scenario.id, "belief": belief} | request.model_dump(exclude_unset=True)
     )
     ranking = client.rank_once(stated)
-    return _Result(scenario, ranking, belief, scenario.absent, [*of_mesh, *scenario.warnings, *ranking.warnings])
+    warnings = [*of_mesh, *scenario.warnings, *ranking.warnings]
+    return scenario, _Result(scenario, ranking, belief, scenario.absent, warnings)
 
 
-def _draw(client: Client, file: Path, result: _Result) -> None:
+def _draw(client: Client, file: Path, scenario: Scenario, result: _Result) -> None:
     """Draw the ranking into a file; raises PictureNotWritten."""
     from voa_cli.picture import draw_ranking  # noqa: PLC0415 - matplotlib takes half a second
 
-    belief = result.belief or _prior(client, result.scenario)
-    draw_ranking(file, result.scenario, belief, predicted_points(client, result.scenario), result.ranking)
+    belief = result.belief or _prior(client, scenario)
+    draw_ranking(file, scenario, belief, predicted_points(client, scenario), result.ranking)
 
 
 def _prior(client: Client, scenario: Scenario) -> list[float]:

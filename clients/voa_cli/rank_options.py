@@ -14,12 +14,17 @@ def read_options(description: str | None, arguments: Sequence[str] | None) -> ar
     """Parse and check the command line; exits with code 2 and a message where options contradict each other."""
     parser = _parser(description)
     options = parser.parse_args(arguments)
+    options.local = options.local or options.cluster is not None or options.resume is not None
     if (options.scenario is None) == (options.session is None):
         parser.error("expected either a scenario file or --session ID")
     if options.session is not None and options.url is None:
         parser.error("--session needs --url, the address of the service that has the session")
     if options.session is not None and options.belief is not None:
         parser.error("--belief can be used with a scenario file only: a session has its own belief")
+    if options.local and (options.session is not None or options.url is not None):
+        parser.error("--local ranks a scenario file on this machine: it takes neither --session nor --url")
+    if options.local and options.picture is not None:
+        parser.error("--picture needs a service, which predicts what the lidar would see: leave --local out")
     if options.cost_per_m is not None and options.departure is None:
         parser.error("--cost-per-m needs --from, the place where the drive starts")
     return options
@@ -43,6 +48,12 @@ def request_of(options: argparse.Namespace) -> VoaRequest:
         "pending": options.pending,
     }
     return VoaRequest.model_validate({name: value for name, value in given.items() if value is not None})
+
+
+def process_options(options: argparse.Namespace) -> list[str]:
+    """Return the options of the process that ranks on this machine or on a cluster."""
+    given = {"--cluster": options.cluster, "--resume": options.resume}
+    return [part for name, value in given.items() if value is not None for part in (name, str(value))]
 
 
 def _number(text: str, least: float = -math.inf) -> float:
@@ -148,6 +159,24 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
         help="looks under way, whose scans are not known yet (default: those announced in the session)",
     )
     parser.add_argument("--url", help="address of a running service (default: start one for the length of the command)")
+    parser.add_argument(
+        "--local",
+        action="store_true",
+        help="rank in a process of this command, without the limits of a service on sizes, and show the progress",
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="rank as with --local, on the workers of a scheduler of dask.distributed (tcp://HOST:8786), or on local:N "
+        "processes of this machine",
+    )
+    parser.add_argument(
+        "--resume",
+        type=Path,
+        metavar="DIR",
+        help="rank as with --local, and keep finished parts in a folder of yours, from which the command goes on when "
+        "it is repeated",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     add_picture_option(parser, "the object, the places and their VOA")
     return parser

@@ -6,6 +6,7 @@ A folder with `scenario.json` stands for that file.
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 from voa_client import Client, InvalidRequestError, VoaClientError
 from voa_client.message_files import read_file
@@ -30,6 +31,43 @@ class ScenarioFile(ScenarioRequest):
     """Metres per unit of the mesh file; null: it is in metres."""
     up: UpAxis | None = None
     """The axis of the mesh file that is up; null: +Y in a GLB file, +Z in others."""
+
+
+class MeshOfFile(NamedTuple):
+    """Mesh file that a scenario file names.
+
+    Attributes:
+        path: of the mesh file.
+        scale: metres per unit of the file.
+        up: axis of the file that is up; None: the usual one of its type.
+    """
+
+    path: Path
+    scale: float
+    up: UpAxis | None
+
+
+def read_scenario_file(path: Path) -> tuple[ScenarioRequest, MeshOfFile | None]:
+    """Read a scenario file without a service; returns the scenario, and its mesh file.
+
+    Args:
+        path: of the scenario file, or of a folder with `scenario.json`; mesh files are searched in the file's folder.
+
+    Returns:
+        The scenario with the fields that the file states, whose `object` is None beside a mesh file; and the mesh
+        file. None: `object` is the id of a stored object, or missing.
+
+    Raises:
+        InvalidScenarioFile: the scenario file is not valid, or its mesh file is missing.
+    """
+    path = path / "scenario.json" if path.is_dir() else path
+    file = read_file(ScenarioFile, path, InvalidScenarioFile)
+    mesh = _mesh(file, path)
+    fields = {name: getattr(file, name) for name in file.model_fields_set - _MESH_FIELDS}
+    if mesh is None:
+        return ScenarioRequest.model_construct(**fields), None
+    del fields["object"]
+    return ScenarioRequest.model_construct(**fields), MeshOfFile(mesh, _scale(file), file.up)
 
 
 def load_scenario(client: Client, path: Path, *, spread: Spread | None = None, absent: float | None = None) -> Scenario:
@@ -101,7 +139,7 @@ def _mesh(file: ScenarioFile, path: Path) -> Path | None:
 
 def _uploaded(client: Client, file: ScenarioFile, path: Path, mesh: Path) -> Object:
     """Find the object of a mesh file on the service, or upload the file."""
-    scale = 1.0 if file.scale is None else file.scale
+    scale = _scale(file)
     try:
         return _uploaded_before(client, mesh, scale, file.up) or client.create_object(mesh, scale=scale, up=file.up)
     except OSError as error:
@@ -117,3 +155,7 @@ def _uploaded_before(client: Client, mesh: Path, scale: float, up: UpAxis | None
         return client.find_object(mesh, scale, up)
     except InvalidRequestError:  # not a mesh file, which the upload will report; or, over Zenoh, an older service
         return None
+
+
+def _scale(file: ScenarioFile) -> float:
+    return 1.0 if file.scale is None else file.scale

@@ -16,6 +16,9 @@ behind. The mathematics is `voa_core`, the messages are `voa_msgs`; only `mappin
 | `zenoh/`          | Zenoh: queries, raw scans, ROS 2 topics of mapped robots; publishes beliefs             |
 | `access/`         | API keys and roles: who may make which call, how often, and the record of writes        |
 | `ros_tools/`      | outputs and inputs of mapped robots for RViz, Foxglove, PlotJuggler, MoveIt and Nav2    |
+| `local/`          | rankings without HTTP, and without limits on sizes, for `voa rank --local`              |
+| `cluster/`        | the parts of a ranking on a cluster of dask.distributed, for `voa rank --cluster`       |
+| `versions`        | versions on which the digits of a ranking depend                                        |
 | `rpc/`            | remote calls: methods by name, for Zenoh queries and for callers in this process        |
 | `requests/`       | reads requests for every entrypoint: bodies, limits, attachments, idempotency keys      |
 | `guard`           | turns every error that leaves an entrypoint's work into a failure                       |

@@ -41,6 +41,16 @@ MeshReader = Callable[[bytes, str, float, UpAxis], Object]
 It raises `failures.Failure`."""
 
 
+class Contents(Protocol):
+    """Scenarios and meshes by their digests, from which models are built."""
+
+    def get_object(self, id_: str) -> StoredObject | None:
+        """Read the mesh with a digest; None: there is none."""
+
+    def get_scenario(self, id_: str) -> StoredScenario | None:
+        """Read the scenario with a digest; None: there is none."""
+
+
 class Store(Protocol):
     """Durable storage: every answered write is still there after a crash.
 

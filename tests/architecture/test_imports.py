@@ -222,6 +222,12 @@ PACKAGES = {
         "threadpoolctl",
         "uvicorn",
         "zenoh",
+        # `voa rank --cluster` alone, from the extra `cluster`
+        only_in={
+            "cloudpickle": "sending.py",
+            "dask": "connecting.py",
+            "distributed": "connecting.py mapping.py",
+        },
     ),
 }
 SHADOWED = {

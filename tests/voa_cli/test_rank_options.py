@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from voa_cli.rank_options import read_options, request_of
+from voa_cli.rank_options import process_options, read_options, request_of
 
 
 def request(*arguments: str) -> Any:
@@ -63,6 +63,9 @@ def test_a_departure_is_a_point_or_a_name(text: str, point: object) -> None:
         (["--cost-per-m", "0.1"], "--cost-per-m needs --from"),
         (["--from", "Q1", "--cost-per-m=-1"], "expected a number of at least 0, got '-1'"),
         (["--from", "Q1", "--cost-per-m=nan"], "expected a number of at least 0"),
+        (["--local", "--url", "http://127.0.0.1:9"], "it takes neither --session nor --url"),
+        (["--local", "--picture", "ranking.png"], "--picture needs a service"),
+        (["--cluster", "local:2", "--url", "http://127.0.0.1:9"], "it takes neither --session nor --url"),
     ],
 )
 def test_an_option_that_is_not_valid_is_a_usage_error(
@@ -72,3 +75,11 @@ def test_an_option_that_is_not_valid_is_a_usage_error(
         read_options(None, ["scenario.json", *arguments])
     assert ended.value.code == 2
     assert says in capsys.readouterr().err
+
+
+def test_a_cluster_and_a_folder_of_results_are_options_of_the_process_that_ranks() -> None:
+    options = read_options(None, ["scenario.json", "--cluster", "tcp://head:8786", "--resume", "parts"])
+    assert options.local
+    assert process_options(options) == ["--cluster", "tcp://head:8786", "--resume", "parts"]
+    assert process_options(read_options(None, ["scenario.json", "--local"])) == []
+    assert not read_options(None, ["scenario.json"]).local

@@ -23,7 +23,7 @@ from voa_msgs.scenarios import ScenarioRequest
 from voa_service.failures import Failure, UnknownReference, not_found
 from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
-from voa_service.ports import Store
+from voa_service.ports import Contents
 from voa_service.requests import large_json
 from voa_service.runtime.cache import Cache, Sized
 from voa_service.runtime.queues import Check
@@ -86,7 +86,7 @@ class Models:
     """
 
     def __init__(
-        self, store: Store, cache: Cache, precision: PrecisionSetting = "auto", installed: InstalledRules = NO_RULES
+        self, store: Contents, cache: Cache, precision: PrecisionSetting = "auto", installed: InstalledRules = NO_RULES
     ) -> None:
         self._store = store
         self._installed = installed

@@ -1,0 +1,93 @@
+"""Connections to a scheduler of dask.distributed, and clusters of worker processes on this machine."""
+
+import logging
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import dask
+from distributed import Client, LocalCluster
+
+from voa_service.failures import InvalidRequest, NotReady
+from voa_service.runtime.memory import processors
+
+LOCAL = "local"
+_CONFIGURATION = {
+    "distributed.admin.large-graph-warning-threshold": "1 GiB",  # a scene is sent as a part of the graph
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """A connection to a cluster.
+
+    Attributes:
+        client: of its scheduler.
+        on_this_machine: number of workers that share this machine; None: they have machines of their own.
+    """
+
+    client: Client
+    on_this_machine: int | None
+
+
+@contextmanager
+def cluster_at(address: str, patience_s: float = 30.0) -> Iterator[Cluster]:
+    """Connect to a cluster for the length of a `with`.
+
+    Args:
+        address: of a scheduler ("tcp://10.0.0.7:8786"), or "local" or "local:4" for so many worker processes on this
+            machine, by default one for each processor.
+        patience_s: time for which a connection to a scheduler is tried.
+
+    Raises:
+        InvalidRequest: the address is not valid.
+        NotReady: no scheduler answers there, or it has no workers.
+    """
+    kind, _, count = address.partition(":")
+    logging.getLogger("distributed").setLevel(logging.ERROR)  # a lost worker is no event for the user of a ranking
+    with dask.config.set(_CONFIGURATION):
+        if kind != LOCAL:
+            with _client(address, patience_s) as client:
+                if not client.nthreads():
+                    raise NotReady(
+                        f"the scheduler at {address} has no workers: start some with `dask worker {address}`"
+                    )
+                yield Cluster(client, None)
+            return
+        if count and not (count.isdecimal() and int(count) > 0):
+            raise InvalidRequest(f"expected {LOCAL}:N with a number of processes, got {address!r}")
+        workers = int(count) if count else processors()
+        with (
+            tempfile.TemporaryDirectory(prefix="voa-workers-") as folder,
+            LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address=None,
+                scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+                silence_logs=logging.ERROR,
+                memory_limit=0,
+                local_directory=folder,
+            ) as started,
+            Client(started, set_as_default=False) as client,
+        ):
+            yield Cluster(client, workers)
+
+
+@contextmanager
+def _client(address: str, patience_s: float) -> Iterator[Client]:
+    """Connect to a scheduler for the length of a `with`; raises InvalidRequest or NotReady."""
+    try:
+        client = Client(address, timeout=patience_s, set_as_default=False)
+    except ValueError as error:
+        raise InvalidRequest(
+            f"expected tcp://HOST:PORT of a scheduler, {LOCAL} or {LOCAL}:N, got {address!r}"
+        ) from error
+    except OSError as error:
+        raise NotReady(f"no scheduler of a cluster answers at {address}: {error}") from error
+    with client:
+        yield client

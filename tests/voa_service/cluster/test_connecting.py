@@ -1,0 +1,38 @@
+"""Connections to clusters, and addresses that lead to none."""
+
+import socket
+
+import pytest
+from distributed import LocalCluster
+
+from voa_service.cluster.connecting import cluster_at
+from voa_service.failures import InvalidRequest, NotReady
+
+
+def test_a_scheduler_is_reached_by_its_address_and_needs_workers() -> None:
+    with LocalCluster(
+        n_workers=0, host="127.0.0.1", dashboard_address=None, scheduler_kwargs={"dashboard_address": "127.0.0.1:0"}
+    ) as own:
+        none = "has no workers: start some with `dask worker tcp://"
+        with pytest.raises(NotReady, match=none), cluster_at(own.scheduler_address):
+            pass
+        own.scale(1)
+        own.wait_for_workers(1, timeout=120)
+        with cluster_at(own.scheduler_address) as cluster:
+            assert cluster.on_this_machine is None
+            assert cluster.client.submit(sum, [1, 2]).result() == 3
+
+
+@pytest.mark.parametrize("address", ["local:0", "local:many", "local:-1", "nothing://a:1"])
+def test_an_address_that_is_not_valid_is_refused(address: str) -> None:
+    with pytest.raises(InvalidRequest, match="expected"), cluster_at(address, patience_s=1.0):
+        pass
+
+
+def test_where_nobody_listens_it_says_so() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    with pytest.raises(NotReady, match=f"no scheduler of a cluster answers at {address}"):  # noqa: SIM117
+        with cluster_at(address, patience_s=1.0):
+            pass
