@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from tests.benchmarks import (
     bus,
+    cluster,
     durable,
     growth,
     history,
@@ -47,6 +48,7 @@ SUBJECTS: dict[str, Callable[[], list[Result]]] = {
     "startup": startup.run,
     "durable": durable.run,
     "bus": bus.run,
+    "cluster": cluster.run,
 }
 _WIDTH = 110  # of the table in a pipe, where rich would guess 80
 _PACKAGES = ("numpy", "numba", "trimesh", "embreex")

@@ -58,6 +58,7 @@ GATES = (
     Gate(r"huge, .*, GiB of memory", 4.0, is_cost=True),
     Gate(r"scan update over HTTP, 500 poses, besides numerics and commit / FastAPI echo", 1.5, 1.2, is_cost=True),
     Gate(r"first scan update after a start / tenth", 2.0, is_cost=True),
+    Gate(r"cluster, two workers / one, critical path", 1.7, 1.9),
     Gate(r"round trip of 4 kB by \w+ / .*, p50", 0.5),
 )
 

@@ -31,6 +31,9 @@ def test_the_ranking_is_that_of_a_service(capfd: pytest.CaptureFixture[str], pro
     of_service = ranked(capfd, str(mesh_file), "--url", process, *options)
     assert of_service["scans"] == "simulated"
     assert ranked(capfd, str(mesh_file.parent), "--local", *options) == of_service
+    on_cluster = ["--cluster", "local:1", "--resume", str(mesh_file.parent / "parts")]
+    assert ranked(capfd, str(mesh_file), *on_cluster, *options) == of_service
+    assert list((mesh_file.parent / "parts").rglob("*.pickle")) != []
 
 
 def test_without_a_mesh_it_prints_the_table_and_warnings(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -55,6 +58,8 @@ def test_a_mistake_is_one_line(capfd: pytest.CaptureFixture[str], mesh_file: Pat
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith("voa rank: Unknown name in the request: ")
     assert "G9" in line
+    assert main(["rank", str(mesh_file), "--cluster", "local:none"]) == 1
+    assert "expected local:N with a number of processes, got 'local:none'" in capfd.readouterr().err
 
 
 def test_a_process_that_ends_early_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 from distributed import Client, KilledWorker
+from distributed.client import ClosedClientError
 
 from voa_service.cluster.scene import Scene
 from voa_service.cluster.sending import dumped, loaded, named_parts
@@ -67,24 +68,23 @@ class ClusterMap:
         Raises:
             Failure: a part cannot be computed, or the cluster is lost.
         """
-        listed = list(items)
-        sent = SentFunction(dumped(function, named_parts(self.model, self.check)))
-        there = self.client.submit(_given, sent, pure=False)
-        futures = [
-            self.client.submit(computed, self._scene_there, there, chunk, pure=False)
-            for chunk in chunks(listed, sum(self.client.nthreads().values()))
-        ]
+        listed, sent = list(items), SentFunction(dumped(function, named_parts(self.model, self.check)))
+        futures: list[Any] = []
         try:
-            for future in futures:
+            futures.append(self.client.submit(_given, sent, pure=False))
+            futures += [
+                self.client.submit(computed, self._scene_there, futures[0], chunk, pure=False)
+                for chunk in chunks(listed, sum(self.client.nthreads().values()))
+            ]
+            for future in futures[1:]:
                 yield from future.result()
         except KilledWorker as error:
-            raise NotReady(
-                f"a part of the ranking has ended several workers; have they too little memory? ({error})"
-            ) from error
-        except (CancelledError, OSError) as error:
+            raise NotReady(f"a part of the ranking has ended several workers: too little memory? ({error})") from error
+        except (CancelledError, ClosedClientError, OSError) as error:
             raise NotReady(f"the connection to the cluster was lost: {error}") from error
         finally:
-            self.client.cancel([there, *futures])
+            if self.client.status == "running":
+                self.client.cancel(futures)
 
     @cached_property
     def _scene_there(self) -> Any:

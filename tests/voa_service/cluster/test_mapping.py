@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import dask
 import pytest
+from distributed import Client
 
 from tests.voa_service.local.documents import data_document, local, mesh_document, nothing
 from voa_service.cluster.connecting import Cluster, cluster_at
 from voa_service.cluster.mapping import ClusterMap, chunks
 from voa_service.cluster.scene import Scene
-from voa_service.failures import InvalidRequest
+from voa_service.failures import InvalidRequest, NotReady
 from voa_service.local.document import read_document
 from voa_service.local.ranking import Parts, ranked
 from voa_service.local.reported import Report, ReportedMap
@@ -86,22 +88,37 @@ def processes_of(cluster: Cluster) -> set[int]:
     return set(cluster.client.run(os.getpid).values())
 
 
-def test_a_part_that_cannot_be_computed_is_a_failure_as_on_threads(cluster: Cluster, tmp_path: Path) -> None:
-    def broken(threads: ParallelMap, parts: Parts) -> ParallelMap:
+def mapped(client: Client, function: Callable[[Any], Any], items: list[Any]) -> list[Any]:
+    """Apply a function to items on the workers of a client, beside a scenario."""
+    results: list[Any] = []
+
+    def spread(threads: ParallelMap, parts: Parts) -> ParallelMap:
         scene = Scene(parts.scenario, parts.object, parts.cache_bytes, versions())
-        return ClusterMap(cluster.client, scene, parts.model, parts.check)
+        results.extend(ClusterMap(client, scene, parts.model, parts.check)(function, items))
+        return threads
 
     with local() as built:
-        document = read_document(data_document({"belief": None}))
+        ranked(built, read_document(data_document({"belief": None, "lookahead": 1})), spread, nothing)
+    return results
 
-        def spread(threads: ParallelMap, parts: Parts) -> ParallelMap:
-            spread_over = broken(threads, parts)
-            assert list(spread_over(str, [1, 2])) == ["1", "2"]
-            with pytest.raises(InvalidRequest, match="expected a name, got 3"):
-                list(spread_over(refusing(), [1, 3]))
-            return threads
 
-        ranked(built, document, spread, nothing)
+def test_a_part_that_cannot_be_computed_is_a_failure_as_on_threads(cluster: Cluster) -> None:
+    assert mapped(cluster.client, refusing(), [1, 2]) == [1, 2]
+    with pytest.raises(InvalidRequest, match="expected a name, got 3"):
+        mapped(cluster.client, refusing(), [1, 3])
+
+
+def test_a_part_that_ends_its_workers_and_a_cluster_that_is_lost_are_failures() -> None:
+    def ending(item: int) -> None:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    once = {"distributed.scheduler.allowed-failures": 0}
+    with dask.config.set(once), cluster_at("local:1") as there:
+        with pytest.raises(NotReady, match="has ended several workers"):
+            mapped(there.client, ending, [1])
+        there.client.shutdown()
+        with pytest.raises(NotReady, match="the connection to the cluster was lost"):
+            mapped(there.client, ending, [1])
 
 
 def refusing() -> Callable[[int], int]:
