@@ -17,6 +17,7 @@ _CONFIGURATION = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # a scene is sent as a part of the graph
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
+    "distributed.worker.profile.enabled": False,  # else each worker looks at its threads 100 times a second
 }
 
 
