@@ -174,11 +174,11 @@ def _meet(
     is_met = np.zeros(is_face.shape[1], dtype=np.bool_)
     met = np.zeros((near.size * is_met.size + 1, 2), dtype=np.int32)  # with room for an entry that does not count
     count = 0
-    for box in near:
-        _cross(corners[box], up, level, is_met)
+    for group in near:
+        _cross(corners[group], up, level, is_met)
         for lane in range(len(is_met)):  # without a branch, which a processor could not predict
-            met[count, 0], met[count, 1] = box, lane
-            count += is_met[lane] & is_face[box, lane]
+            met[count, 0], met[count, 1] = group, lane
+            count += int(is_met[lane] & is_face[group, lane])
     return met[:count]
 
 

@@ -41,7 +41,7 @@ ATAN_SINGLE = tuple(
     )
 )
 _QUARTER = np.float32(0.5 * math.pi)
-_NOTHING = np.float32(0.0)
+_NOTHING, _NEAREST = np.float32(0.0), np.float32(1e-12)
 
 
 def rasterise_windows(
@@ -130,13 +130,14 @@ def _rasterise(
     most = (start[1:] - start[:-1]).max()
     bearings, first, many = np.zeros(most, np.float32), np.zeros(most, np.int32), np.zeros(most, np.int32)
     candidates, pairs, hits = np.zeros(most, np.int32), np.zeros((6, _PAIRS)), np.zeros(_PAIRS)
-    met = np.zeros(_PAIRS, dtype=np.int64)
+    met, ahead_frame = np.zeros(_PAIRS, dtype=np.int64), np.zeros(6)
     for pose in range(len(cut_of_pose)):
         begin, end = start[cut_of_pose[pose]], start[cut_of_pose[pose] + 1]
         if begin == end or views[pose, 3] < 0.0:
             continue
         own, frame, row = bearings[: end - begin], frames[pose], ranges[pose]
-        _aim(near_x[begin:end], near_y[begin:end], frame, views[pose], np.float32(1.0 / spacing), own)
+        _turn_ahead(frame, views[pose], ahead_frame)
+        aim(near_x[begin:end], near_y[begin:end], ahead_frame, np.float32(1.0 / spacing), own)
         for lap in range(windows.shape[1]):
             low, high = windows[pose, lap]
             if high < low:
@@ -146,18 +147,18 @@ def _rasterise(
             count = 0
             for candidate in candidates[: _compress(many[: end - begin - 1], candidates)]:
                 i = begin + candidate
-                x, y = _moved(frame, xs[i], ys[i])
-                next_x, next_y = _moved(frame, xs[i + 1], ys[i + 1])
+                x, y = moved(frame, xs[i], ys[i])
+                next_x, next_y = moved(frame, xs[i + 1], ys[i + 1])
                 for beam in range(first[candidate], first[candidate] + many[candidate]):
                     pairs[0, count], pairs[1, count], pairs[2, count], pairs[3, count] = x, y, next_x, next_y
                     pairs[4, count], pairs[5, count] = cosines[beam], sines[beam]
                     met[count] = column_of_beam[beam]
                     count += 1
                     if count == _PAIRS:
-                        _decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
+                        decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
                         _enter(met, hits, count, row, seen)
                         count = 0
-            _decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
+            decide(pairs, count, EDGE_ON_BEAMS * spacing, range_max, hits)
             _enter(met, hits, count, row, seen)
     return columns[seen], _chosen(ranges, seen), views[:, 3] >= 0.0
 
@@ -205,19 +206,24 @@ def _windows(views: Floats, turn: float, beams: int) -> tuple[NDArray[np.int64],
     return windows, np.flatnonzero(met)
 
 
-@sum_kernel
-def _aim(
-    near_x: Singles, near_y: Singles, frame: Floats, view: Floats, beams_per_rad: np.float32, bearings: Singles
-) -> None:
-    """Compute the bearings of points from that of the middle of their cut, in beams."""
+@kernel
+def _turn_ahead(frame: Floats, view: Floats, ahead: Floats) -> None:
+    """Write the motion from a cut, from its middle, to the frame of the sensor turned towards that middle."""
     away = math.sqrt(view[0] * view[0] + view[1] * view[1])
     c, s = view[0] / away, view[1] / away
-    xx, xy = np.float32(c * frame[0] + s * frame[2]), np.float32(c * frame[1] + s * frame[3])
-    yx, yy = np.float32(c * frame[2] - s * frame[0]), np.float32(c * frame[3] - s * frame[1])
-    ahead = np.float32(away)
+    ahead[0], ahead[1] = c * frame[0] + s * frame[2], c * frame[1] + s * frame[3]
+    ahead[2], ahead[3] = c * frame[2] - s * frame[0], c * frame[3] - s * frame[1]
+    ahead[4], ahead[5] = away, 0.0
+
+
+@sum_kernel
+def aim(xs: Singles, ys: Singles, frame: Floats, beams_per_rad: np.float32, bearings: Singles) -> None:
+    """Compute the bearings of points, moved by a frame (6,) to straight ahead of the sensor, in beams."""
+    xx, xy, yx, yy = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2]), np.float32(frame[3])
+    x0, y0 = np.float32(frame[4]), np.float32(frame[5])
     for i in range(len(bearings)):
-        x, y = near_x[i], near_y[i]
-        bearings[i] = bearing(yx * x + yy * y, xx * x + xy * y + ahead) * beams_per_rad
+        x, y = xs[i], ys[i]
+        bearings[i] = bearing(yx * x + yy * y + y0, max(xx * x + xy * y + x0, _NEAREST)) * beams_per_rad
 
 
 @sum_kernel
@@ -257,13 +263,13 @@ def _compress(many: Ints, candidates: Ints) -> int:
 
 
 @kernel
-def _moved(frame: Floats, x: float, y: float) -> tuple[float, float]:
+def moved(frame: Floats, x: float, y: float) -> tuple[float, float]:
     """A point of a cut in the frame of the sensor: one formula for both segments of a point."""
     return frame[0] * x + frame[1] * y + frame[4], frame[2] * x + frame[3] * y + frame[5]
 
 
 @kernel
-def _decide(pairs: Floats, count: int, edge_on: float, range_max: float, hits: Floats) -> None:
+def decide(pairs: Floats, count: int, edge_on: float, range_max: float, hits: Floats) -> None:
     """Compute the ranges at which segments meet beams; inf where they do not.
 
     Args:
@@ -281,7 +287,7 @@ def _decide(pairs: Floats, count: int, edge_on: float, range_max: float, hits: F
         along_j, left_j = c * jx[p] + s * jy[p], c * jy[p] - s * jx[p]
         nearer = along_i if along_i < along_j else along_j
         apart = left_i - left_j
-        r = along_i + left_i / apart * (along_j - along_i)
+        r = along_i + left_i / (apart if apart != 0.0 else 1.0) * (along_j - along_i)
         r = nearer if abs(apart) < edge_on * nearer else r
         hits[p] = r if ((left_i < 0.0) != (left_j < 0.0)) & (r <= range_max) else np.inf
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from tests.voa_core.worlds import box, lidar_of, standing
 from voa_core.checks import Floats
-from voa_core.copy_rasterising import _cover
-from voa_core.cutting import cut_poses
+from voa_core.cutting import Contours, cut_poses
 from voa_core.displaced_scans import DisplacedScans, joined_scans, predict_copies, predict_displaced_scans
 from voa_core.displacements import displaced
 from voa_core.geometry import quaternion_of_matrix, turn
@@ -108,23 +107,19 @@ def test_copies_are_seen_as_poses_that_lie_there(
 
 def test_an_edge_that_points_at_the_lidar_shows_its_nearer_end() -> None:
     """The ends lie on one beam but for rounding, which would decide where the beam meets the edge."""
-    whole = np.array([[0, 1]], dtype=np.int32)
-    cells, candidates = np.array([3, 4], dtype=np.int32), np.zeros(1, dtype=np.int32)
-    beam, window = np.array([[1.0], [0.0]]), np.full((1, 1), np.inf)
-    _cover(
-        whole,
-        np.array([0.3, 0.5]),
-        np.zeros(2),
-        np.array([4.0 - 1e-13, 4.0]),
-        cells,
-        candidates,
-        beam,
-        4,
-        2.0,
-        window,
-        0,
+    wall = np.array([[0.0, -1e-13], [0.2, 1e-13]])
+    whole = Contours(
+        wall,
+        np.array([[0, 1]], dtype=np.int32),
+        np.array([0, 2]),
+        np.array([0, 1]),
+        np.array([0]),
+        np.array([[1.0, 0.0, 0.3, 0.0]]),
     )
-    assert window.tolist() == [[0.3]]
+    sensor = SensorConfiguration("a", 0.0, 0.0, 0.0)
+    scans = predict_displaced_scans(whole, np.zeros((1, 4, 3)), sensor, BeamGrid(180, 0.0, math.radians(1.0)), 2.0)
+    assert scans.beams.tolist() == [0]
+    assert scans.ranges.tolist() == [[0.3] * 4]
 
 
 def test_only_edges_that_may_be_seen_are_left() -> None:

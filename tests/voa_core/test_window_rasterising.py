@@ -17,7 +17,7 @@ from voa_core.lidars import BeamGrid, SensorConfiguration
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rasterising import rasterise
-from voa_core.window_rasterising import ATAN_SINGLE, CLEAR, MARGIN_RAD, _aim, bearing, rasterise_windows
+from voa_core.window_rasterising import ATAN_SINGLE, CLEAR, MARGIN_RAD, _turn_ahead, aim, bearing, rasterise_windows
 
 FINE = BeamGrid(7200, 0.0, math.radians(0.05))
 COARSE = BeamGrid(3, 0.3, 4.0)
@@ -71,7 +71,9 @@ def test_the_error_of_a_bearing_is_below_a_tenth_of_the_margin(share: float, see
     c, s = math.cos(yaw), math.sin(yaw)
     x0, y0 = 0.1 / share * math.cos(toward), 0.1 / share * math.sin(toward)
     got = np.zeros(400, dtype=np.float32)
-    _aim(near[0], near[1], np.array([c, -s, s, c, x0, y0]), np.array([x0, y0, 0.0, 0.0]), np.float32(1.0), got)
+    ahead = np.zeros(6)
+    _turn_ahead(np.array([c, -s, s, c, x0, y0]), np.array([x0, y0, 0.0, 0.0]), ahead)
+    aim(near[0], near[1], ahead, np.float32(1.0), got)
     x, y = c * points[0] - s * points[1] + x0, s * points[0] + c * points[1] + y0
     exact = np.remainder(np.arctan2(y, x) - toward + math.pi, 2.0 * math.pi) - math.pi
     assert np.abs(got - exact).max() < 0.1 * MARGIN_RAD
