@@ -5,6 +5,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import ContextVar
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from sqlalchemy import select, update
@@ -40,6 +41,11 @@ def waiting(store: Store) -> int:
     return len(store._session_writer._groups._waiting)
 
 
+def wait_alike(store: Store, count: int) -> bool:
+    """True while exactly so many writes wait for their group."""
+    return waiting(store) == count
+
+
 def together(store: Store, calls: list[tuple[str, Write, Step]]) -> list["Future[StoredResponse | None]"]:
     """Make writes while another one, of the session "first", is under way: they become one group."""
     entered, let_go = threading.Event(), threading.Event()
@@ -55,7 +61,7 @@ def together(store: Store, calls: list[tuple[str, Write, Step]]) -> list["Future
         futures = []
         for count, call in enumerate(calls, 1):
             futures.append(pool.submit(change, store, *call))
-            wait_for(lambda count=count: waiting(store) == count, "the write to wait")
+            wait_for(partial(wait_alike, store, count), "the write to wait")
         let_go.set()
         first.result(SECONDS)
         for future in futures:

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import pytest
 
@@ -39,13 +40,17 @@ class Gate:
             raise self._error
 
 
+def _waits(groups: Groups[Item], count: int) -> bool:
+    return len(groups._waiting) == count
+
+
 def joined(groups: Groups[Item], gate: Gate, waiting: Sequence[Item], pool: ThreadPoolExecutor) -> list["Future[None]"]:
     """Let a first item be at work, and the others wait for it, in this order."""
     futures = [pool.submit(groups.join, Item("first"))]
     assert gate.entered.wait(SECONDS)
     for count, item in enumerate(waiting, 1):
         futures.append(pool.submit(groups.join, item))
-        wait_for(lambda count=count: len(groups._waiting) == count, "the item to wait")
+        wait_for(partial(_waits, groups, count), "the item to wait")
     return futures
 
 

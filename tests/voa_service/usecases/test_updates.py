@@ -57,6 +57,20 @@ def test_a_scan_that_is_not_accepted_changes_and_publishes_nothing(
     assert service.get(f"/v1/sessions/{session}")["version"] == 0
 
 
+def test_a_scan_of_a_session_that_another_process_has_deleted_is_not_found(
+    updates: Updates, service: Service, session: str
+) -> None:
+    store = service.inside.sessions.store
+    first = updates.apply_scan(session, GOOD, write(key="K", session=session))
+    other = service.open(service.get(f"/v1/sessions/{session}")["scenario"])
+    updates.apply_scan(other, GOOD, write())
+    store.delete_session(session, None, None)  # of which this process is not told
+    assert first.version == 1
+    with pytest.raises(NotFound):
+        updates.apply_scan(session, GOOD, write(key="K2", session=session))
+    assert updates.apply_scan(other, GOOD, write()).version == 2
+
+
 def test_every_observation_is_counted_by_kind_and_result(service: Service, session: str) -> None:
     counted: list[tuple[str, str]] = []
     attempts: list[tuple[float, bool]] = []
