@@ -57,7 +57,7 @@ def test_a_scan_that_is_not_accepted_changes_and_publishes_nothing(
     assert service.get(f"/v1/sessions/{session}")["version"] == 0
 
 
-def test_a_scan_of_a_session_that_another_process_has_deleted_is_not_found(
+def test_a_scan_of_a_session_that_another_process_has_deleted_is_refused(
     updates: Updates, service: Service, session: str
 ) -> None:
     store = service.inside.sessions.store
