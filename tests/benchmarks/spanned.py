@@ -10,16 +10,17 @@ import mmap
 import sys
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from struct import pack_into, unpack_from
 from typing import Any
 
 from voa_service import serve
 from voa_service.mapping import estimates
+from voa_service.ports import Step
 from voa_service.usecases import updates
 from voa_service.usecases.places import LookedFrom
+from voa_store.records import SessionChange, Write
 from voa_store.sql import SqlStore
 
 _LAYOUT = "2d"
@@ -38,7 +39,7 @@ class Spans:
             file.write_bytes(bytes(_SIZE))
         with file.open("r+b") as opened:
             self._sums = mmap.mmap(opened.fileno(), _SIZE)
-        self._inside = False
+        self._inside, self._since = False, 0.0
 
     def read(self) -> tuple[float, float]:
         """Return the sums: of numerics, of the store."""
@@ -49,28 +50,24 @@ class Spans:
         """Call a function, and add its CPU time to a sum, 0 of numerics or 1 of the store, unless a span lasts."""
         if self._inside:
             return function(*arguments, **named)
-        self._inside, began = True, time.process_time()
+        self._inside, self._since = True, time.process_time()
         try:
             return function(*arguments, **named)
         finally:
-            spent = time.process_time() - began
-            pack_into("d", self._sums, 8 * kind, self.read()[kind] + spent)
+            self._add(kind)
             self._inside = False
 
+    def without(self, kind: int, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a function within a span of a kind, whose time does not count as that span's."""
+        self._add(kind)
+        self._inside = False
+        try:
+            return function(*arguments)
+        finally:
+            self._inside, self._since = True, time.process_time()
 
-class Transaction:
-    """A context manager whose entry and exit, and not what is done between, are spans of the store."""
-
-    def __init__(self, spans: Spans, manager: AbstractContextManager[Any]) -> None:
-        self._spans, self._manager = spans, manager
-
-    def __enter__(self) -> Any:
-        """Begin the transaction."""
-        return self._spans.within(1, self._manager.__enter__)
-
-    def __exit__(self, *error: Any) -> Any:
-        """End the transaction: commit it, or undo it after an error."""
-        return self._spans.within(1, self._manager.__exit__, *error)
+    def _add(self, kind: int) -> None:
+        pack_into("d", self._sums, 8 * kind, self.read()[kind] + time.process_time() - self._since)
 
 
 def put_spans(spans: Spans) -> None:
@@ -86,8 +83,17 @@ def put_spans(spans: Spans) -> None:
         setattr(owner, name, _around(spans, 0, getattr(owner, name)))
     for name in ("get_session", "get_response"):
         setattr(SqlStore, name, _around(spans, 1, getattr(SqlStore, name)))
-    change: Callable[..., AbstractContextManager[Any]] = SqlStore.change
-    setattr(SqlStore, "change", lambda *given: Transaction(spans, change(*given)))  # noqa: B010 - mypy allows no other
+    setattr(SqlStore, "change", _around_change(spans, SqlStore.change))  # noqa: B010 - mypy allows no other
+
+
+def _around_change(spans: Spans, change: Callable[..., SessionChange]) -> Callable[..., SessionChange]:
+    """Make a function that changes a session within a span of the store, which the step does not count in."""
+
+    def spanned(store: SqlStore, id_: str, write: Write, step: Step) -> SessionChange:
+        changed: SessionChange = spans.within(1, change, store, id_, write, partial(spans.without, 1, step))
+        return changed
+
+    return spanned
 
 
 def _around(spans: Spans, kind: int, function: Callable[..., Any]) -> Callable[..., Any]:
