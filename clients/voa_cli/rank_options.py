@@ -40,6 +40,7 @@ def request_of(options: argparse.Namespace) -> VoaRequest:
         "grasps": options.grasps,
         "scans": options.scans,
         "samples": options.samples,
+        "method": options.method,
         "definition": options.definition,
         "lookahead": options.lookahead,
         "sensor_std": options.sensor_std,
@@ -122,6 +123,12 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     )
     value.add_argument(
         "--samples", type=_samples, help="simulated scans of each pose (default: 256 of all poses together)"
+    )
+    value.add_argument(
+        "--method",
+        choices=["exact", "sampled"],
+        help="take expectations over all poses, or over samples of them (default: exact, and sampled where places and "
+        "poses are very many)",
     )
     value.add_argument(
         "--definition",

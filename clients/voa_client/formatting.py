@@ -139,6 +139,8 @@ def perfect_information(ranking: Ranking) -> str | None:
 
 def scans(ranking: Ranking) -> str:
     """Describe the predicted scans over which a ranking is computed."""
+    if ranking.method == "sampled":
+        return "exact scans of a sample of the poses"
     count = 1 if ranking.samples is None else ranking.samples
     return f"{count} {ranking.scans} scan{'s' if count > 1 else ''} of each pose"
 

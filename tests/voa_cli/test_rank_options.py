@@ -20,11 +20,23 @@ def test_without_options_the_service_decides() -> None:
 
 
 def test_every_option_is_a_field_of_the_request() -> None:
-    given = ["--scans", "simulated", "--samples", "8", "--definition", "executed", "--sensor-std", "0.01,90"]
+    given = [
+        "--scans",
+        "simulated",
+        "--samples",
+        "8",
+        "--method",
+        "exact",
+        "--definition",
+        "executed",
+        "--sensor-std",
+        "0.01,90",
+    ]
     given += ["--lookahead", "1", "--from", "Q1", "--cost-per-m", "0.05", "--pending", "Q1", "Q2", "--grasps", "G1"]
     assert request(*given) == {
         "scans": "simulated",
         "samples": 8,
+        "method": "exact",
         "definition": "executed",
         "sensor_std": {"xy_m": 0.01, "yaw_rad": pytest.approx(math.pi / 2.0)},
         "lookahead": 1,

@@ -226,6 +226,8 @@ def test_scans_and_the_error_of_counted_scores_are_described() -> None:
     assert scans(ranking(0.1)) == "1 exact scan of each pose"
     assert scans(simulated((0.1, 0.0))) == "43 simulated scans of each pose"
     assert scans(simulated((0.1, 0.0), samples=1)) == "1 simulated scan of each pose"
+    of_a_sample = ranking(0.1).model_copy(update={"method": "sampled"})
+    assert scans(of_a_sample) == "exact scans of a sample of the poses"
     assert score_error(ranking(0.1)) is None
     assert score_error(simulated((0.1, 0.0), (0.1, 0.0), (0.1, 0.0))) == (
         "the counts behind the grasp scores add a standard error of up to 0.020"

@@ -16,12 +16,18 @@ from voa_service.mapping.models import Model
 from voa_service.runtime.queues import Check
 
 _PARTS = ("poses", "table", "sensors", "predictor", "rule", "policy", "prior")
+_PARTS_OF_PREDICTOR = ("data", "contours_at")
 
 
 def named_parts(model: Model, check: Check) -> dict[str, Any]:
     """Return the objects that are named instead of sent, by name: a scenario, its parts, and the check of a ranking."""
     scenario = model.scenario
     parts = {f"scenario.{name}": getattr(scenario, name) for name in _PARTS}
+    # A ranking over samples has a predictor of its own, which keeps no prediction, with the parts of the scenario's.
+    for name in _PARTS_OF_PREDICTOR:
+        part = getattr(scenario.predictor, name)
+        if part is not None:
+            parts[f"scenario.predictor.{name}"] = part
     return {"model": model, "scenario": scenario, "check": check} | parts
 
 

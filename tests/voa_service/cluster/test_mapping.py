@@ -53,8 +53,14 @@ def places(count: int) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"definition": "executed", "pending": ["Q1"]}, SIMULATED, SIMULATED | {"pending": ["Q3", "Q3"]}],
-    ids=["exact, with pairs", "exact, after a look under way", "simulated", "simulated, after looks under way"],
+    [
+        {},
+        {"definition": "executed", "pending": ["Q1"]},
+        SIMULATED,
+        SIMULATED | {"pending": ["Q3", "Q3"]},
+        {"method": "sampled", "outcomes": False},
+    ],
+    ids=["exact, with pairs", "exact, after a look under way", "simulated", "after looks under way", "sampled"],
 )
 def test_the_answer_is_that_of_threads_byte_for_byte(tmp_path: Path, cluster: Cluster, options: dict[str, Any]) -> None:
     document = mesh_document(tmp_path, {"belief": [0.4, 0.6], "outcomes": True} | options, sensors=places(20))
