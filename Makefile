@@ -30,26 +30,11 @@ $(STAMP): requirements.lock pyproject.toml
 demo: setup  ## a simulated lidar robot helps an arm to grasp; prints the story, leaves a page in build/demo
 	@$(BIN)/voa demo --out build/demo
 
-# Folders of tests that start no service and keep no time; tests/architecture/test_computing.py holds them to it.
-COMPUTING := $(addprefix tests/,histories mutants simulation voa_assets voa_core voa_evaluation/report voa_evaluation/values \
-  voa_meshes voa_msgs voa_recordings/files voa_ros voa_scene voa_setup/calibration voa_setup/grasps voa_setup/pieces \
-  voa_setup/scores)
-MEASURED := $(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest
-
 test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed by themselves where that is allowed
 	rm -rf $(COVERAGE)
-	@$(MAKE) --no-print-directory -j 2 test-waiting test-computing
+	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 2 --dist worksteal tests
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/all --skip-covered --fail-under=$(FLOOR)
-
-# Tests wait for processes, robots and pages a third of their time. Those that only compute take what is left of the cores, at
-# the lowest priority: three processes of tests that keep time would be late.
-.PHONY: test-waiting test-computing
-test-waiting:
-	$(MEASURED) -n 2 --dist worksteal $(COMPUTING:%=--ignore=%) tests
-
-test-computing:
-	nice -n 19 $(MEASURED) -q $(COMPUTING)
-	NUMBA_DISABLE_JIT=1 nice -n 19 $(BIN)/python -m coverage run --branch --data-file=$(COVERAGE)/core -m pytest -q tests/voa_core
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --branch --data-file=$(COVERAGE)/core -m pytest -q -n 2 tests/voa_core
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/core --include='voa_core/*' --show-missing --skip-covered --fail-under=100
 
 .PHONY: system-packages

@@ -25,7 +25,6 @@ from voa_service.environment import unknown_variables
 from voa_service.http.app import create_app
 from voa_service.http.server import Server, supervised
 from voa_service.runtime import logs
-from voa_service.runtime.kernels import load_before_ready
 from voa_service.runtime.stopping import Deadline
 from voa_service.settings import Settings, ZenohSettings
 from voa_service.zenoh.entry import on_zenoh
@@ -161,7 +160,6 @@ def _serve(
             software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )
-        load_before_ready()
         _collect_seldom()
         if certificate is not None:
             signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))

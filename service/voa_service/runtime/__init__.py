@@ -12,6 +12,5 @@
 | `memory`   | divides the memory of the machine or container among the parts of the service               |
 | `metrics`  | counters and gauges for Prometheus                                                          |
 | `logs`     | structured logs on stderr                                                                   |
-| `kernels`  | loads compiled kernels before the service is ready                                           |
 | `stopping` | ends the process some seconds after a signal, whatever its threads do                       |
 """
