@@ -140,7 +140,7 @@ class Scenario:
         definition: Definition = "posterior",
         sensor_belief: Belief | None = None,
     ) -> Ranking:
-        """Rank looks by net value over one exact scan of each pose, in float64, whether the scenario has a spread or not.
+        """Rank looks by net value over one exact scan of each pose, also where there is a spread, in float64.
 
         Args:
             belief: of the gripper agent, (n,); None: the prior.
