@@ -122,6 +122,17 @@ def test_what_is_remembered_is_not_taken_for_another_prediction(
     assert prediction.dense().tolist() != first.dense().tolist()
 
 
+def test_without_memory_nothing_is_kept() -> None:
+    def refuse(key: Hashable, make: Callable[[], Any]) -> Any:
+        raise AssertionError(f"{key} is kept")
+
+    keeping = replace(predictor_of_mesh(CUBE, standing((0.0, 0.0, 0.0)), LIDAR), remember=refuse)
+    forgetful = keeping.without_memory()
+    assert forgetful.predict(AT).dense().tolist() == forgetful.predict(AT).dense().tolist()
+    with pytest.raises(AssertionError, match="is kept"):
+        keeping.predict(AT)
+
+
 def test_someone_must_say_where_to_cut() -> None:
     predictor = predictor_of_mesh(CUBE, standing((0.0, 0.0, 0.0)), lidar_of(4, height=None))
     with pytest.raises(NoMesh, match="sensor 'a' has no height_m, nor has the lidar"):
