@@ -60,7 +60,7 @@ class _Pending:
 
 @dataclass(frozen=True, eq=False)
 class _Shared:
-    """What a group of writes needs to know, and the rows that it changes and adds.
+    """Facts that the writes of one group share, and the rows of the database that the group changes and adds.
 
     Attributes:
         before: what is stored under the keys of the writes.
