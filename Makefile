@@ -6,6 +6,8 @@ STAMP := $(VENV)/.installed
 # One BLAS thread each: the work is spread over the service's own pool.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
+# Python keeps what it has compiled, though the environment may forbid it: tests start hundreds of processes.
+export PYTHONDONTWRITEBYTECODE :=
 COVERAGE := build/coverage
 # Per cent of the lines of all packages that the tests run, kernels not counted as they are compiled. Never lower it.
 FLOOR := 95

@@ -17,11 +17,11 @@ from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.mistakes.surface import Surface
 from voa_core.objects import Object
 from voa_core.poses import PoseSet
-from voa_core.prediction import predictor_of_mesh
+from voa_core.prediction import ObservationPredictor, predictor_of_mesh
 from voa_core.ranking import rank
 from voa_core.rules.registry import RULES, rule_of
 from voa_core.scan_model import ScanModel
-from voa_core.scans import Scan
+from voa_core.scans import NO_RETURN, Scan
 from voa_core.scenario import Scenario
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.simulation import Sampling
@@ -69,6 +69,18 @@ def warm_up() -> None:
                 weigher = Weigher.of(rule, prediction, dtype, keep=keep)
                 for grasps in (table, many):
                     rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), grasps, UpdatePolicy())
+
+
+def load_scan_kernels() -> None:
+    """Load what the first scan of a process needs: numba's compiler, and the kernels that weigh a scan.
+
+    Kernels that are not on the disk yet are compiled.
+    """
+    lidar = LidarModel(BeamGrid(4, 0.0, 1.0), 0.1, 2.0, 0.02, "missing", 0.01, 0.02, 0.05)
+    sensor, ranges = SensorConfiguration("a", 0.0, 0.0, 0.0), np.array([[0.5, 0.5, 0.6, NO_RETURN]])
+    predictor = ObservationPredictor(PoseSet.named(["A"]), lidar, {"a": ranges})
+    for name in RULES:
+        evidence_of_scan(Scan(ranges[0], lidar.grid), sensor, predictor, rule_of(name, lidar), listed=True)
 
 
 if __name__ == "__main__":

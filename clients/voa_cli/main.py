@@ -1,5 +1,6 @@
 """The `voa` command: imports the module of the named subcommand and runs it."""
 
+import gc
 import importlib
 import os
 import sys
@@ -7,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Command(NamedTuple):
@@ -109,10 +110,19 @@ def _in_environment(file: str | None) -> Iterator[None]:
         os.environ.update({name: value for name, value in before.items() if value is not None})
 
 
+def _loaded(module: str) -> Any:
+    """Import a module without garbage collection: modules are no garbage, and to search them takes long."""
+    gc.disable()
+    try:
+        return importlib.import_module(module)
+    finally:
+        gc.enable()
+
+
 def _run(name: str, rest: list[str]) -> int:
     command = COMMANDS[name]
     try:
-        code: int = importlib.import_module(command.module).main(rest)
+        code: int = _loaded(command.module).main(rest)
     except ModuleNotFoundError as error:
         from voa_client.installing import install_hint  # noqa: PLC0415 - imports the client, which `--help` does not need
 

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
 from voa_connections.handshake import ServerCertificate, UnusableCertificate
-from voa_msgs.keys import ROOT
+from voa_core.warmup import load_scan_kernels
 from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
 from voa_service.console import ConsolePort, StartConsole, console_beside, missing_console
@@ -160,6 +160,7 @@ def _serve(
             software=services.health.store.software,
             zenoh=settings.zenoh.connect,
         )
+        load_scan_kernels()
         _collect_seldom()
         if certificate is not None:
             signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))
@@ -225,14 +226,14 @@ def listening_at(settings: Settings, listening: socket.socket) -> Settings:
 
 
 def _collect_seldom() -> None:
-    """Exempt loaded modules from garbage collection, and collect seldom.
+    """Exempt loaded modules from garbage collection, and collect seldom; `__main__` has switched it off to load them.
 
     A full collection stops every thread: for a quarter of a second over the loaded modules, for longer over a scenario
     of millions of numbers. Objects that are in no reference cycle are freed without it.
     """
-    gc.collect()
     gc.freeze()
     gc.set_threshold(_COLLECT_AFTER)
+    gc.enable()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -254,7 +255,8 @@ def _parser() -> argparse.ArgumentParser:
         metavar="ENDPOINT",
         help="connect to the first of these Zenoh routers that answers, as in tcp/192.168.0.2:7447 (default: no Zenoh)",
     )
-    option("--zenoh-root", help=f"prefix of every key on Zenoh (default {ROOT}); its last chunk names the lab")
+    root = ZenohSettings.model_fields["root"].default
+    option("--zenoh-root", help=f"prefix of every key on Zenoh (default {root}); its last chunk names the lab")
     option("--robots", metavar="FILE", help="TOML file that maps the ROS 2 topics of robots to sessions")
     option("--console", action="store_const", const=True, help="run the console beside the service; / leads to it")
     option("--console-port", type=int, help="port for the console, 0 for any that is free (default 8080)")

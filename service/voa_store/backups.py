@@ -15,7 +15,8 @@ from sqlalchemy import make_url
 from voa_store.carrying import CarriedKeys, carry_keys
 from voa_store.drivers import database_file, sqlite_driver
 from voa_store.engines import connect, statement
-from voa_store.migrate import is_current, migrate
+from voa_store.migrate import migrate
+from voa_store.revisions import is_current
 from voa_store.verify import Verified, verify_all
 
 _PART = ".part"

@@ -9,24 +9,22 @@ processes of an earlier generation then report that they are not ready.
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 import structlog
-from alembic import command
-from alembic.config import Config
-from alembic.migration import MigrationContext
-from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import OperationalError
 
+from voa_store import revisions
 from voa_store.engines import Engines
 from voa_store.errors import NewerTables
 
+if TYPE_CHECKING:
+    from alembic.config import Config
+
 _ONE_AT_A_TIME = 0x766F61  # "voa": the name of PostgreSQL's advisory lock
-_REVISIONS = Path(__file__).parent / "migrations"
-_DIGITS = "0123456789"
+_MIGRATIONS = Path(__file__).parent / "migrations"
 _LOCK_MS = 500
 """Longest wait for the lock of a table: others queue behind it, and PostgreSQL looks for deadlocks after 1 s."""
 _LOCKED = ("55P03", "40P01")
@@ -53,7 +51,7 @@ def migrate(
         OperationalError: other programs keep tables locked.
     """
     with engines.single.connect() as connection:
-        if _current(connection) == _newest():
+        if revisions.is_current(connection):
             return None
     end = clock() + _MOST_SECONDS
     while True:
@@ -67,10 +65,12 @@ def migrate(
 
 
 def _migrate(engines: Engines) -> None:
+    from alembic import command  # noqa: PLC0415 - slow to import, and needed only where a migration is missing
+
     with engines.writer.begin() as connection, _patient(connection):
-        revision = _current(connection)
-        if revision is not None and revision not in _known():
-            raise NewerTables(revision, _newest())
+        revision = revisions.current(connection)
+        if revision is not None and revision not in revisions.REVISIONS:
+            raise NewerTables(revision, revisions.newest())
         config = _configuration()
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
@@ -94,58 +94,9 @@ def _patient(connection: Connection) -> Iterator[None]:
         impatient.patience_s = usual
 
 
-def is_current(connection: Connection) -> bool:
-    """Return True if the tables are those of this version of the service."""
-    return _current(connection) == _newest()
+def _configuration() -> "Config":
+    from alembic.config import Config  # noqa: PLC0415 - slow to import, and needed only where a migration is missing
 
-
-@dataclass(frozen=True)
-class Revisions:
-    """The revisions of the tables that a process knows since it started, whatever is installed under it later.
-
-    Attributes:
-        newest: that of this version of the service.
-        known: of this version and all before.
-    """
-
-    newest: str
-    known: frozenset[str]
-
-    @classmethod
-    def of_this_version(cls) -> Self:
-        """Read the revisions that are installed."""
-        return cls(_newest(), frozenset(_known()))
-
-    def serve(self, connection: Connection) -> bool:
-        """Return True if this version can work with the tables: its own, or newer ones of the same generation."""
-        revision = _current(connection)
-        if revision is None or revision == self.newest:
-            return revision is not None
-        return revision not in self.known and generation(revision) == generation(self.newest)
-
-
-def generation(revision: str) -> str:
-    """Return the letters before the number of a revision, which a migration that stops older processes changes."""
-    return revision.rstrip(_DIGITS)
-
-
-def _current(connection: Connection) -> str | None:
-    return MigrationContext.configure(connection).get_current_revision()
-
-
-def _newest() -> str:
-    return str(_scripts().get_current_head())
-
-
-def _known() -> set[str]:
-    return {script.revision for script in _scripts().walk_revisions()}
-
-
-def _scripts() -> ScriptDirectory:
-    return ScriptDirectory.from_config(_configuration())
-
-
-def _configuration() -> Config:
     config = Config()
-    config.set_main_option("script_location", str(_REVISIONS))
+    config.set_main_option("script_location", str(_MIGRATIONS))
     return config

@@ -22,7 +22,7 @@ from voa_store.errors import ContentMissing
 from voa_store.histories import read_history
 from voa_store.keys import KeyRecords
 from voa_store.listening import Listener, notify
-from voa_store.migrate import Revisions, migrate
+from voa_store.migrate import migrate
 from voa_store.probing import Probe
 from voa_store.records import (
     HistoryEntry,
@@ -44,6 +44,7 @@ from voa_store.responses import (
     remove_responses,
     stored_response,
 )
+from voa_store.revisions import can_serve
 from voa_store.robots import RobotRecords
 from voa_store.rows import blob, session_of, written
 from voa_store.space import give_back
@@ -88,7 +89,6 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         self._listener: Listener | None = None
         self._probe = Probe(self._engines)
         self._remover = Remover(self._engines)
-        self._revisions = Revisions.of_this_version()
         try:
             migrate(self._engines)
             self._remover.wake_if_needed()
@@ -114,7 +114,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
             RuntimeError: the tables are those of a version of the service with which this one cannot share them.
         """
         with statement(self._single) as connection:
-            if not self._revisions.serve(connection):
+            if not can_serve(connection):
                 raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
 

@@ -19,7 +19,7 @@ from voa_store.drivers import database_file
 from voa_store.engines import Engines, connect, statement, transaction
 from voa_store.errors import DamagedData
 from voa_store.histories import read_history
-from voa_store.migrate import is_current
+from voa_store.revisions import is_current
 from voa_store.rows import object_of
 from voa_store.starting import explain
 from voa_store.tables import GONE, history, objects, sessions

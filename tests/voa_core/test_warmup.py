@@ -13,8 +13,14 @@ KERNELS = {
 }
 
 
-def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.MonkeyPatch) -> None:
-    met: set[tuple[str, str]] = set()
+Met = set[tuple[str, str]]
+"""Names of kernels, and the type of the floats that they were called with."""
+
+
+@pytest.fixture
+def met(monkeypatch: pytest.MonkeyPatch) -> Met:
+    """The kernels that have run."""
+    met: Met = set()
     for name, module in KERNELS.items():
         plain = getattr(kernels, name)
 
@@ -23,8 +29,17 @@ def test_warming_up_runs_every_kernel_in_both_float_types(monkeypatch: pytest.Mo
             plain(*arguments)  # type: ignore[operator] # a kernel
 
         monkeypatch.setattr(f"voa_core.rules.{module}.{name}", spying)
+    return met
+
+
+def test_warming_up_runs_every_kernel_in_both_float_types(met: Met) -> None:
     warmup.warm_up()
     assert met == {(name, dtype) for name in KERNELS for dtype in ("float32", "float64")}
+
+
+def test_the_kernels_of_scans_are_loaded_with_the_type_of_scans(met: Met) -> None:
+    warmup.load_scan_kernels()
+    assert met == {(name, "float64") for name in KERNELS if name != "squared_distances_among"}
 
 
 def test_it_is_a_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -204,3 +204,10 @@ def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) ->
     )
     assert done.returncode != 0
     assert "s3cret" not in done.stdout + done.stderr
+
+
+def test_a_start_imports_nothing_that_only_some_requests_need() -> None:
+    slow = ["alembic", "scipy.ndimage", "scipy.spatial", "scipy.stats", "trimesh", "mcap", "distributed"]
+    code = f"import sys, voa_service.serve; sys.exit(repr([name for name in {slow} if name in sys.modules]))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    assert done.stderr.strip() == "[]"

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from voa_core.checks import Floats
 from voa_core.grasps import GraspTable
@@ -56,6 +55,8 @@ def _groups(placed: "Placed", columns: NDArray[np.intp], steps: int) -> list[lis
 
     Only poses with the same column of scores and nearly the same moments are compared.
     """
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - slow to import, and needed for this alone
+
     features = placed.features()
     groups: list[list[int]] = []
     for members in np.split(np.argsort(columns, kind="stable"), np.cumsum(np.bincount(columns))[:-1]):
