@@ -55,7 +55,7 @@ class Evidence:
         """Logarithms ln w of the weights of the poses, (n,): each is the mean over the copies of the pose."""
         return log_means(self.log_copies)
 
-    @property
+    @cached_property
     def best_fit(self) -> int:
         """Index of the pose with the largest weight, the first listed of equals.
 

@@ -46,8 +46,8 @@ class BeamGrid:
 
     def agrees_with(self, other: "BeamGrid") -> bool:
         """True if both grids have as many beams and no two of them differ by more than 1e-4 rad (whole turns aside)."""
-        if self.beams != other.beams:
-            return False
+        if self == other or self.beams != other.beams:
+            return self == other
         apart = np.remainder(self.angles - other.angles + np.pi, 2.0 * np.pi) - np.pi
         return bool(np.abs(apart).max() <= GRID_TOLERANCE_RAD)
 
