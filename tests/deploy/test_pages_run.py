@@ -38,7 +38,7 @@ def run(program: Block, url: str) -> dict[str, Any]:
 def test_every_program_and_most_commands_are_run() -> None:
     programs = {each.path: len(each.blocks("python")) for each in PAGES if each.blocks("python")}
     others = {"deploy/docs/own-rule.md", "deploy/docs/own-policy.md"}  # tested with their example packages
-    docs = {"quick-start": 1, "on-your-robots": 3, "see-a-scenario": 1}
+    docs = {"api-core": 1, "quick-start": 1, "on-your-robots": 3, "see-a-scenario": 1}
     expected = {"README.md": 1} | {f"deploy/docs/{name}.md": count for name, count in docs.items()}
     run_elsewhere = {"CONTRIBUTING.md"} | others
     assert {path: count for path, count in programs.items() if path not in run_elsewhere} == expected
@@ -62,11 +62,14 @@ def test_the_program_of_a_scenario_s_page_writes_it(tmp_path: Path) -> None:
     assert "goblet: is it right?" in names["page"].read_text(encoding="utf-8")
 
 
-def test_the_program_of_the_quick_start_prints_what_is_stated(process: str, capsys: pytest.CaptureFixture[str]) -> None:
-    program = page("quick-start").program("load_scenario")
+@pytest.mark.parametrize(("name", "word"), [("quick-start", "load_scenario"), ("api-core", "rank_looks")])
+def test_the_program_of_a_page_prints_what_is_stated(
+    process: str, capsys: pytest.CaptureFixture[str], name: str, word: str
+) -> None:
+    program = page(name).program(word)
     run(program, process)
-    stated = re.match(r"\s*It prints\n\n```\n(.*?)```", program.after, re.DOTALL)
-    assert stated is not None, "quick start: expected a block with what the program prints behind it"
+    stated = re.match(r"\s*It prints[^\n]*\n\n```\n(.*?)```", program.after, re.DOTALL)
+    assert stated is not None, f"{name}: expected a block with what the program prints behind it"
     assert capsys.readouterr().out == stated[1]
 
 
