@@ -24,7 +24,7 @@ from voa_core.kernels import Array
 from voa_core.mixture import Mixture, flush
 from voa_core.vector_math import HALVING_WIDTH, exact_half_to_the, half_to_the_float32
 
-_REGISTER = 4  # numbers that a vector register holds: windows that fill them leave no rest, which would be slow
+_REGISTER = 8  # numbers that a vector register of float32 holds: windows that fill it leave no rest, which is slow
 _AT_ONCE = 512  # tables of so many predictions fit in the cache of a processor core
 _LEAST = 1e-140  # a density, or s, below this counts as 0: its inverse, and a product of two, fit a float64
 _FLOAT32_BYTES = 4
