@@ -33,6 +33,6 @@ its docstring names the source.
 | find probable mistakes                | `mistakes`                             |                                     |
 
 The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `choice_kernels`,
-`copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `vector_math` and `jit` for compiled loops, and
-`warmup`, which compiles them all.
+`copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `mixture_pairs`, `vector_math` and `jit` for
+compiled loops, and `warmup`, which compiles them all.
 """

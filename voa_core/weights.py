@@ -20,6 +20,7 @@ from voa_core.prediction import Prediction
 from voa_core.rules.distances import squared_distance
 from voa_core.rules.protocol import UpdateRule
 from voa_core.updating import UpdatePolicy
+from voa_core.vector_math import take_exponentials
 
 _POSES_AT_ONCE = 2048  # a larger matrix is computed in parts of as many numbers, at most a second each
 
@@ -142,5 +143,8 @@ def scale_rows(log_weights: Array) -> Array:
     highest[highest == -np.inf] = 0.0
     if highest.any():  # not among predictions under most rules: the diagonal holds weights of 1
         log_weights -= highest
-    np.exp(log_weights, out=log_weights)
+    if log_weights.dtype == np.float64 and log_weights.flags.c_contiguous:
+        take_exponentials(log_weights)
+    else:
+        np.exp(log_weights, out=log_weights)
     return log_weights

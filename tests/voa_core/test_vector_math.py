@@ -2,18 +2,24 @@
 
 import math
 from collections.abc import Callable
+from decimal import Decimal
 
 import numpy as np
 import pytest
 
 from voa_core.checks import Floats
 from voa_core.vector_math import (
+    _EXACT_HALVES,
     _EXP,
+    _FLOAT32_HALVES,
     HALVING_WIDTH,
     LOWEST,
     bound_of_half_to_the,
+    exact_half_to_the,
     exp_of_negative,
     half_to_the,
+    half_to_the_float32,
+    take_exponentials,
     take_logarithms,
 )
 
@@ -45,6 +51,43 @@ def halves_of(function: Callable[..., float], powers: Floats) -> Floats:
 def test_powers_of_a_half_are_exact_to_a_millionth_of_a_millionth() -> None:
     np.testing.assert_allclose(halves_of(half_to_the, POWERS), np.exp2(-POWERS), rtol=1e-12)
     np.testing.assert_allclose(halves_of(half_to_the, np.array([60.0, 1e300, math.inf])), math.exp(-40.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("coefficients", "error"), [(_EXACT_HALVES, 3.5e-16), (_FLOAT32_HALVES, 4e-8)])
+def test_polynomials_of_halves_are_exact_to_a_rounding(coefficients: tuple[float, ...], error: float) -> None:
+    for t in (Decimal(each) / 1000 for each in range(-500, 501)):
+        value = Decimal(0)
+        for coefficient in reversed(coefficients):
+            value = value * t + Decimal(float(coefficient))
+        assert abs(value / Decimal(2) ** -t - 1) < error
+    assert coefficients[0] == 1.0
+
+
+def test_exact_powers_of_a_half_are_exact_to_a_few_roundings() -> None:
+    powers = np.concatenate([POWERS, np.linspace(57.0, 1010.0, 9973), np.arange(1010) + 0.5])
+    np.testing.assert_allclose(halves_of(exact_half_to_the, powers), np.exp2(-powers), rtol=1e-15)
+    assert halves_of(exact_half_to_the, np.array([0.0, 3.0, 1010.001, 1e300, math.inf])).tolist() == [1, 0.125, 0, 0, 0]
+    assert math.isnan(halves_of(exact_half_to_the, np.array([math.nan]))[0])
+
+
+def test_powers_of_a_half_in_float32_are_exact_to_a_few_roundings() -> None:
+    numbers = np.zeros(1, dtype=np.float32)
+    powers = np.concatenate([POWERS, np.linspace(57.0, 125.0, 4001), [125.1, 1e30, math.inf]]).astype(np.float32)
+    own = [half_to_the_float32(power, numbers, numbers.view(np.int32), 0) for power in powers]
+    expected = np.where(powers > 125.0, 0.0, np.exp2(-powers.astype(np.float64)))
+    np.testing.assert_allclose(own, expected, rtol=3e-7)
+    assert own[0] == 1.0
+
+
+def test_exponentials_of_rows() -> None:
+    numbers = np.append(-np.logspace(-17, math.log10(699.9), 999), 0.0).reshape(10, 100)
+    own = numbers.copy()
+    take_exponentials(own)
+    assert (np.abs(own - np.exp(numbers)) <= (1e-15 - 3e-16 * numbers) * np.exp(numbers)).all()
+    ends = np.array([[0.0, -701.0, -math.inf, math.nan]])
+    take_exponentials(ends)
+    assert ends[0, :3].tolist() == [1.0, 0.0, 0.0]
+    assert math.isnan(ends[0, 3])
 
 
 def test_the_bound_of_powers_of_a_half_lies_above_by_little() -> None:

@@ -5,14 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-import numpy as np
-
 from voa_core.checks import Floats, number
 from voa_core.displaced_scans import DisplacedScans
 from voa_core.errors import InvalidInput
-from voa_core.kernels import Array, mixture_likelihoods
+from voa_core.kernels import Array
 from voa_core.lidars import LidarModel
 from voa_core.mixture import Mixture
+from voa_core.mixture_pairs import log_likelihoods
 from voa_core.rules.mixture_comparison import MixtureComparison
 
 _Z_SHORT = 0.05
@@ -22,14 +21,10 @@ _SILHOUETTE_SHARE = 0.05
 _ONE_WITNESS_RAD = math.radians(4.0)
 _ONE_WITNESS_OF_COPIES_RAD = math.radians(2.0)
 _LEAST_SHARE = 1e-9  # of random returns per metre, and of no-returns
-_BLOCK_POSES = 512  # tables of so many predicted scans fit in the cache of a processor core
 
 
-def _factors_in_range(random_density: float, lost: float, highest: float) -> int:
+def _factors_in_range(lowest: float, highest: float) -> int:
     """Number of factors between the lowest and the highest whose product surely fits a float64, at least 1."""
-    if random_density == 0.0:
-        return 1  # nothing bounds the tails of the normal density
-    lowest = min(random_density, lost) if lost > 0.0 else random_density
     return max(1, int(600.0 / max(abs(math.log(lowest)), abs(math.log(highest)), 1.0)))
 
 
@@ -119,47 +114,7 @@ class Beam:
 
     def statistic(self, observed: Array, predicted: Array) -> Array:
         """Log-likelihood of each observed scan under each predicted one: (m, c) and (n, c) give (m, n)."""
-        parts = [predicted[start : start + _BLOCK_POSES] for start in range(0, len(predicted), _BLOCK_POSES)]
-        return np.concatenate([self._log_likelihoods(observed, part) for part in parts], axis=1)
-
-    def _log_likelihoods(self, observed: Array, predicted: Array) -> Array:
-        """Logarithms of the products over beams: (m, c) and (n, c) give (m, n)."""
-        hit, short, lost, random = (
-            share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
-        )
-        decay = self.lambda_short_per_m
-        returned = np.isfinite(predicted.T)
-        poses = np.nonzero(returned)[1]
-        expected = predicted.T[returned].astype(np.float64)
-        within = np.clip(expected, 1e-9, self.range_max)
-        sigma = np.maximum(self.sigma_hit_m, self.noise_ratio * within)
-        hit_peak = hit / (math.sqrt(2.0 * math.pi) * sigma)
-        short_peak = short * decay / -np.expm1(-decay * within)
-        highest = random / self.range_max + hit_peak.max(initial=0.0) + short_peak.max(initial=0.0)
-        short_decay = np.exp(-decay * observed.astype(np.float64))
-        background = (0.5 * hit + random) / self.range_max
-        if_none = background + short * decay * short_decay / -math.expm1(-decay * self.range_max)
-        products, logs = (np.zeros((len(observed), len(predicted))) for _ in range(2))
-        with np.errstate(divide="ignore"):
-            mixture_likelihoods(
-                observed,
-                short_decay,
-                if_none,
-                np.where(returned, lost, 0.5 * hit + lost),
-                np.concatenate([[0], np.cumsum(returned.sum(axis=1))]),
-                poses,
-                expected,
-                1.0 / sigma,
-                hit_peak,
-                short_peak,
-                random / self.range_max,
-                _factors_in_range(random / self.range_max, lost, highest),
-                products,
-                logs,
-            )
-            np.log(products, out=products)
-        products += logs
-        return products.astype(observed.dtype, copy=False)
+        return log_likelihoods(observed, predicted, self._mixture())
 
     def statistic_among(self, ranges: Array) -> Array:
         """Log-likelihood of each of the scans (n, c) under each other: (n, n)."""
@@ -176,19 +131,23 @@ class Beam:
         None where random returns hardly occur, or where no copy can explain a beam: products of such densities do not
         fit the loops that are made for many copies.
         """
+        mixture = self._mixture()
+        lowest = min(mixture.random, mixture.lost)
+        if lowest < _LEAST_SHARE:
+            return None
+        nearest = mixture.short / -math.expm1(-1e-9 * mixture.decay_per_m)
+        highest = mixture.random + mixture.hit_peak / mixture.sigma_m + nearest
+        return MixtureComparison(mixture._replace(factors=_factors_in_range(lowest, highest)), observed, copies)
+
+    def _mixture(self) -> Mixture:
+        """Make the numbers of the mixture, with products of a single factor."""
         hit, short, lost, random = (
             share / self._total() for share in (self.z_hit, self.z_short, self.z_no_return, self.z_random)
         )
-        hit_peak, density = hit / math.sqrt(2.0 * math.pi), random / self.range_max
-        short_peak = short * self.lambda_short_per_m
-        highest = density + hit_peak / self.sigma_hit_m + short_peak / -math.expm1(-1e-9 * self.lambda_short_per_m)
-        if min(density, lost) < _LEAST_SHARE:
-            return None
-        factors = _factors_in_range(density, lost, highest)
-        mixture = Mixture(
-            hit_peak,
-            short_peak,
-            density,
+        return Mixture(
+            hit / math.sqrt(2.0 * math.pi),
+            short * self.lambda_short_per_m,
+            random / self.range_max,
             lost,
             0.5 * hit + lost,
             self.lambda_short_per_m,
@@ -196,6 +155,5 @@ class Beam:
             self.noise_ratio,
             self.range_max,
             float(self.temper),
-            factors,
+            factors=1,
         )
-        return MixtureComparison(mixture, observed, copies)
