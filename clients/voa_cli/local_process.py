@@ -10,6 +10,7 @@ from typing import Any
 
 from voa_client import VoaClientError
 from voa_client.installing import install_hint
+from voa_client.local import end
 from voa_client.scenario_files import MeshOfFile
 from voa_msgs.problems import Problem
 from voa_msgs.rankings import Ranking, VoaRequest
@@ -84,12 +85,7 @@ def _running(command: Sequence[str]) -> Iterator["subprocess.Popen[bytes]"]:
         yield process
         process.wait()
     except BaseException:
-        process.terminate()
-        try:
-            process.wait(_STOP_SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end(process, _STOP_SECONDS)
         raise
     finally:
         if process.stdout is not None:

@@ -32,6 +32,7 @@ def console_beside(url: str, host: str, port: int, names: Sequence[str]) -> Iter
     Raises:
         OSError: the address cannot be used.
     """
+    from voa_client.local import end  # noqa: PLC0415 - most services run without a console, and without a client
     from voa_console.serving import listen  # noqa: PLC0415 - most services run without a console
     from voa_console.settings import ConsoleSettings  # noqa: PLC0415 - most services run without a console
 
@@ -45,11 +46,6 @@ def console_beside(url: str, host: str, port: int, names: Sequence[str]) -> Iter
     try:
         yield lambda: taken if process.poll() is None else None
     finally:
-        process.terminate()
-        try:
-            process.wait(_STOP_SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end(process, _STOP_SECONDS)
         if process.stdin is not None:
             process.stdin.close()

@@ -19,7 +19,7 @@ Public modules beside that, each imported by its own name:
 | module | contents |
 |---|---|
 | `voa_client.scenario_files` | store the scenario of a JSON file, with the mesh file that it names |
-| `voa_client.local` | start a service on this machine for the length of a `with` |
+| `voa_client.local` | start a service on this machine for the length of a `with`; end a child process |
 | `voa_client.formatting` | write rankings, scores and differences as text for people |
 | `voa_client.message_files` | read a message from a JSON file |
 | `voa_client.zenoh_session` | open a Zenoh session with a router, for programs that publish or subscribe themselves |

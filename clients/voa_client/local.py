@@ -1,4 +1,4 @@
-"""Services that are started on this machine for the length of a `with`."""
+"""Services that are started on this machine for the length of a `with`, and the end of any child process."""
 
 import socket
 import subprocess
@@ -14,7 +14,7 @@ import httpx2
 from voa_client import Client, Retries, VoaClientError
 
 _START_SECONDS = 60.0
-_STOP_SECONDS = 20
+_STOP_SECONDS = 20.0
 _LOG_LINES = 15
 BRIEFLY = Retries(within_s=2.0)
 """Retries for a person at a terminal: enough for a short disturbance, and a wrong address is soon reported."""
@@ -59,12 +59,20 @@ def running(module: str, options: Sequence[str], log: Path, ready: str = "/ready
             raise ServiceDidNotStart(f"{module} did not start ({error}):\n{_tail(log)}") from error
         yield Running(url, process.pid)
     finally:
-        process.terminate()
-        try:
-            process.wait(_STOP_SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end(process, _STOP_SECONDS)
+
+
+def end(process: "subprocess.Popen[bytes]", patience_s: float) -> None:
+    """Terminate a child process and wait for its end; it is killed where it has not ended after `patience_s` seconds.
+
+    A process that has ended already keeps its exit status. Its pipes, if it has any, stay open.
+    """
+    process.terminate()
+    try:
+        process.wait(patience_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 @contextmanager

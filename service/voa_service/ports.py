@@ -17,6 +17,7 @@ from voa_store.records import (
     SessionChange,
     SessionMark,
     SessionState,
+    Step,
     StoredKey,
     StoredObject,
     StoredResponse,
@@ -31,9 +32,6 @@ Clock = Callable[[], datetime]
 
 IdSource = Callable[[], str]
 """A function that returns a new unique id, of characters `[A-Za-z0-9]`."""
-
-Step = Callable[[SessionChange, SessionState], None]
-"""A function that computes the next state of a session from its present one, and calls `SessionChange.respond`."""
 
 MeshReader = Callable[[bytes, str, float, UpAxis], Object]
 """A function that reads an untrusted mesh file: content, type ("obj", ...), metres per unit, axis that becomes z.

@@ -22,13 +22,10 @@ from voa_store.errors import SessionMissing, VersionMismatch
 from voa_store.grouping import Groups
 from voa_store.listening import notify
 from voa_store.looks import counted_looks, look_row
-from voa_store.records import SessionChange, SessionState, Write
+from voa_store.records import SessionChange, Step, Write
 from voa_store.responses import StoredRows, response_of, response_row, stored_rows
 from voa_store.rows import Columns, session_of, written
 from voa_store.tables import GONE, history, responses, robot_looks, sessions
-
-Step = Callable[[SessionChange, SessionState], None]
-"""A function that computes the next state of a session from its present one, and calls `SessionChange.respond`."""
 
 _MOST = 64
 """Writes of a group: a bound on the memory of a transaction, and on how long its rows are locked."""

@@ -1,5 +1,6 @@
 """Records of the store: objects, scenarios, sessions, their histories, and the writes that make them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Generic, Literal, NamedTuple, TypeVar
@@ -240,6 +241,10 @@ class SessionChange:
             report: JSON for the history.
         """
         self._response, self.after, self.report = response, after, report
+
+
+Step = Callable[[SessionChange, SessionState], None]
+"""A function that computes the next state of a session from its present one, and calls `SessionChange.respond`."""
 
 
 @dataclass(frozen=True)

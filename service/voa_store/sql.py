@@ -15,7 +15,7 @@ from sqlalchemy import bindparam, delete, insert, literal_column, select, update
 from sqlalchemy.exc import IntegrityError
 
 from voa_store import checksums, claims
-from voa_store.changing import SessionWriter, Step, check_version
+from voa_store.changing import SessionWriter, check_version
 from voa_store.contents import Contents, named_row
 from voa_store.engines import connect, first, statement, transaction
 from voa_store.errors import ContentMissing
@@ -32,6 +32,7 @@ from voa_store.records import (
     SessionChange,
     SessionMark,
     SessionState,
+    Step,
     StoredResponse,
     Write,
 )

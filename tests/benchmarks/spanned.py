@@ -17,10 +17,9 @@ from typing import Any
 
 from voa_service import serve
 from voa_service.mapping import estimates
-from voa_service.ports import Step
 from voa_service.usecases import updates
 from voa_service.usecases.places import LookedFrom
-from voa_store.records import SessionChange, Write
+from voa_store.records import SessionChange, Step, Write
 from voa_store.sql import SqlStore
 
 _LAYOUT = "2d"

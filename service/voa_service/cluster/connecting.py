@@ -3,7 +3,7 @@
 import logging
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import dask
@@ -45,7 +45,7 @@ def cluster_at(address: str, patience_s: float = 30.0) -> Iterator[Cluster]:
 
     Raises:
         InvalidRequest: the address is not valid.
-        NotReady: no scheduler answers there, or it has no workers.
+        NotReady: no scheduler answers there, it has no workers, or workers cannot be started on this machine.
     """
     kind, _, count = address.partition(":")
     logging.getLogger("distributed").setLevel(logging.ERROR)  # a lost worker is no event for the user of a ranking
@@ -61,10 +61,22 @@ def cluster_at(address: str, patience_s: float = 30.0) -> Iterator[Cluster]:
         if count and not (count.isdecimal() and int(count) > 0):
             raise InvalidRequest(f"expected {LOCAL}:N with a number of processes, got {address!r}")
         workers = int(count) if count else processors()
-        with (
-            tempfile.TemporaryDirectory(prefix="voa-workers-") as folder,
-            LocalCluster(
-                n_workers=workers,
+        with _workers_here(workers) as client:
+            yield Cluster(client, workers)
+
+
+@contextmanager
+def _workers_here(count: int) -> Iterator[Client]:
+    """Start worker processes on this machine, connected to a scheduler of their own, for the length of a `with`.
+
+    Raises:
+        NotReady: they cannot be started.
+    """
+    with ExitStack() as running:
+        try:
+            folder = running.enter_context(tempfile.TemporaryDirectory(prefix="voa-workers-"))
+            started = LocalCluster(
+                n_workers=count,
                 threads_per_worker=1,
                 processes=True,
                 host="127.0.0.1",
@@ -73,10 +85,23 @@ def cluster_at(address: str, patience_s: float = 30.0) -> Iterator[Cluster]:
                 silence_logs=logging.ERROR,
                 memory_limit=0,
                 local_directory=folder,
-            ) as started,
-            Client(started, set_as_default=False) as client,
-        ):
-            yield Cluster(client, workers)
+            )
+            running.enter_context(started)
+            client = running.enter_context(Client(started, set_as_default=False))
+        except (OSError, RuntimeError) as error:  # a timeout is an OSError; dask raises RuntimeError from other errors
+            raise NotReady(
+                f"{count} worker processes could not be started on this machine ({_reasons(error)}): is there enough "
+                f"memory, and may a user have so many processes and open files? Use fewer workers ({LOCAL}:N), or rank "
+                "without a cluster, on the threads of one process"
+            ) from error
+        yield client
+
+
+def _reasons(error: BaseException) -> str:
+    """Describe an error and those that it comes from, the first of them last."""
+    described = f"{type(error).__name__}: {error}".removesuffix(": ")
+    before = error.__cause__ or error.__context__
+    return described if before is None else f"{described} < {_reasons(before)}"
 
 
 @contextmanager

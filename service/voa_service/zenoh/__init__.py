@@ -13,6 +13,7 @@ Functions that a Zenoh thread calls return at once: they put their work into a b
 | `samples`      | a message on a topic of a mapped robot                                                    |
 | `applying`     | applies a look to its session once, whichever replicas do so                              |
 | `ledger`       | knows which looks of a robot its session has, so that each stop counts once               |
+| `joining`      | the session that a robot joins and the looks in it, also where its messages are late      |
 | `replicas`     | the replicas that are alive, and which of them is responsible for a sample                |
 | `mailboxes`    | bounded queues of samples, one for each sender                                            |
 | `deferred`     | work that waits in case the responsible replica does not do it                            |

@@ -5,9 +5,15 @@ revolutions: a replica may have started during a stop, have begun again after a 
 later. A look is therefore identified by its stop: it is compared with the looks that the session has accepted of this
 robot since the stop began and that this process has not matched yet; looks from one place are of one stop. Where there
 are no stops (modes `every` and `on_request`), a look is identified by its digest.
+
+A process may work on messages long after it received them, when others have counted looks at this stop and at later
+ones. The version of the session from before a stop is then one that was read before the stop's messages came.
 """
 
+import time
 from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
 
 from voa_msgs.sessions import ScanRequest
 from voa_ros.looks import GatheredLook, robot_of
@@ -22,12 +28,28 @@ _MOST_ENTRIES = 1_000
 """Number of versions since a stop began that are searched for a look at that stop."""
 _REMEMBERED = 1_024
 """Number of recognised looks that are remembered; fewer are ever under way."""
+LATE_S = 0.1
+"""Time from which a message is worked on late after it was received, seconds: looks at later stops may exist then."""
+
+
+class _Reading(NamedTuple):
+    """Version of a session, and the time by which it had been read, seconds by the process's clock."""
+
+    read_s: float
+    version: int
 
 
 class LookLedger:
     """The looks of a robot in a session, as this process knows them; not for several threads at once."""
 
-    def __init__(self, sessions: Sessions, session: str, robot: str, same_stop: SameStop | None) -> None:
+    def __init__(
+        self,
+        sessions: Sessions,
+        session: str,
+        robot: str,
+        same_stop: SameStop | None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         """Begin with the looks that the session has.
 
         Args:
@@ -35,6 +57,7 @@ class LookLedger:
             session: id of the session.
             robot: name of the robot in the mapping.
             same_stop: compares two looks; None: looks are identified by their digests.
+            clock: monotonic time, seconds.
 
         Raises:
             Failure: the session does not exist, or cannot be read.
@@ -43,35 +66,58 @@ class LookLedger:
         self._sessions = sessions
         self._robot = robot
         self._same_stop = same_stop
+        self._clock = clock
         self._versions: deque[int] = deque(maxlen=_REMEMBERED)
         """Versions of the session that this process made by its looks, or recognised as looks at its stops."""
         self._numbers: set[int] = set()
         """Numbers of the recognised looks above `_all_until`."""
         self._digests: deque[str] = deque(maxlen=_REMEMBERED)
         """Digests of the looks that this process has given out."""
-        self.version = max(-1, sessions.state(session).version - _NEWEST)
-        """Version of the session when the current stop began; looks of later versions may be of this stop."""
+        reading, number = self._read()
+        self._readings = deque([reading])
+        """Readings of the session, in order; the first is the newest from before the current stop, if there is one."""
+        self.version = max(-1, reading.version - _NEWEST)
+        """Version of the session from before the current stop; looks of later versions may be of this stop."""
         self._seen = 0
-        self.newest = self.begin_stop()
+        self.newest = self._newest_by_others(reading.version, number)
         """Newest look of the robot when this ledger began; None: the session has none among its newest versions."""
         self._all_until = self._seen
         """Looks up to this number are recognised, or too old to be looks at a coming stop."""
         self._before = self._looks_before()
         """Digests of the newest of these looks, of which another process may have been first to receive one."""
 
-    def begin_stop(self) -> ScanRequest | None:
-        """Note the version of the session as a stop begins.
+    def begin_stop(self, began_s: float, received_s: float) -> ScanRequest | None:
+        """Note the version of the session from before a stop.
+
+        Args:
+            began_s: time at which the first message of the stop was received, seconds by the clock.
+            received_s: time at which its newest message was received.
 
         Returns:
-            The robot's newest look, if another process has applied it since the previous stop; else None.
+            The robot's newest look, if another process has applied it since the previous stop; else None. Also None
+            where the message is worked on late: that look may be of a later stop.
 
         Raises:
             Failure: the session does not exist, or cannot be read.
         """
-        before, version = self.version, self._sessions.state(self.session).version
+        reading, number = self._read()
+        self._readings.append(reading)
+        while len(self._readings) > 1 and self._readings[1].read_s <= began_s:
+            self._readings.popleft()
+        if reading.read_s - received_s <= LATE_S:
+            return self._newest_by_others(reading.version, number)
+        self.version = self._readings[0].version
+        return None
+
+    def _read(self) -> tuple[_Reading, int]:
+        """Read the version of the session, and the number of looks of this robot that it has accepted."""
+        version = self._sessions.state(self.session).version
         newest = self._sessions.robot_looks(self.session, self._robot, 1)
-        number = newest[0].number if newest else 0
-        unknown = None
+        return _Reading(self._clock(), version), newest[0].number if newest else 0
+
+    def _newest_by_others(self, version: int, number: int) -> ScanRequest | None:
+        """Begin a stop at a version with a number of looks; returns the newest look that another process applied."""
+        before, unknown = self.version, None
         if number > self._seen and self._others_since(number - self._seen):
             fresh = [look for made, look in self._looks_after(before) if made not in self._versions]
             unknown = fresh[-1] if fresh else None

@@ -6,7 +6,7 @@ has are read (`ledger`), so that a replica that missed some, or has just started
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from voa_msgs.sessions import ScanRequest
 from voa_msgs.warnings import ProbableMistake
@@ -23,11 +23,10 @@ from voa_service.requests.attachments import read_attachment
 from voa_service.services import Services
 from voa_service.usecases.robot_reports import Standing
 from voa_service.zenoh.applying import DueLook
+from voa_service.zenoh.joining import FOLLOW_SECONDS, Joining
 from voa_service.zenoh.ledger import LookLedger
 from voa_service.zenoh.samples import Sample
 
-FOLLOW_SECONDS = 1.0
-"""Polling interval for changes of the mapping file, and of the session of a robot, in seconds."""
 _SHOWS_STOP = 2
 """Number of revolutions at a stop, at most, after which the session is read for looks by other replicas."""
 _ABSENT = (NotFound.kind, UnknownReference.kind)
@@ -40,12 +39,16 @@ class MappedRobot:
     Args:
         mapping: the robot's entry in the mapping file.
         services: use cases and limits.
+        clock: monotonic time, by which messages are stamped when they are received, seconds.
     """
 
-    def __init__(self, mapping: RobotMapping, services: Services) -> None:
+    def __init__(self, mapping: RobotMapping, services: Services, clock: Callable[[], float] = time.monotonic) -> None:
         self.mapping = mapping
         self.name = mapping.name
         self._services = services
+        self._clock = clock
+        same_stop = self._is_same_stop if mapping.look.mode == "stationary" else None
+        self._joining = Joining(services.sessions, mapping.name, same_stop, clock)
         self._looks: LookPipeline | None = None
         self._session: str | None = None
         self._scenario: str | None = None
@@ -55,9 +58,9 @@ class MappedRobot:
         self._same_stop: SameStop | None = None
         self._stop_known = False
         """True once the session was read for looks by other replicas at the current stop."""
+        self._began_s = 0.0
+        """Time at which the first message of the current stop was received, by the clock."""
         self._followed = -FOLLOW_SECONDS
-        self._moved: tuple[str, float] | None = None
-        """Session that the robot was moved to, and when this process noticed; None: it has joined its session."""
         self._missing: str | None = None
         self._absent: Failure | None = None
         """Reason why the mapping's scenario or session cannot be used; None: it can."""
@@ -94,6 +97,22 @@ class MappedRobot:
     def session(self) -> str | None:
         """Id of the session that the robot's scans are for; None: not known yet."""
         return self._session or self.mapping.session
+
+    def prepare(self) -> None:
+        """Read the looks of the robot's session, if there is one, before the first message is received.
+
+        Raises:
+            Failure: the database does not work at the moment; nothing is prepared.
+        """
+        mapping = self.mapping
+        try:
+            with self._lock, guarded():
+                session = mapping.session or self._services.claims.peek(self.name, mapping.scenario or "")
+                if session is not None:
+                    self._joining.begin(session)
+        except Failure as failure:
+            if failure.kind not in _ABSENT:
+                raise
 
     def request(self) -> None:
         """Request a look; raises ValueError where the robot's mode is not `on_request`."""
@@ -138,7 +157,7 @@ class MappedRobot:
                 self._show(looks.seen)
             if isinstance(received, GatheredLook):
                 return self._due(received, sample.received_s)
-            self._read_looks_of_others(looks)
+            self._read_looks_of_others(looks, sample.received_s)
             if sample.type == LASER_SCAN and self._missing is not None:
                 raise not_found("session yet on scenario", self.mapping.scenario or "")
             return None
@@ -158,10 +177,10 @@ class MappedRobot:
         looks = self._looks_or_fail()
         try:
             with guarded():
-                session = self._session_at(received_s, self._settled())
+                session = self._joining.session_at(received_s, self._settled())
                 ledger = self._ledger
                 if ledger is None or session != self._session:
-                    ledger = self._enter(session)
+                    ledger = self._enter(session, received_s)
                     if self._is_taken(ledger.newest, taken):
                         return None
                     if self._same_stop is not None:
@@ -175,15 +194,20 @@ class MappedRobot:
         return DueLook(self.name, taken, ledger, ledger.version)
 
     def _is_taken(self, newest: ScanRequest | None, taken: GatheredLook) -> bool:
-        return newest is not None and self._same_stop is not None and self._same_stop(newest, taken.request)
+        return newest is not None and self._is_same_stop(newest, taken.request)
 
-    def _read_looks_of_others(self, looks: LookPipeline) -> None:
+    def _is_same_stop(self, one: ScanRequest, other: ScanRequest) -> bool:
+        return self._same_stop is not None and self._same_stop(one, other)
+
+    def _read_looks_of_others(self, looks: LookPipeline, received_s: float) -> None:
         """Read, once at each stop, the looks of other replicas, and note one that was taken at this stop."""
         rule = self.mapping.look
+        if looks.standing <= 1:
+            self._began_s = received_s
         if rule.mode == "every" or looks.standing < min(_SHOWS_STOP, rule.scans - 1):
             self._stop_known = False
         elif not self._stop_known and self._ledger is not None:
-            newest = self._ledger.begin_stop()
+            newest = self._ledger.begin_stop(self._began_s, received_s)
             self._stop_known = True
             if newest is not None:
                 looks.resume(newest)
@@ -202,22 +226,6 @@ class MappedRobot:
             raise not_found("session yet on scenario", self.mapping.scenario or "")
         return session
 
-    def _session_at(self, received_s: float, session: str) -> str:
-        """Return the session that a message belongs to, where the robot was moved to `session` meanwhile.
-
-        A process that is late works on messages from before the move after it. They are of the session before, as for
-        the processes that were in time: otherwise their looks would count in both sessions, and out of order.
-
-        Args:
-            received_s: time at which the message was received, by `time.monotonic`.
-            session: the robot's session by now.
-        """
-        if self._session is None or session == self._session:
-            return session
-        if self._moved is None or self._moved[0] != session:
-            self._moved = session, time.monotonic()
-        return session if received_s >= self._moved[1] - FOLLOW_SECONDS else self._session
-
     def _following(self, sample: Sample) -> LookPipeline | None:
         """Return the looks that are being gathered, after polling the robot's session where that is due.
 
@@ -227,7 +235,7 @@ class MappedRobot:
         Raises:
             Failure: for a scan, where the mapping's scenario or session does not exist.
         """
-        now = time.monotonic()
+        now = self._clock()
         if now - self._followed >= FOLLOW_SECONDS:
             self._followed = now
             try:
@@ -258,13 +266,15 @@ class MappedRobot:
         else:
             scenario = mapping.scenario or ""
             session = self._services.claims.peek(self.name, scenario)
+        joins = None if session is None else self._joining.session_at(received_s, session)
         if scenario != self._scenario or self._looks is None:
             self._begin_on(scenario)
-        self._missing = self._none() if session is None else None
-        if session is None:
+        self._missing = self._none() if joins is None else None
+        if joins is None:
             self._leave()
-        elif self._session_at(received_s, session) != self._session:
-            self._enter(session)
+            self._joining.leave()
+        elif joins != self._session:
+            self._enter(joins, received_s)
 
     def _none(self) -> str:
         scenario = self.mapping.scenario
@@ -283,11 +293,11 @@ class MappedRobot:
             self._requested = False
             self._looks.request()
 
-    def _enter(self, session: str) -> LookLedger:
+    def _enter(self, session: str, received_s: float) -> LookLedger:
         """Begin to gather looks for a session; raises Failure, and changes nothing, where it cannot be read."""
-        ledger = LookLedger(self._services.sessions, session, self.name, self._same_stop)
+        ledger = self._joining.join(session, received_s)
         self._leave()
-        self._session, self._ledger, self._moved = session, ledger, None
+        self._session, self._ledger = session, ledger
         if ledger.newest is not None:
             self._looks_or_fail().resume(ledger.newest)
         return ledger

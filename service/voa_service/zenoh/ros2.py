@@ -9,7 +9,7 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -28,8 +28,9 @@ from voa_service.guard import guarded
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
 from voa_service.zenoh.deferred import Deferred
+from voa_service.zenoh.joining import FOLLOW_SECONDS
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
-from voa_service.zenoh.mapped_robot import FOLLOW_SECONDS, MappedRobot
+from voa_service.zenoh.mapped_robot import MappedRobot
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
 from voa_service.zenoh.replicas import Replicas
@@ -132,14 +133,16 @@ class Ros2:
         for name, (robot, _) in list(self._robots.items()):
             if wanted.get(name) != robot.mapping:
                 self._drop(name)
-        for name, mapping in wanted.items():
-            if name not in self._robots:
-                self._add(session, mapping)
+        added = [MappedRobot(mapping, self._services) for name, mapping in wanted.items() if name not in self._robots]
+        with suppress(Failure):  # robots that are not prepared join their sessions with their first messages
+            for robot in added:
+                robot.prepare()
+        for robot in added:
+            self._add(session, robot)
         structlog.get_logger().info("the mapping file was read", robots=sorted(wanted))
 
-    def _add(self, session: zenoh.Session, mapping: RobotMapping) -> None:
-        robot = MappedRobot(mapping, self._services)
-        stack = ExitStack()
+    def _add(self, session: zenoh.Session, robot: MappedRobot) -> None:
+        mapping, stack = robot.mapping, ExitStack()
         for subscription in mapping.subscriptions:
             latched = subscription.type == POSE_WITH_COVARIANCE_STAMPED
             for expression in expressions(subscription.topic, mapping.domain):

@@ -1,10 +1,12 @@
 """Connections to clusters, and addresses that lead to none."""
 
 import socket
+from contextlib import nullcontext
 
 import pytest
 from distributed import LocalCluster
 
+from voa_service.cluster import connecting
 from voa_service.cluster.connecting import cluster_at
 from voa_service.failures import InvalidRequest, NotReady
 
@@ -36,3 +38,54 @@ def test_where_nobody_listens_it_says_so() -> None:
     with pytest.raises(NotReady, match=f"no scheduler of a cluster answers at {address}"):  # noqa: SIM117
         with cluster_at(address, patience_s=1.0):
             pass
+
+
+def timed_out() -> RuntimeError:
+    """Return the error of a worker that does not answer in time, as dask raises it: from another one."""
+    error = RuntimeError("Nanny failed to start.")
+    error.__cause__ = TimeoutError()
+    return error
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (BlockingIOError(11, "Resource temporarily unavailable"), "Resource temporarily unavailable"),
+        (TimeoutError(), r"\(TimeoutError\)"),
+        (timed_out(), "Nanny failed to start. < TimeoutError"),
+    ],
+)
+@pytest.mark.parametrize("failing", ["LocalCluster", "Client"])
+def test_workers_that_cannot_be_started_are_no_defect_of_the_service(
+    monkeypatch: pytest.MonkeyPatch, failing: str, error: Exception, reason: str
+) -> None:
+    closed = list[bool]()
+
+    class Started:
+        """A cluster without workers."""
+
+        def __init__(self, **_: object) -> None:
+            """Start nothing."""
+
+        def __enter__(self) -> "Started":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            closed.append(True)
+
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(connecting, "LocalCluster", Started)
+    monkeypatch.setattr(connecting, failing, fail)
+    with pytest.raises(NotReady, match=f"3 worker processes could not be started .*{reason}.*Use fewer workers"):  # noqa: SIM117
+        with cluster_at("local:3"):
+            pass
+    assert closed == ([True] if failing == "Client" else [])
+
+
+def test_an_error_of_the_work_on_a_cluster_stays_what_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connecting, "LocalCluster", lambda **_: nullcontext())
+    monkeypatch.setattr(connecting, "Client", lambda *_, **__: nullcontext())
+    with pytest.raises(TimeoutError, match="of the work"), cluster_at("local:1"):
+        raise TimeoutError("of the work")
