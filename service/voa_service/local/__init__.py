@@ -12,12 +12,12 @@
 `ranking` the body of POST /v1/rankings without its field `scenario`. The answer is byte for byte the body with which
 that call would respond, and has none of its limits on sizes.
 
-| module     | purpose                                                                                     |
-|------------|---------------------------------------------------------------------------------------------|
-| `document` | the document on standard input                                                              |
-| `ranking`  | stores scenario and mesh in a temporary database, and ranks as the service does             |
-| `reported` | a map over the parts of a ranking that reports how many are finished                        |
-| `resumed`  | a map over the parts of a ranking that keeps its results in a folder                        |
-| `spreading` | where the parts of a ranking are computed: on threads or on a cluster                      |
-| `command`  | the process: its options, its lines, its signals and its exit status                        |
+| module         | purpose                                                                         |
+|----------------|---------------------------------------------------------------------------------|
+| `document`     | the document on standard input                                                  |
+| `ranking`      | stores scenario and mesh in a temporary database, and ranks as the service does |
+| `reported`     | a map over the parts of a ranking that reports how many are finished            |
+| `resumed`      | a map over the parts of a ranking that keeps its results in a folder            |
+| `distributing` | where the parts of a ranking are computed: on threads or on a cluster           |
+| `command`      | the process: its options, its lines, its signals and its exit status            |
 """

@@ -14,9 +14,9 @@ from pydantic_settings import SettingsError
 
 from voa_service.failures import Failure, document
 from voa_service.guard import guarded
+from voa_service.local.distributing import distribution
 from voa_service.local.document import read_document
 from voa_service.local.ranking import LocalRanking, local_services, ranked
-from voa_service.local.spreading import spreading
 from voa_service.runtime import logs
 from voa_service.runtime.queues import Cancelled
 from voa_service.settings import Settings
@@ -70,9 +70,9 @@ def _result(content: bytes, settings: Settings, options: argparse.Namespace, out
         print(json.dumps({"progress": {"done": done, "total": total}}), file=out, flush=True)
 
     given = read_document(content)
-    with local_services(settings) as built, spreading(options.cluster, options.resume, report) as spread:
+    with local_services(settings) as built, distribution(options.cluster, options.resume, report) as distribute:
         try:
-            return ranked(built, given, spread, check)
+            return ranked(built, given, distribute, check)
         finally:
             ended.set()  # threads that still work on parts end at their next check
 

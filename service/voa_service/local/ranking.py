@@ -43,7 +43,7 @@ class Parts:
     check: Check
 
 
-Spread = Callable[[ParallelMap, Parts], ParallelMap]
+Distribute = Callable[[ParallelMap, Parts], ParallelMap]
 """A function that replaces the map over the service's threads by another one, for the parts of one ranking."""
 
 
@@ -95,13 +95,13 @@ def stored(built: Services, document: Document) -> tuple[str, list[ProbableMista
     return created.id, [*warnings, *created.warnings]
 
 
-def ranked(built: Services, document: Document, spread: Spread, check: Check) -> LocalRanking:
+def ranked(built: Services, document: Document, distribute: Distribute, check: Check) -> LocalRanking:
     """Rank the looks of a document as POST /v1/rankings does.
 
     Args:
         built: use cases of `local_services`.
         document: scenario, mesh and request.
-        spread: gives the map by which the parts of the ranking are computed.
+        distribute: gives the map by which the parts of the ranking are computed.
         check: called often; an exception that it raises ends the ranking.
 
     Raises:
@@ -110,7 +110,7 @@ def ranked(built: Services, document: Document, spread: Spread, check: Check) ->
     """
     id_, warnings = stored(built, document)
     request = message(RankingRequest, document.ranking | {"scenario": id_}, UNLIMITED)
-    parallel_map = spread(built.rankings.parallel_map, _parts(built, request, check))
+    parallel_map = distribute(built.rankings.parallel_map, _parts(built, request, check))
     rankings = replace(built.rankings, parallel_map=parallel_map)
     question = rankings.once(request)
     return LocalRanking(warnings, rankings.answer(question, check).to(question))

@@ -37,14 +37,14 @@ def unreported(done: int, total: int) -> None:
 def ranking(document: bytes, cluster: Cluster | None, report: Report = unreported) -> bytes:
     """Rank on a cluster, or on threads (None)."""
 
-    def spread(threads: ParallelMap, parts: Parts) -> ParallelMap:
+    def distribute(threads: ParallelMap, parts: Parts) -> ParallelMap:
         if cluster is None:
             return threads
         scene = Scene(parts.scenario, parts.object, parts.cache_bytes, versions())
         return ReportedMap(ClusterMap(cluster.client, scene, parts.model, parts.check), report)
 
     with local() as built:
-        return ranked(built, read_document(document), spread, nothing).body
+        return ranked(built, read_document(document), distribute, nothing).body
 
 
 def places(count: int) -> list[dict[str, Any]]:
@@ -98,13 +98,13 @@ def mapped(client: Client, function: Callable[[Any], Any], items: list[Any]) -> 
     """Apply a function to items on the workers of a client, beside a scenario."""
     results: list[Any] = []
 
-    def spread(threads: ParallelMap, parts: Parts) -> ParallelMap:
+    def distribute(threads: ParallelMap, parts: Parts) -> ParallelMap:
         scene = Scene(parts.scenario, parts.object, parts.cache_bytes, versions())
         results.extend(ClusterMap(client, scene, parts.model, parts.check)(function, items))
         return threads
 
     with local() as built:
-        ranked(built, read_document(data_document({"belief": None, "lookahead": 1})), spread, nothing)
+        ranked(built, read_document(data_document({"belief": None, "lookahead": 1})), distribute, nothing)
     return results
 
 

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from voa_service.failures import InvalidRequest
-from voa_service.local.ranking import Parts, Spread
+from voa_service.local.ranking import Distribute, Parts
 from voa_service.local.reported import Report, ReportedMap
 from voa_service.local.resumed import ResumedMap, folder_of
 from voa_service.mapping.rankings import ParallelMap
@@ -14,7 +14,7 @@ from voa_service.versions import versions
 
 
 @contextmanager
-def spreading(cluster: str | None, resume: Path | None, report: Report) -> Iterator[Spread]:
+def distribution(cluster: str | None, resume: Path | None, report: Report) -> Iterator[Distribute]:
     """Give the function that says where the parts of a ranking are computed, for the length of a `with`.
 
     Args:
@@ -37,12 +37,12 @@ def spreading(cluster: str | None, resume: Path | None, report: Report) -> Itera
 
     with cluster_at(cluster) as there:
 
-        def spread(_: ParallelMap, parts: Parts) -> ParallelMap:
+        def distribute(_: ParallelMap, parts: Parts) -> ParallelMap:
             share = parts.cache_bytes // (there.on_this_machine or 1)
             scene = Scene(parts.scenario, parts.object, share, versions())
             return _observed(ClusterMap(there.client, scene, parts.model, parts.check), parts, resume, report)
 
-        yield spread
+        yield distribute
 
 
 def _observed(parallel_map: ParallelMap, parts: Parts, resume: Path | None, report: Report) -> ParallelMap:

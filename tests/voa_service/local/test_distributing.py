@@ -6,10 +6,10 @@ import pytest
 
 from tests.voa_service.local.documents import data_document, local, nothing
 from voa_service.failures import InvalidRequest
-from voa_service.local import spreading as module
+from voa_service.local import distributing as module
+from voa_service.local.distributing import distribution
 from voa_service.local.document import read_document
 from voa_service.local.ranking import LocalRanking, ranked
-from voa_service.local.spreading import spreading
 
 
 def ranking(cluster: str | None, resume: Path | None, reports: list[tuple[int, int]]) -> LocalRanking:
@@ -19,8 +19,8 @@ def ranking(cluster: str | None, resume: Path | None, reports: list[tuple[int, i
     def report(done: int, total: int) -> None:
         reports.append((done, total))
 
-    with local() as built, spreading(cluster, resume, report) as spread:
-        return ranked(built, document, spread, nothing)
+    with local() as built, distribution(cluster, resume, report) as distribute:
+        return ranked(built, document, distribute, nothing)
 
 
 def test_results_are_kept_in_the_folder_and_read_from_it(tmp_path: Path) -> None:
