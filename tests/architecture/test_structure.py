@@ -179,7 +179,6 @@ TESTED_ELSEWHERE = {
     "http/routes": "thin, one call of a use case each: tests/contract",
     "meshes/worker": "a process of its own: tests/voa_service/meshes/test_reader.py",
     "zenoh/joining": "tests/voa_service/zenoh/test_claimed_robots.py and test_late_messages.py",
-    "zenoh/link": "tests/voa_service/zenoh/test_entry.py and tests/e2e/test_bus_failures.py, with a real router",
     "zenoh/samples": "a record",
     "zenoh/scans": "tests/voa_service/zenoh/test_entry.py, with a real router",
 }

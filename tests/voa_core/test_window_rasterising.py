@@ -84,7 +84,7 @@ def test_the_error_of_a_bearing_is_below_a_tenth_of_the_margin(share: float, see
     name=st.sampled_from(sorted(OBJECTS)),
     grid=st.sampled_from((*GRIDS, COARSE)),
     seed=st.integers(0, 10_000),
-    away=st.sampled_from([0.16, 0.3, 1.0]),
+    away=st.sampled_from([0.19, 0.3, 1.0]),  # the largest cut and its place reach to 0.186 m
 )
 def test_a_window_holds_all_that_a_whole_scan_does(name: str, grid: BeamGrid, seed: int, away: float) -> None:
     rng = np.random.default_rng(seed)

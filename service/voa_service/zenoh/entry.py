@@ -16,10 +16,16 @@ from voa_service.zenoh.replicas import Replicas
 from voa_service.zenoh.ros2 import Ros2
 from voa_service.zenoh.scans import Scans
 
+_JOIN_SECONDS = 3.0
+"""Longest time that a start waits for a router that neither answers nor refuses."""
+
 
 @contextmanager
 def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = None) -> Iterator[None]:
     """Serve on Zenoh within a `with` block, as soon as a router answers; does nothing where no router is configured.
+
+    The block begins once the service receives every message, unless no router answers: a replica that reports that it
+    is ready, so that another may leave, must not miss what robots publish meanwhile.
 
     Args:
         services: use cases and queues.
@@ -46,4 +52,5 @@ def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = 
             parts.append(ros2.on)
         own = ZenohLink(settings, link, services.metrics, parts)
         stack.callback(own.close)
+        own.wait_for_first_try(_JOIN_SECONDS)
         yield

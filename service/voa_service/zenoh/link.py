@@ -1,4 +1,8 @@
-"""The Zenoh session with a router: opened as soon as a router answers; Zenoh itself restores a lost connection."""
+"""The Zenoh session with a router: opened as soon as a router answers; Zenoh itself restores a lost connection.
+
+The link counts as connected once a router is there and every part has made its declarations: from then on no message
+passes the service by.
+"""
 
 import json
 import os
@@ -40,11 +44,18 @@ class ZenohLink:
         self._metrics = metrics
         self._parts = parts
         self._transports = 0
+        self._is_declared = False
+        self._changing = threading.Lock()
+        self._has_tried = threading.Event()
         metrics.gauge("voa_zenoh_connected", "1 if a Zenoh router is connected, else 0.", self._is_connected)
         self._ended = threading.Event()
         link.state = "connecting"
         self._thread = threading.Thread(target=self._run, name="voa-zenoh", daemon=True)
         self._thread.start()
+
+    def wait_for_first_try(self, seconds: float) -> None:
+        """Wait until the link is connected for the first time, or no router answered; at most so many seconds."""
+        self._has_tried.wait(seconds)
 
     def close(self) -> None:
         """Leave the parts and the router."""
@@ -63,8 +74,7 @@ class ZenohLink:
             except Exception as error:  # any error: a service that has lost Zenoh must connect again
                 structlog.get_logger("voa").exception("the Zenoh session failed, opening it again", exc_info=error)
                 self._metrics.zenoh("link failed")
-                self._transports = 0
-                self._link.state = "connecting"
+                self._note(transports=0)
                 self._ended.wait(_AGAIN_SECONDS)
 
     def _serve(self, session: zenoh.Session) -> None:
@@ -73,8 +83,10 @@ class ZenohLink:
             stack.callback(session.close)
             events = session.info.declare_transport_events_listener(Callback(self._moved, indirect=False), history=True)
             stack.callback(events.undeclare)
+            stack.callback(self._note, is_declared=False)
             for part in self._parts:
                 stack.enter_context(part(session))
+            self._note(is_declared=True)
             structlog.get_logger("voa").info(
                 "connected to Zenoh", routers=[str(zid) for zid in session.info.routers_zid()]
             )
@@ -95,15 +107,24 @@ class ZenohLink:
                         hint="the router is down, or refuses the credentials; `voa doctor` shows which",
                     )
                 tries += 1
+                self._has_tried.set()
                 self._ended.wait(_AGAIN_SECONDS)
         return None
 
     def _moved(self, event: zenoh.TransportEvent) -> None:
         """Note that a connection to a router was made or lost."""
         is_up = event.kind == zenoh.SampleKind.PUT
-        self._transports = max(0, self._transports + (1 if is_up else -1))
-        self._link.state = "connected" if self._transports else "connecting"
+        self._note(transports=max(0, self._transports + (1 if is_up else -1)))
         self._metrics.zenoh("link up" if is_up else "link down")
+
+    def _note(self, transports: int | None = None, is_declared: bool | None = None) -> None:
+        """Note the number of connections to routers, and whether all parts have made their declarations."""
+        with self._changing:
+            self._transports = self._transports if transports is None else transports
+            self._is_declared = self._is_declared if is_declared is None else is_declared
+            self._link.state = "connected" if self._transports and self._is_declared else "connecting"
+        if self._link.state == "connected":
+            self._has_tried.set()
 
 
 def configuration(settings: ZenohSettings) -> zenoh.Config:
