@@ -21,7 +21,7 @@ _TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: n
 LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}
 """Normalisers below which weights that count may have been lost, by type of the weights."""
 _SCREEN_FROM = 32  # grasps; with fewer a product in float64 costs no more than a second look at the weights
-_ROWS = 128  # scans at once: their weights stay in a cache between the two looks at them
+_ROWS = 512  # scans at once: fewer make the product slower, more would not stay in a cache between the two looks at them
 _FUTILE = 0.5  # share of scans that float32 leaves open, from which screening the others would not pay
 _UNIT = 2.0**-24  # largest relative error of one rounding to float32
 
@@ -61,9 +61,8 @@ def choices_after(weights: Array, weighted_scores: Array, rough: Array | None) -
     if rough is None:
         return _by_one_product(weights, weighted_scores)
     parts: list[Choices] = []
-    rounded = np.zeros((min(_ROWS, len(weights)), weights.shape[1]), np.float32)
     for start in range(0, len(weights), _ROWS):
-        part, left_open = _screened(weights[start : start + _ROWS], weighted_scores, rough, rounded)
+        part, left_open = _screened(weights[start : start + _ROWS], weighted_scores, rough)
         parts.append(part)
         if left_open > _FUTILE and start + _ROWS < len(weights):
             parts.append(_by_one_product(weights[start + _ROWS :], weighted_scores))
@@ -79,21 +78,18 @@ def _by_one_product(weights: Array, weighted_scores: Array) -> Choices:
     return choices
 
 
-def _screened(weights: Floats, weighted_scores: Floats, rough: Array, rounded: Array) -> tuple[Choices, float]:
+def _screened(weights: Floats, weighted_scores: Floats, rough: Array) -> tuple[Choices, float]:
     """Choose by a product in float32 and, where it leaves the choice open, by one in float64.
 
     Args:
         weights: (k, c) weights of the poses after each scan.
         weighted_scores: (m + 1, c) probability times score of each grasp, and the probabilities last.
         rough: (m + 1, c) these in float32.
-        rounded: at least (k, c), overwritten: the weights in float32.
 
     Returns:
         The choices, and the share of scans that float32 left open.
     """
-    rounded = rounded[: len(weights)]
-    rounded[:] = weights
-    product = rough @ rounded.T
+    product = rough @ weights.astype(np.float32).T
     choices, close = _choices_of(product, _uncertainty(weights.shape[1]))
     some = np.flatnonzero(close | choices.undecided | (choices.norms < LEAST_NORM[_FLOAT32]))
     chosen, scores, undecided = choices.chosen, choices.scores, choices.undecided
