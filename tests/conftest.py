@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import structlog
+from coverage import Coverage
 from hypothesis import settings
 from playwright.sync_api import Browser, Page
 
@@ -15,6 +16,13 @@ from tests.support.postgres import Server, server
 from tests.support.scale import SCALE
 from tests.support.serving import Service, box_obj, data_scenario, mesh_scenario, serving
 from voa_client.local import local_service
+
+_TRACED = (
+    {"voa_core"}
+    if "NUMBA_DISABLE_JIT" in os.environ
+    else {each.name for each in Path(__file__).parent.glob("voa_*") if each.name != "voa_core"}
+)
+"""Folders of tests that are traced, where coverage is measured."""
 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("untimed")
@@ -33,6 +41,23 @@ def pytest_configure(config: pytest.Config) -> None:
     """Let processes that tests start run untraced: tests in this process trace the same code, in half of the time."""
     if hasattr(config, "workerinput"):
         os.environ.pop("COVERAGE_PROCESS_CONFIG", None)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Trace only the tests in the folders of packages, those of `voa_core` where its kernels are not compiled.
+
+    Tracing doubles the time of a test. Tests across packages, and of compiled kernels, run lines that these run too.
+    """
+    tracing = Coverage.current()
+    folder = item.path.relative_to(item.config.rootpath / "tests").parts[0]
+    if tracing is None or folder in _TRACED:
+        return (yield)
+    tracing.stop()
+    try:
+        return (yield)
+    finally:
+        tracing.start()
 
 
 def pytest_report_header() -> str:
