@@ -43,7 +43,8 @@ from voa_store.records import IdempotencyKey
 
 _MOST_WAITING = 256
 _MOST_BYTES = 4_096
-_END_SECONDS = 0.4
+_END_SECONDS = 2.0
+"""Longest time that inputs which were received may take at the end; they are few."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,7 @@ class Inputs:
                     receive = Callback(partial(self._receive, resolved, type_), indirect=False)
                     stack.enter_context(session.declare_subscriber(expression, receive))
             yield
+        self._deferred.drain()
         self._boxes.drain(_END_SECONDS)
 
     def _receive(self, topic: str, type_: MessageType, sample: zenoh.Sample) -> None:

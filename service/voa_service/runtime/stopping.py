@@ -58,14 +58,21 @@ class Deadline:
     def __init__(self, seconds: float, end: Callable[[int], object] = os._exit) -> None:
         self._seconds = seconds
         self._end = end
+        self._ends_at = math.inf
         # A signal handler may interrupt anything, also code that holds a lock: it writes a byte and takes none.
         self._write, self._read = os.pipe()[::-1]
         self._thread = threading.Thread(target=self._wait, name="voa-deadline", daemon=True)
 
     def begin(self) -> None:
         """Start the countdown; may be called by a signal handler, and more than once."""
+        self._ends_at = min(self._ends_at, time.monotonic() + self._seconds)
         with suppress(BrokenPipeError):  # the countdown has begun already
             os.write(self._write, b".")
+
+    @property
+    def left(self) -> float:
+        """Seconds until the process is ended; all of them where the countdown has not begun."""
+        return max(0.0, min(self._seconds, self._ends_at - time.monotonic()))
 
     def __enter__(self) -> Self:
         self._thread.start()

@@ -27,6 +27,7 @@ class Deferred(Generic[T]):
         self._bytes = 0
         self._items: deque[tuple[float, T, int]] = deque()
         self._changed = threading.Condition()
+        self._is_handing_on = False
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="voa-deferred")
         self._thread.start()
@@ -40,20 +41,26 @@ class Deferred(Generic[T]):
             while len(self._items) > self._most or self._bytes > self._most_bytes:
                 self._bytes -= self._items.popleft()[2]
                 dropped += 1
-            self._changed.notify()
+            self._changed.notify_all()
         return dropped
 
     def hasten(self) -> None:
         """Hand on the items that wait now without further delay; from any thread, returns at once."""
         with self._changed:
             self._items = deque((0.0, item, size) for _, item, size in self._items)
-            self._changed.notify()
+            self._changed.notify_all()
+
+    def drain(self) -> None:
+        """Hand on the items that wait now, and return when that is done."""
+        self.hasten()
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or not (self._items or self._is_handing_on))
 
     def close(self) -> None:
         """Drop the items that wait, and end the thread."""
         with self._changed:
             self._closed = True
-            self._changed.notify()
+            self._changed.notify_all()
         self._thread.join()
 
     def _run(self) -> None:
@@ -62,11 +69,14 @@ class Deferred(Generic[T]):
 
     def _due(self) -> T | None:
         with self._changed:
+            self._is_handing_on = False
+            self._changed.notify_all()
             while not self._closed:
                 left = None if not self._items else self._items[0][0] - time.monotonic()
                 if left is not None and left <= 0:
                     _, item, size = self._items.popleft()
                     self._bytes -= size
+                    self._is_handing_on = True
                     return item
                 self._changed.wait(left)
         return None

@@ -1,7 +1,8 @@
 """Service on Zenoh, beside HTTP in the same process: builds and starts its parts."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 from voa_msgs.keys import Keys
@@ -18,19 +19,30 @@ from voa_service.zenoh.scans import Scans
 
 _JOIN_SECONDS = 3.0
 """Longest time that a start waits for a router that neither answers nor refuses."""
+_LEFT_SECONDS = 5.0
+"""Time until the end of a process that does not state it."""
+_CLOSE_SECONDS = 1.0
+"""Part of the time left that is kept for what ends after the last scan: the link, and the database."""
 
 
 @contextmanager
-def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = None) -> Iterator[None]:
+def on_zenoh(
+    services: Services,
+    settings: ZenohSettings,
+    robots: Path | None = None,
+    left: Callable[[], float] = lambda: _LEFT_SECONDS,
+) -> Iterator[None]:
     """Serve on Zenoh within a `with` block, as soon as a router answers; does nothing where no router is configured.
 
     The block begins once the service receives every message, unless no router answers: a replica that reports that it
-    is ready, so that another may leave, must not miss what robots publish meanwhile.
+    is ready, so that another may leave, must not miss what robots publish meanwhile. At the end the service leaves its
+    scans and robots to the other replicas first, then applies what it has received, as long as there is time left.
 
     Args:
         services: use cases and queues.
         settings: router, credentials and key prefix.
         robots: file that maps the ROS 2 topics of robots to sessions; None: no mapping.
+        left: returns the seconds until the process is ended.
     """
     if not settings.connect:
         yield
@@ -39,18 +51,26 @@ def on_zenoh(services: Services, settings: ZenohSettings, robots: Path | None = 
     link = services.health.link
     replicas = Replicas(services.health.replica, keys)
     outbox = Outbox(services.sessions.message, keys, link, services.metrics)
+    finishing_left = partial(_before_closing, left)
     queries = Queries(Rpc(services), keys, services.metrics, services.limits.body_bytes)
     with ExitStack() as stack:
-        scans = Scans(services, keys, replicas, outbox, settings.grace_seconds)
+        scans = Scans(services, keys, replicas, outbox, settings.grace_seconds, finishing_left)
         stack.callback(scans.close)
         stack.enter_context(services.changes.listening(outbox.committed))
-        parts: list[Part] = [outbox.on, replicas.on, scans.on, queries.on]
+        finishing: list[Part] = [scans.finishing]
+        receiving: list[Part] = [scans.on, queries.on]
         if robots is not None:
             tools = RosTools(services, keys, replicas, outbox, settings.grace_seconds)
-            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds, tools.on)
+            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds, finishing_left, tools.on)
             stack.callback(ros2.close)
-            parts.append(ros2.on)
-        own = ZenohLink(settings, link, services.metrics, parts)
+            finishing.append(ros2.finishing)
+            receiving.append(ros2.on)
+        parts = [outbox.on, *finishing, replicas.on, *receiving]
+        own = ZenohLink(settings, link, services.metrics, parts, left)
         stack.callback(own.close)
         own.wait_for_first_try(_JOIN_SECONDS)
         yield
+
+
+def _before_closing(left: Callable[[], float]) -> float:
+    return max(0.0, left() - _CLOSE_SECONDS)

@@ -36,13 +36,22 @@ class ZenohLink:
         link: state of the link, kept up to date for health checks.
         metrics: counts connections to routers made and lost.
         parts: entered in this order, left in reverse.
+        left: returns the seconds that leaving them may take.
     """
 
-    def __init__(self, settings: ZenohSettings, link: Link, metrics: Metrics, parts: Sequence[Part]) -> None:
+    def __init__(
+        self,
+        settings: ZenohSettings,
+        link: Link,
+        metrics: Metrics,
+        parts: Sequence[Part],
+        left: Callable[[], float] = lambda: _END_SECONDS,
+    ) -> None:
         self._settings = settings
         self._link = link
         self._metrics = metrics
         self._parts = parts
+        self._left = left
         self._transports = 0
         self._is_declared = False
         self._changing = threading.Lock()
@@ -61,7 +70,7 @@ class ZenohLink:
         """Leave the parts and the router."""
         self._ended.set()
         # An endpoint that accepts connections and stays silent is not waited for.
-        self._thread.join(_END_SECONDS if self._link.state == "connected" else _OPEN_SECONDS)
+        self._thread.join(self._left() if self._link.state == "connected" else _OPEN_SECONDS)
         self._link.state = "off"
 
     def _is_connected(self) -> float:

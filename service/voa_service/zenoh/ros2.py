@@ -37,7 +37,6 @@ from voa_service.zenoh.replicas import Replicas
 from voa_service.zenoh.samples import Sample
 
 _WORKERS = 2
-_END_SECONDS = 0.4
 
 Beside = Callable[[zenoh.Session, RobotMapping], AbstractContextManager[object]]
 """Context manager that is entered while a robot is mapped."""
@@ -61,6 +60,7 @@ class Ros2:
         replicas: decides which replica applies a look at once.
         outbox: publishes refusals.
         grace_seconds: delay after which a replica that is not responsible applies a look.
+        left: returns the seconds that messages which were received may take at the end.
         beside: context manager that serves ROS tools while a robot is mapped.
     """
 
@@ -71,6 +71,7 @@ class Ros2:
         replicas: Replicas,
         outbox: Outbox,
         grace_seconds: float,
+        left: Callable[[], float],
         beside: Beside,
     ) -> None:
         self._services = services
@@ -78,6 +79,7 @@ class Ros2:
         self._file = mapping
         self._replicas = replicas
         self._outbox = outbox
+        self._left = left
         self._robots: dict[str, tuple[MappedRobot, ExitStack]] = {}
         self._read: str | None = None
         self._boxes: Mailboxes[tuple[MappedRobot, Sample | _Look]] = Mailboxes(
@@ -106,8 +108,15 @@ class Ros2:
             for name in list(self._robots):
                 self._drop(name)
             self._read = None  # another session with a router must subscribe again
-            for _ in range(self._boxes.drain(_END_SECONDS)):
-                self._services.metrics.zenoh("ROS message dropped at the end")
+
+    @contextmanager
+    def finishing(self, _: zenoh.Session) -> Iterator[None]:
+        """Handle the messages that were received, at the end of a `with` block; another replica may not have them."""
+        yield
+        self._boxes.drain(self._left())
+        self._deferred.drain()  # looks that those messages have completed, too
+        for _ in range(self._boxes.drain(self._left())):
+            self._services.metrics.zenoh("ROS message dropped at the end")
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
         while not ended.wait(FOLLOW_SECONDS):

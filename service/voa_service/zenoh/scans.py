@@ -7,7 +7,7 @@ its attachment, else its publisher and sequence number, else its router's timest
 import hashlib
 import json
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -40,7 +40,6 @@ from voa_service.zenoh.replicas import Replicas
 from voa_store.records import IdempotencyKey
 
 _WORKERS = 4
-_END_SECONDS = 0.4
 _ORIGINS = "robots that put scans"
 """Group of the origins of puts without a valid key: whoever puts a scan chooses the name of its robot."""
 
@@ -83,15 +82,23 @@ class Scans:
         replicas: decides which replica handles a scan at once.
         outbox: publishes refusals.
         grace_seconds: delay after which a replica that is not responsible handles a scan.
+        left: returns the seconds that scans which were received may take at the end.
     """
 
     def __init__(
-        self, services: Services, keys: Keys, replicas: Replicas, outbox: Outbox, grace_seconds: float
+        self,
+        services: Services,
+        keys: Keys,
+        replicas: Replicas,
+        outbox: Outbox,
+        grace_seconds: float,
+        left: Callable[[], float],
     ) -> None:
         self._services = services
         self._keys = keys
         self._replicas = replicas
         self._outbox = outbox
+        self._left = left
         self._boxes = Mailboxes(self._work, _WORKERS, MOST_WAITING, MOST_WAITING_BYTES)
         self._deferred: Deferred[ReceivedScan] = Deferred(
             grace_seconds, self._hand_on, MOST_WAITING, MOST_WAITING_BYTES
@@ -111,7 +118,13 @@ class Scans:
         """Subscribe to scans within a `with` block."""
         with session.declare_subscriber(self._keys.scan("*", "*"), Callback(self._receive, indirect=False)):
             yield
-        for _ in range(self._boxes.drain(_END_SECONDS)):
+
+    @contextmanager
+    def finishing(self, _: zenoh.Session) -> Iterator[None]:
+        """Apply the scans that were received, at the end of a `with` block; another replica may not have them."""
+        yield
+        self._deferred.drain()
+        for _ in range(self._boxes.drain(self._left())):
             self._services.metrics.zenoh("scan dropped at the end")
 
     def _receive(self, sample: zenoh.Sample) -> None:

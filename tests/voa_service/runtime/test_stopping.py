@@ -66,9 +66,11 @@ def test_a_deadline_ends_the_process_after_it_has_begun() -> None:
 
     with capture_logs() as lines, Deadline(0.01, end) as deadline:
         assert not ended.is_set()
+        assert deadline.left == 0.01
         deadline.begin()
         deadline.begin()
         assert ended.wait(30)
+        assert deadline.left == 0.0
     assert codes == [0]
     assert [line["event"] for line in lines] == ["stopped with work under way"]
 

@@ -29,6 +29,19 @@ def test_deferred_items_can_be_hastened_and_items_after_them_wait_again() -> Non
     assert handed_on == list(range(5))
 
 
+def test_draining_hands_on_what_waits_and_returns_when_that_is_done() -> None:
+    handed_on: list[int] = []
+    deferred = Deferred(3600.0, handed_on.append, 100, 100)
+    for number in range(50):
+        deferred.put(number, 1)
+    deferred.drain()
+    assert handed_on == list(range(50))
+    deferred.close()
+    deferred.put(50, 1)
+    deferred.drain()
+    assert handed_on == list(range(50)), "one that is closed has no thread any more"
+
+
 def test_deferred_items_are_dropped_at_the_end() -> None:
     handed_on: list[int] = []
     deferred = Deferred(3600.0, handed_on.append, 100, 100)

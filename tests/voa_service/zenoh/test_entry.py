@@ -1,18 +1,24 @@
 """The service on Zenoh, through a real router process, as a stranger sees it."""
 
 import json
+import math
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 import pytest
+import zenoh
 
 from tests.support.bus import Problem, Sample, Silence, Stranger, bridged, stranger
 from tests.support.routers import Router, router
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_ros.ros_messages import odometry
+from tests.voa_service.zenoh.test_replicas import MAPPING
+from tests.voa_service.zenoh.test_ros2 import laser_scan
 from voa_ros.cdr import encode_odometry
 from voa_service.failures import Failure
 from voa_service.settings import Limits
@@ -237,3 +243,40 @@ def _is_subscribed(bus: Stranger, received: list[Sample]) -> bool:
     """Whether what the service puts reaches us: shown by a scan that is refused."""
     bus.put_scan("nowhere", GOOD, robot="probe")
     return bool(received)
+
+
+@pytest.mark.parametrize("source", ["scan", "LaserScan"])
+def test_scans_that_were_received_are_applied_after_the_service_has_left_its_robots_to_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own_router: Router, source: str
+) -> None:
+    robots = tmp_path / "robots.toml"
+    robots.write_text("")
+    has_left = threading.Event()
+
+    def moved(sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.DELETE:
+            has_left.set()
+
+    with serving(tmp_path) as leaving, stranger(own_router.endpoint, "leaving") as bus:
+        session = leaving.open(leaving.create(data_scenario()))
+        robots.write_text(MAPPING.format(robot="r1", session=session, sensor="Q1"))
+        store = leaving.inside.sessions.store
+        change = store.change
+
+        def late_change(*arguments: Any, **named: Any) -> Any:
+            assert has_left.wait(60.0)
+            return change(*arguments, **named)
+
+        monkeypatch.setattr(store, "change", late_change)
+        listener = bus.session.liveliness().declare_subscriber(bus.keys.replica("*"), moved)
+        with bridged(leaving, own_router, robots=robots, root="leaving"):
+            wait_for(lambda: bus.replies("service.health", {}), "the service")
+            for stamp in (100.0, 200.0, 300.0):
+                if source == "scan":
+                    bus.put_scan(session, scan_of([0.5, 0.5, None, 1.0], stamp=stamp))
+                else:
+                    bus.session.put("r1/scan", laser_scan((0.5, 0.5, math.inf, 1.0), stamp))
+            counter = f'voa_zenoh_samples_total{{event="{source} received"}} 3.0'
+            wait_for(lambda: counter in leaving.http.get("/metrics").text, "the robot's scans")
+        listener.undeclare()
+        assert version(leaving, session) == 3
