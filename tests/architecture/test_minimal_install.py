@@ -1,5 +1,6 @@
 """The installation of a robot has the messages and the client, and none of the service's libraries."""
 
+import os
 import re
 import subprocess
 import sys
@@ -7,8 +8,6 @@ import venv
 from pathlib import Path
 
 import pytest
-
-from tests.support.programs import unmeasured
 
 VIA = re.compile(r"(?m)^    #(?: via)? +([a-z0-9-]+)$")
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -37,7 +36,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     needed.write_text(closure((REPOSITORY / "requirements.lock").read_text(encoding="utf-8"), BASE), encoding="utf-8")
     venv.create(folder / "venv", with_pip=False)
     own = folder / "venv" / "bin" / "python"
-    environment = {name: value for name, value in unmeasured().items() if name != "PYTHONPATH"}
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     uv = [str(Path(sys.executable).with_name("uv")), "pip", "install", "--quiet", "--python", str(own)]
     subprocess.run([*uv, "--require-hashes", "-r", str(needed)], check=True, env=environment)
     wheel = ["-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]

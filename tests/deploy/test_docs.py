@@ -1,5 +1,6 @@
 """The documentation builds, strictly and without the internet, and its pages load nothing from another host."""
 
+import os
 import re
 import subprocess
 import sys
@@ -9,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.deploy.pages import REPOSITORY
-from tests.support.programs import unmeasured
 
 LOADING = {"script": "src", "img": "src", "iframe": "src", "source": "src", "link": "href", "object": "data"}
 FAR = re.compile(r"^(?:https?:)?//")
@@ -25,7 +25,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     built = subprocess.run(
         command,
         cwd=REPOSITORY,
-        env=unmeasured() | nowhere | {"NO_MKDOCS_2_WARNING": "1"},
+        env=os.environ | nowhere | {"NO_MKDOCS_2_WARNING": "1"},
         capture_output=True,
         text=True,
         check=False,

@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from tests.support.programs import unmeasured
 from voa_cli.evaluate import command as evaluate
 from voa_cli.main import main
 from voa_fleet.episodes.policies import POLICIES, description_of
@@ -23,7 +22,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("installed")
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]
     command += ["--no-build-isolation", "--no-index", "--target", str(folder), str(EXAMPLE)]
-    subprocess.run(command, check=True, timeout=120.0, env=unmeasured())
+    subprocess.run(command, check=True, timeout=120.0)
     return folder
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.support.programs import unmeasured
 from tests.support.serving import LIDAR, PREDICTIONS, SCORES, as_scan, data_scenario
 from voa_assets import path
 from voa_cli.main import main
@@ -38,7 +37,7 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             (source / file.name).write_bytes(file.read_bytes())  # a build leaves nothing in the repository
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-index"]
     command += ["--no-deps", "--no-build-isolation", "--target", str(installed), str(source)]
-    subprocess.run(command, check=True, env=unmeasured())
+    subprocess.run(command, check=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", os.pathsep.join([str(installed), *filter(None, [os.environ.get("PYTHONPATH")])]))
         with local_service(tmp_path_factory.mktemp("service")) as running:
