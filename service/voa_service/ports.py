@@ -68,6 +68,9 @@ class Store(Protocol):
     def ping(self) -> None:
         """Return if the store can be read and written, at the cost of a small commit; raise the error if not."""
 
+    def warm(self) -> None:
+        """Do what the first calls would have to do once, such as to connect; raises nothing."""
+
     def measure(self, observe: Callable[[float], None]) -> None:
         """Call `observe` with the wall time of each transaction and each single statement, seconds."""
 

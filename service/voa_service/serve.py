@@ -161,6 +161,7 @@ def _serve(
             zenoh=settings.zenoh.connect,
         )
         load_scan_kernels()
+        services.sessions.store.warm()
         _collect_seldom()
         if certificate is not None:
             signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))

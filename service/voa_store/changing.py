@@ -22,9 +22,10 @@ from voa_store.errors import SessionMissing, VersionMismatch
 from voa_store.grouping import Groups
 from voa_store.listening import notify
 from voa_store.looks import counted_looks, look_row
-from voa_store.records import SessionChange, Step, Write
+from voa_store.prepared import Prepared
+from voa_store.records import IdempotencyKey, SessionChange, Step, Write
 from voa_store.responses import StoredRows, response_of, response_row, stored_rows
-from voa_store.rows import Columns, session_of, written
+from voa_store.rows import OF_VERSION, Columns, session_of, written
 from voa_store.tables import GONE, history, responses, robot_looks, sessions
 
 _MOST = 64
@@ -33,7 +34,8 @@ _BY_IDS = select(sessions).where(sessions.c.id.in_(bindparam("by_ids", expanding
 _LOCK = _BY_IDS.with_for_update()
 _LOCK_FREE = _BY_IDS.with_for_update(skip_locked=True)
 _UPDATE = update(sessions).where(sessions.c.id == bindparam("by_id"))
-_INSERT = {table: insert(table) for table in (history, robot_looks, responses)}
+_ADDED = (history, robot_looks, responses)
+_NOBODY = IdempotencyKey("", "", "")
 
 
 @dataclass(eq=False)
@@ -84,8 +86,12 @@ class SessionWriter:
     """
 
     def __init__(self, engine: Engine, now: Callable[[], int]) -> None:
+        dialect = engine.dialect
         self._engine = engine
         self._now = now
+        self._announce = Prepared(_UPDATE, ("by_id", "under_way"), dialect)
+        self._move_on = Prepared(_UPDATE, ("by_id", *OF_VERSION), dialect)
+        self._add = {table: Prepared(insert(table), table.columns.keys(), dialect) for table in _ADDED}
         self._groups = Groups[_Pending](self._together, _MOST, WAIT_SECONDS)
 
     def change(self, id_: str, write: Write, step: Step) -> SessionChange:
@@ -97,6 +103,12 @@ class SessionWriter:
         if isinstance(pending.result, SessionChange):
             return pending.result
         raise pending.result or SessionMissing(id_)
+
+    def warm(self) -> None:
+        """Compile the queries of a write, and connect, so that the first write takes no longer than the others."""
+        with transaction(self._engine) as connection:
+            connection.execute(_LOCK_FREE, {"by_ids": [""]}).all()
+            stored_rows(connection, [_NOBODY])
 
     def _together(self, group: Sequence[_Pending]) -> None:
         """Do a group of writes in one transaction, but for those whose rows are locked or missing."""
@@ -126,7 +138,28 @@ class SessionWriter:
                     pending.result = _changed(pending, rows.get(pending.id), shared)
                 except Exception as error:  # of this write alone: it has not used the connection
                     pending.result = error
-            _store(connection, shared)
+            self._store(connection, shared)
+
+    def _store(self, connection: Connection, shared: _Shared) -> None:
+        """Change and add the rows of a group of writes, and notify other processes of the new versions.
+
+        Raises:
+            DamagedData: the version is there already, so that the session's own row is older than what was written.
+            IntegrityError: this holds for one of several.
+        """
+        for change, changed in ((self._announce, shared.announcements), (self._move_on, shared.versions)):
+            if changed:
+                change.execute(connection, changed)
+        for table, added in zip(_ADDED, (shared.entries, shared.looks, shared.responses), strict=True):
+            if not added:
+                continue
+            try:
+                self._add[table].execute(connection, added)
+            except IntegrityError as error:
+                if table is history and len(added) == 1:
+                    raise checksums.damaged(added[0]["session"], added[0]["version"]) from error
+                raise
+        notify(connection, [entry["session"] for entry in shared.entries])
 
 
 def _locked(connection: Connection, lock: Select[Any], group: Sequence[_Pending]) -> dict[str, Row[Any]]:
@@ -170,28 +203,6 @@ def _changed(pending: _Pending, row: Row[Any] | None, shared: _Shared) -> Sessio
     elif after is not None:
         shared.announcements.append(own)
     return change
-
-
-def _store(connection: Connection, shared: _Shared) -> None:
-    """Change and add the rows of a group of writes, and notify other processes of the new versions.
-
-    Raises:
-        DamagedData: the version is there already, so that the session's own row is older than what was written.
-        IntegrityError: this holds for one of several.
-    """
-    for changed in (shared.announcements, shared.versions):
-        if changed:
-            connection.execute(_UPDATE, changed)
-    for table, added in ((history, shared.entries), (robot_looks, shared.looks), (responses, shared.responses)):
-        if not added:
-            continue
-        try:
-            connection.execute(_INSERT[table], added)
-        except IntegrityError as error:
-            if table is history and len(added) == 1:
-                raise checksums.damaged(added[0]["session"], added[0]["version"]) from error
-            raise
-    notify(connection, [entry["session"] for entry in shared.entries])
 
 
 def check_version(version: int, expected: frozenset[int] | None) -> None:

@@ -16,6 +16,18 @@ from voa_store.errors import DamagedData
 from voa_store.records import HistoryEntry, SessionState, StoredObject, StoredScenario, Write
 
 Columns = dict[str, Any]
+OF_VERSION = (
+    "version",
+    "last_fit_rmsd_mm",
+    "updated_at",
+    "summary",
+    "looks",
+    "belief",
+    "newest",
+    "checksum",
+    "under_way",
+)
+"""Columns of a session's row that change with its version."""
 
 
 def written(
@@ -55,9 +67,8 @@ def written(
         "looks": state.looks,
     }
     own = checksums.of_session(SimpleNamespace(**session), newest, digest, prior)
-    changing = ("version", "last_fit_rmsd_mm", "updated_at", "summary", "looks")
-    columns = {name: session[name] for name in changing} | {"belief": belief, "newest": newest, "checksum": own}
-    return columns | {"under_way": state.under_way}, entry | {"belief": belief, "checksum": newest}
+    session |= {"belief": belief, "newest": newest, "checksum": own, "under_way": state.under_way}
+    return {name: session[name] for name in OF_VERSION}, entry | {"belief": belief, "checksum": newest}
 
 
 def blob(belief: Belief) -> bytes:

@@ -9,16 +9,17 @@ same time (`changing`). A response is sent only after its transaction is committ
 import math
 import time
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from functools import partial
 
 from sqlalchemy import bindparam, delete, insert, literal_column, select, update
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from voa_store import checksums, claims
 from voa_store.changing import SessionWriter, check_version
 from voa_store.contents import Contents, named_row
 from voa_store.engines import connect, first, statement, transaction
-from voa_store.errors import ContentMissing
+from voa_store.errors import ContentMissing, StoreError
 from voa_store.histories import read_history
 from voa_store.keys import KeyRecords
 from voa_store.listening import Listener, notify
@@ -118,6 +119,17 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
             if not can_serve(connection):
                 raise RuntimeError("another version of the service has changed the tables: restart or update this one")
         self._probe.write()
+
+    def warm(self) -> None:
+        """Connect, and compile the queries of an update, so that the first one takes no longer than the others.
+
+        A database that fails is left for `ping` to report.
+        """
+        with suppress(StoreError, DBAPIError):
+            self._session_writer.warm()
+            self.get_session("")
+            self.get_scenario("")
+            self.session_mark("")
 
     def measure(self, observe: Callable[[float], None]) -> None:
         """Call `observe` with the wall time of each transaction and each single statement, seconds."""

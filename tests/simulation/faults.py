@@ -88,7 +88,10 @@ _UNLOCK = (
     f"{_BEGIN}        rows = _locked(connection, lock, group)\n",
     "with transaction(self._engine) as unlocked:\n        rows = _locked(unlocked, lock, group)\n    " + _BEGIN,
 )
-_REPLACE = ("_INSERT[table],", '_INSERT[table].prefix_with("OR REPLACE"),')
+_REPLACE = (
+    "self._add[table].execute(connection, added)",
+    'connection.execute(insert(table).prefix_with("OR REPLACE"), added)',
+)
 
 PLANTED = (
     PlantedFault(
@@ -97,7 +100,7 @@ PLANTED = (
     ),
     PlantedFault(
         "a lost lock: the second of two writers replaces the version of the first",
-        (_change(_COMMIT, _UNLOCK), _change("voa_store.changing:_store", _REPLACE)),
+        (_change(_COMMIT, _UNLOCK), _change("voa_store.changing:SessionWriter._store", _REPLACE)),
     ),
     PlantedFault(
         "two writes of a group are to one session: the second replaces the version of the first",
@@ -106,7 +109,7 @@ PLANTED = (
                 "voa_store.grouping:Groups._companions",
                 ("member.item.id not in ids", "(member.item.id not in ids or True)"),
             ),
-            _change("voa_store.changing:_store", _REPLACE),
+            _change("voa_store.changing:SessionWriter._store", _REPLACE),
         ),
     ),
     PlantedFault(
@@ -129,7 +132,7 @@ PLANTED = (
                 ),
                 ("        before = stored_rows(connection, [pending.write.key for pending in group])\n", ""),
             ),
-            _change("voa_store.changing:_store", _REPLACE),
+            _change("voa_store.changing:SessionWriter._store", _REPLACE),
         ),
     ),
     PlantedFault(
@@ -137,7 +140,7 @@ PLANTED = (
         (
             _change("voa_store.responses:response_row", ("key.key", "key.key[:-1]")),
             _change("voa_store.responses:keep_response", ("_INSERT,", '_INSERT.prefix_with("OR REPLACE"),')),
-            _change("voa_store.changing:_store", _REPLACE),
+            _change("voa_store.changing:SessionWriter._store", _REPLACE),
             _change("voa_store.responses:stored_rows", ("(key.scope, key.key)", "(key.scope, key.key[:-1])")),
             _change(
                 "voa_store.responses:response_of",

@@ -110,7 +110,7 @@ class Ros2:
             self._read = None  # another session with a router must subscribe again
 
     @contextmanager
-    def finishing(self, _: zenoh.Session) -> Iterator[None]:
+    def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Handle the messages that were received, at the end of a `with` block; another replica may not have them."""
         yield
         self._boxes.drain(self._left())

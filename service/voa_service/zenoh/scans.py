@@ -120,7 +120,7 @@ class Scans:
             yield
 
     @contextmanager
-    def finishing(self, _: zenoh.Session) -> Iterator[None]:
+    def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Apply the scans that were received, at the end of a `with` block; another replica may not have them."""
         yield
         self._deferred.drain()

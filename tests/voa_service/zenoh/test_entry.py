@@ -268,8 +268,10 @@ def test_scans_that_were_received_are_applied_after_the_service_has_left_its_rob
             return change(*arguments, **named)
 
         monkeypatch.setattr(store, "change", late_change)
-        listener = bus.session.liveliness().declare_subscriber(bus.keys.replica("*"), moved)
-        with bridged(leaving, own_router, robots=robots, root="leaving"):
+        with (
+            bus.session.liveliness().declare_subscriber(bus.keys.replica("*"), moved),
+            bridged(leaving, own_router, robots=robots, root="leaving"),
+        ):
             wait_for(lambda: bus.replies("service.health", {}), "the service")
             for stamp in (100.0, 200.0, 300.0):
                 if source == "scan":
@@ -278,5 +280,4 @@ def test_scans_that_were_received_are_applied_after_the_service_has_left_its_rob
                     bus.session.put("r1/scan", laser_scan((0.5, 0.5, math.inf, 1.0), stamp))
             counter = f'voa_zenoh_samples_total{{event="{source} received"}} 3.0'
             wait_for(lambda: counter in leaving.http.get("/metrics").text, "the robot's scans")
-        listener.undeclare()
         assert version(leaving, session) == 3
