@@ -13,7 +13,7 @@ from tests.support.routers import Router
 from tests.support.serving import Service, serving
 from tests.support.waiting import wait_for
 from tests.voa_service.ros_tools.test_inputs import boolean, marked, put
-from tests.voa_service.zenoh.test_ros2 import laser_scan
+from tests.voa_service.zenoh.ros_lab import laser_scan
 from voa_ros.outputs.types import DETECTION
 
 

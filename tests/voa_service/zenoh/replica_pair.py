@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from tests.support.serving import Service, data_scenario
-from tests.voa_service.zenoh.test_ros2 import laser_scan
+from tests.voa_service.zenoh.ros_lab import laser_scan
 from voa_ros.robots import RobotMapping, load
 from voa_ros.topics import LASER_SCAN
 from voa_service.failures import Failure

@@ -13,23 +13,17 @@ import pytest
 import zenoh
 
 from tests.support.bus import Problem, Sample, Silence, Stranger, bridged, stranger
-from tests.support.routers import Router, router
+from tests.support.routers import Router
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_ros.ros_messages import odometry
+from tests.voa_service.zenoh.ros_lab import laser_scan
 from tests.voa_service.zenoh.test_replicas import MAPPING
-from tests.voa_service.zenoh.test_ros2 import laser_scan
 from voa_ros.cdr import encode_odometry
 from voa_service.failures import Failure
 from voa_service.settings import Limits
 
 GOOD = scan_of([0.5, 0.5, None, 1.0])
-
-
-@pytest.fixture(scope="module")
-def own_router() -> Iterator[Router]:
-    with router() as own:
-        yield own
 
 
 @pytest.fixture(scope="module")

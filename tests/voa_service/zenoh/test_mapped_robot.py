@@ -15,10 +15,10 @@ from zenoh.ext import CacheConfig, declare_advanced_publisher
 from tests.support.audit import audited
 from tests.support.bus import Sample
 from tests.support.replaying import replayed
-from tests.support.routers import Router, router
+from tests.support.routers import Router
 from tests.support.serving import Json, box_obj, data_scenario, mesh_scenario, scan_of
 from tests.support.waiting import wait_for
-from tests.voa_service.zenoh.test_ros2 import GOOD, Lab, lab, laser_scan, odometry, robot
+from tests.voa_service.zenoh.ros_lab import GOOD, Lab, lab, laser_scan, odometry, robot
 from voa_msgs.links import session_config
 from voa_ros.cdr import decode_laser_scan, encode_laser_scan, encode_pose
 from voa_ros.messages import Pose, PoseWithCovariance, Stamp
@@ -31,23 +31,6 @@ from voa_store.errors import Busy
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 """As a lidar sends that spins up: no look of it is accepted."""
 REFUSED = "urn:voa:problem:not-accepted"
-
-
-@pytest.fixture(scope="module")
-def own_router() -> Iterator[Router]:
-    with router() as own:
-        yield own
-
-
-@pytest.fixture
-def own(tmp_path: Path, own_router: Router) -> Iterator[Lab]:
-    with lab(tmp_path, own_router) as own:
-        yield own
-
-
-@pytest.fixture
-def session(own: Lab) -> str:
-    return own.service.open(own.service.create(data_scenario()))
 
 
 def on(scenario: str, look: str = "{ scans = 3 }") -> str:

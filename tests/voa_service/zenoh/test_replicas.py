@@ -17,7 +17,7 @@ from tests.support.bus import Stranger, bridged, stranger
 from tests.support.routers import Router, router
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
-from tests.voa_service.zenoh.test_ros2 import laser_scan
+from tests.voa_service.zenoh.ros_lab import laser_scan
 from voa_service.settings import Limits
 from voa_service.zenoh.replicas import Replicas, owner_of
 from voa_store.errors import Unavailable
