@@ -26,12 +26,14 @@ from tests.support.routers import router
 from tests.support.serving import data_scenario, scan_of
 from tests.support.waiting import wait_for
 
-EVERY_S = 0.05
+EVERY_S = 0.1
 """Pause of a caller between a response and the next call."""
 REVOLUTION_S = 0.2
 """Pause of a robot between two scans that it puts: it receives no response, so it must not outrun the service."""
 DRAIN_S = "2"
 """Longer than HAProxy's two quick probes also on a busy machine."""
+STOP_S = "25"
+"""Enough for the scans that wait in a replica on a busy machine when it stops."""
 SECONDS = 60.0
 SCAN = scan_of([0.5, 0.5, None, 1.0])
 
@@ -138,6 +140,7 @@ def test_a_rolling_restart_fails_no_request_and_loses_no_scan(
     postgres: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VOA_DRAIN_SECONDS", DRAIN_S)
+    monkeypatch.setenv("VOA_STOP_SECONDS", STOP_S)
     with ExitStack() as stack:
         own = stack.enter_context(router())
         options = ["--zenoh", own.endpoint]
