@@ -37,7 +37,7 @@ test: setup system-packages  ## all tests; PostgreSQL and Chromium are installed
 	rm -rf $(COVERAGE)
 	$(BIN)/python -m coverage run --data-file=$(COVERAGE)/all -m pytest -n 2 --dist worksteal tests
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/all --omit='voa_core/*' --skip-covered --fail-under=$(FLOOR)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --branch --data-file=$(COVERAGE)/core -m pytest -q -n 2 tests/voa_core
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --branch --data-file=$(COVERAGE)/core -m pytest -q -n 2 --dist worksteal -m 'not statistics' tests/voa_core
 	$(BIN)/python -m coverage report --data-file=$(COVERAGE)/core --include='voa_core/*' --show-missing --skip-covered --fail-under=100
 
 .PHONY: system-packages

@@ -118,6 +118,7 @@ def test_the_last_sample_is_the_first_with_all_possible_poses() -> None:
     assert len(sampled.looks[-1].assistance.gains) == 16
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("definition", ["posterior", "executed"])
 @pytest.mark.parametrize("rule", [WIDE, NARROW])
 def test_the_standard_errors_of_values_cover_the_exact_ones(rule: Bell, definition: Definition) -> None:

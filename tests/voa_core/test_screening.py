@@ -6,7 +6,7 @@ import pytest
 from voa_core.checks import Floats
 from voa_core.screening import Choices, choices_after, rough_scores
 
-GRASPS, POSES, SCANS = 40, 30, 300
+GRASPS, POSES, SCANS = 40, 30, 1_200  # more scans than are screened at once
 
 
 def weighted(scores: Floats, belief: Floats) -> Floats:
