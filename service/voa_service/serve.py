@@ -140,7 +140,6 @@ def _serve(
                 "with the same --database-url; or start with VOA_REQUIRE_KEYS=1, and make it meanwhile; or add "
                 "--insecure if the network is trusted."
             )
-        stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots, lambda: deadline.left))
         connections = supervised(settings.connections, services.metrics)
         config = uvicorn.Config(
             create_app(services, connections.budget, console),
@@ -162,6 +161,7 @@ def _serve(
         )
         load_scan_kernels()
         services.sessions.store.warm()
+        stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots, lambda: deadline.left))
         _collect_seldom()
         if certificate is not None:
             signal.signal(signal.SIGHUP, lambda *_: _renew(certificate))

@@ -105,7 +105,7 @@ class SessionWriter:
         raise pending.result or SessionMissing(id_)
 
     def warm(self) -> None:
-        """Compile the queries of a write, and connect, so that the first write takes no longer than the others."""
+        """Connect, and compile the queries of a write, which the first one would have to wait for."""
         with transaction(self._engine) as connection:
             connection.execute(_LOCK_FREE, {"by_ids": [""]}).all()
             stored_rows(connection, [_NOBODY])

@@ -121,7 +121,7 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         self._probe.write()
 
     def warm(self) -> None:
-        """Connect, and compile the queries of an update, so that the first one takes no longer than the others.
+        """Connect, and compile the queries of a scan update, which the first one would have to wait for.
 
         A database that fails is left for `ping` to report.
         """

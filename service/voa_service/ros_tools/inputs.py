@@ -6,7 +6,7 @@ happened; the name of the sample is the idempotency key, so that it takes effect
 
 import hashlib
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -43,8 +43,6 @@ from voa_store.records import IdempotencyKey
 
 _MOST_WAITING = 256
 _MOST_BYTES = 4_096
-_END_SECONDS = 2.0
-"""Longest time that inputs which were received may take at the end; they are few."""
 
 
 @dataclass(frozen=True)
@@ -75,21 +73,32 @@ class Inputs:
         replicas: decides which replica applies an input at once.
         outbox: publishes refusals.
         grace_seconds: delay after which another replica applies it.
+        left: returns the seconds that inputs which were received may take at the end.
     """
 
     def __init__(
-        self, services: Services, mapping: RobotMapping, replicas: Replicas, outbox: Outbox, grace_seconds: float
+        self,
+        services: Services,
+        mapping: RobotMapping,
+        replicas: Replicas,
+        outbox: Outbox,
+        grace_seconds: float,
+        left: Callable[[], float],
     ) -> None:
         self._services = services
         self._mapping = mapping
         self._replicas = replicas
         self._outbox = outbox
+        self._left = left
         most_bytes = _MOST_WAITING * _MOST_BYTES
         self._boxes: Mailboxes[Received] = Mailboxes(self._work, 1, _MOST_WAITING, most_bytes)
         self._deferred: Deferred[Received] = Deferred(grace_seconds, self._hand_on, _MOST_WAITING, most_bytes)
 
     def close(self) -> None:
-        """End the worker."""
+        """Apply the inputs that were received, as long as there is time, and end the worker."""
+        self._deferred.drain(self._left())
+        for _ in range(self._boxes.drain(self._left())):
+            self._services.metrics.zenoh("ROS input dropped at the end")
         self._deferred.close()
         self._boxes.close()
 
@@ -107,8 +116,6 @@ class Inputs:
                     receive = Callback(partial(self._receive, resolved, type_), indirect=False)
                     stack.enter_context(session.declare_subscriber(expression, receive))
             yield
-        self._deferred.drain()
-        self._boxes.drain(_END_SECONDS)
 
     def _receive(self, topic: str, type_: MessageType, sample: zenoh.Sample) -> None:
         """Queue a sample, or refuse it; called in a Zenoh thread."""

@@ -48,7 +48,7 @@ class Drain:
 class Deadline:
     """Ends the process some seconds after `begin`, whatever its threads do; used in a `with` statement.
 
-    Nothing is lost: a write is committed and synced before it is answered.
+    No answered write is lost: it is committed and synced before it is answered.
 
     Args:
         seconds: from `begin` to the end.

@@ -26,7 +26,7 @@ class Deferred(Generic[T]):
         self._most_bytes = most_bytes
         self._bytes = 0
         self._items: deque[tuple[float, T, int]] = deque()
-        self._changed = threading.Condition()
+        self._changed = threading.Condition(threading.RLock())
         self._is_handing_on = False
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="voa-deferred")
@@ -50,11 +50,14 @@ class Deferred(Generic[T]):
             self._items = deque((0.0, item, size) for _, item, size in self._items)
             self._changed.notify_all()
 
-    def drain(self) -> None:
-        """Hand on the items that wait now, and return when that is done."""
-        self.hasten()
+    def drain(self, seconds: float) -> None:
+        """Hand on every item without delay until none is left, at most for so many seconds."""
+        end = time.monotonic() + seconds
         with self._changed:
-            self._changed.wait_for(lambda: self._closed or not (self._items or self._is_handing_on))
+            while (self._items or self._is_handing_on) and not self._closed and (left := end - time.monotonic()) > 0.0:
+                if self._items and self._items[-1][0] > 0.0:  # it was added since
+                    self.hasten()
+                self._changed.wait(left)
 
     def close(self) -> None:
         """Drop the items that wait, and end the thread."""

@@ -21,8 +21,8 @@ _JOIN_SECONDS = 3.0
 """Longest time that a start waits for a router that neither answers nor refuses."""
 _LEFT_SECONDS = 5.0
 """Time until the end of a process that does not state it."""
-_CLOSE_SECONDS = 1.0
-"""Part of the time left that is kept for what ends after the last scan: the link, and the database."""
+_LEAVE_SECONDS, _CLOSE_SECONDS = 1.0, 1.0
+"""Parts of the time left that are kept for what ends after the last scan: the link, then the database."""
 
 
 @contextmanager
@@ -51,26 +51,28 @@ def on_zenoh(
     link = services.health.link
     replicas = Replicas(services.health.replica, keys)
     outbox = Outbox(services.sessions.message, keys, link, services.metrics)
-    finishing_left = partial(_before_closing, left)
+    until_closing = partial(_before, _CLOSE_SECONDS, left)
+    until_leaving = partial(_before, _LEAVE_SECONDS, until_closing)
     queries = Queries(Rpc(services), keys, services.metrics, services.limits.body_bytes)
     with ExitStack() as stack:
-        scans = Scans(services, keys, replicas, outbox, settings.grace_seconds, finishing_left)
+        scans = Scans(services, keys, replicas, outbox, settings.grace_seconds, until_leaving)
         stack.callback(scans.close)
         stack.enter_context(services.changes.listening(outbox.committed))
         finishing: list[Part] = [scans.finishing]
         receiving: list[Part] = [scans.on, queries.on]
         if robots is not None:
-            tools = RosTools(services, keys, replicas, outbox, settings.grace_seconds)
-            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds, finishing_left, tools.on)
+            tools = RosTools(services, keys, replicas, outbox, settings.grace_seconds, until_leaving)
+            ros2 = Ros2(services, robots, replicas, outbox, settings.grace_seconds, until_leaving, tools.on)
+            stack.callback(tools.close)
             stack.callback(ros2.close)
-            finishing.append(ros2.finishing)
+            finishing += [tools.finishing, ros2.finishing]
             receiving.append(ros2.on)
         parts = [outbox.on, *finishing, replicas.on, *receiving]
-        own = ZenohLink(settings, link, services.metrics, parts, left)
+        own = ZenohLink(settings, link, services.metrics, parts, until_closing)
         stack.callback(own.close)
         own.wait_for_first_try(_JOIN_SECONDS)
         yield
 
 
-def _before_closing(left: Callable[[], float]) -> float:
-    return max(0.0, left() - _CLOSE_SECONDS)
+def _before(kept_s: float, left: Callable[[], float]) -> float:
+    return max(0.0, left() - kept_s)

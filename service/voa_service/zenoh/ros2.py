@@ -89,7 +89,9 @@ class Ros2:
         replicas.when_one_leaves(self._deferred.hasten)
 
     def close(self) -> None:
-        """End the workers."""
+        """Handle the messages that were received, as long as there is time, and end the workers."""
+        for _ in range(self._finish()):
+            self._services.metrics.zenoh("ROS message dropped at the end")
         self._deferred.close()
         self._boxes.close()
 
@@ -113,10 +115,13 @@ class Ros2:
     def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Handle the messages that were received, at the end of a `with` block; another replica may not have them."""
         yield
+        self._finish()
+
+    def _finish(self) -> int:
+        """Handle the messages that wait, and the looks that they complete; returns how many are left."""
         self._boxes.drain(self._left())
-        self._deferred.drain()  # looks that those messages have completed, too
-        for _ in range(self._boxes.drain(self._left())):
-            self._services.metrics.zenoh("ROS message dropped at the end")
+        self._deferred.drain(self._left())
+        return self._boxes.drain(self._left())
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
         while not ended.wait(FOLLOW_SECONDS):

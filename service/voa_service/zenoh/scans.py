@@ -109,7 +109,9 @@ class Scans:
         )
 
     def close(self) -> None:
-        """End the workers."""
+        """Apply the scans that were received, as long as there is time, and end the workers."""
+        for _ in range(self._finish()):
+            self._services.metrics.zenoh("scan dropped at the end")
         self._deferred.close()
         self._boxes.close()
 
@@ -123,9 +125,12 @@ class Scans:
     def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Apply the scans that were received, at the end of a `with` block; another replica may not have them."""
         yield
-        self._deferred.drain()
-        for _ in range(self._boxes.drain(self._left())):
-            self._services.metrics.zenoh("scan dropped at the end")
+        self._finish()
+
+    def _finish(self) -> int:
+        """Apply the scans that wait, as long as there is time; returns how many are left."""
+        self._deferred.drain(self._left())
+        return self._boxes.drain(self._left())
 
     def _receive(self, sample: zenoh.Sample) -> None:
         """Queue a scan for a worker thread, or refuse it; called in a Zenoh thread."""

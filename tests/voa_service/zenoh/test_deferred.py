@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.waiting import wait_for
+from tests.support.waiting import SECONDS, wait_for
 from voa_service.zenoh.deferred import Deferred
 
 
@@ -34,12 +34,29 @@ def test_draining_hands_on_what_waits_and_returns_when_that_is_done() -> None:
     deferred = Deferred(3600.0, handed_on.append, 100, 100)
     for number in range(50):
         deferred.put(number, 1)
-    deferred.drain()
+    deferred.drain(SECONDS)
     assert handed_on == list(range(50))
-    deferred.close()
     deferred.put(50, 1)
-    deferred.drain()
+    deferred.drain(0.0)
+    assert handed_on == list(range(50)), "there was no time"
+    deferred.close()
+    deferred.drain(SECONDS)
     assert handed_on == list(range(50)), "one that is closed has no thread any more"
+
+
+def test_what_is_added_while_draining_is_handed_on_too() -> None:
+    handed_on: list[int] = []
+
+    def hand_on(number: int) -> None:
+        handed_on.append(number)
+        if number < 5:
+            deferred.put(number + 1, 1)
+
+    deferred = Deferred(3600.0, hand_on, 100, 100)
+    deferred.put(0, 1)
+    deferred.drain(SECONDS)
+    assert handed_on == list(range(6))
+    deferred.close()
 
 
 def test_deferred_items_are_dropped_at_the_end() -> None:

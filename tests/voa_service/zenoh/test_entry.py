@@ -3,7 +3,7 @@
 import json
 import math
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
@@ -13,7 +13,7 @@ import pytest
 import zenoh
 
 from tests.support.bus import Problem, Sample, Silence, Stranger, bridged, stranger
-from tests.support.routers import Router
+from tests.support.routers import Router, router
 from tests.support.serving import Json, Service, data_scenario, scan_of, serving
 from tests.support.waiting import wait_for
 from tests.voa_ros.ros_messages import odometry
@@ -243,8 +243,6 @@ def _is_subscribed(bus: Stranger, received: list[Sample]) -> bool:
 def test_scans_that_were_received_are_applied_after_the_service_has_left_its_robots_to_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own_router: Router, source: str
 ) -> None:
-    robots = tmp_path / "robots.toml"
-    robots.write_text("")
     has_left = threading.Event()
 
     def moved(sample: zenoh.Sample) -> None:
@@ -253,25 +251,56 @@ def test_scans_that_were_received_are_applied_after_the_service_has_left_its_rob
 
     with serving(tmp_path) as leaving, stranger(own_router.endpoint, "leaving") as bus:
         session = leaving.open(leaving.create(data_scenario()))
-        robots.write_text(MAPPING.format(robot="r1", session=session, sensor="Q1"))
-        store = leaving.inside.sessions.store
-        change = store.change
-
-        def late_change(*arguments: Any, **named: Any) -> Any:
-            assert has_left.wait(60.0)
-            return change(*arguments, **named)
-
-        monkeypatch.setattr(store, "change", late_change)
+        hold_changes(leaving, monkeypatch, has_left.is_set)
         with (
             bus.session.liveliness().declare_subscriber(bus.keys.replica("*"), moved),
-            bridged(leaving, own_router, robots=robots, root="leaving"),
+            bridged(leaving, own_router, robots=mapping_of(session, tmp_path), root="leaving"),
         ):
-            wait_for(lambda: bus.replies("service.health", {}), "the service")
-            for stamp in (100.0, 200.0, 300.0):
-                if source == "scan":
-                    bus.put_scan(session, scan_of([0.5, 0.5, None, 1.0], stamp=stamp))
-                else:
-                    bus.session.put("r1/scan", laser_scan((0.5, 0.5, math.inf, 1.0), stamp))
-            counter = f'voa_zenoh_samples_total{{event="{source} received"}} 3.0'
-            wait_for(lambda: counter in leaving.http.get("/metrics").text, "the robot's scans")
+            put_three(leaving, bus, session, source)
         assert version(leaving, session) == 3
+
+
+@pytest.mark.parametrize("source", ["scan", "LaserScan"])
+def test_scans_that_were_received_are_applied_at_the_end_although_the_router_has_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str
+) -> None:
+    with serving(tmp_path) as leaving:
+        session, link = leaving.open(leaving.create(data_scenario())), leaving.inside.health.link
+        hold_changes(leaving, monkeypatch, lambda: link.state == "off")
+        with router() as own, bridged(leaving, own, robots=mapping_of(session, tmp_path)):
+            with stranger(own.endpoint) as bus:
+                put_three(leaving, bus, session, source)
+            own.kill()
+            wait_for(lambda: link.state == "connecting", "the loss of the router")
+        assert version(leaving, session) == 3
+
+
+def mapping_of(session: str, folder: Path) -> Path:
+    """A mapping of the robot `r1` to a session."""
+    robots = folder / "robots.toml"
+    robots.write_text(MAPPING.format(robot="r1", session=session, sensor="Q1"))
+    return robots
+
+
+def hold_changes(service: Service, monkeypatch: pytest.MonkeyPatch, until: Callable[[], bool]) -> None:
+    """Make changes of sessions wait."""
+    store = service.inside.sessions.store
+    change = store.change
+
+    def held(*arguments: Any, **named: Any) -> Any:
+        wait_for(until, "the end of the service", 60.0)
+        return change(*arguments, **named)
+
+    monkeypatch.setattr(store, "change", held)
+
+
+def put_three(service: Service, bus: Stranger, session: str, source: str) -> None:
+    """Put three scans of the robot `r1`, raw or in ROS 2; returns when they were received."""
+    wait_for(lambda: bus.replies("service.health", {}), "the service")
+    for stamp in (100.0, 200.0, 300.0):
+        if source == "scan":
+            bus.put_scan(session, scan_of([0.5, 0.5, None, 1.0], stamp=stamp))
+        else:
+            bus.session.put("r1/scan", laser_scan((0.5, 0.5, math.inf, 1.0), stamp))
+    counter = f'voa_zenoh_samples_total{{event="{source} received"}} 3.0'
+    wait_for(lambda: counter in service.http.get("/metrics").text, "the robot's scans")
