@@ -291,21 +291,23 @@ def received(service: Service, source: str) -> int:
 
 
 @pytest.mark.parametrize("source", ["ros2", "scan"])
-def test_what_waits_for_a_replica_that_leaves_is_applied_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str
+@pytest.mark.parametrize("failing", [0, 1], ids=["the-one-that-leaves-fails", "the-other-one-fails"])
+def test_what_waits_for_another_replica_is_applied_at_once_when_either_leaves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str, failing: int
 ) -> None:
     first, endless = ExitStack(), 1_000.0
     with router() as own, paired(tmp_path, own, endless, first) as pair:
         session = pair.open()
         pair.map(session, "Q1")
-        monkeypatch.setattr(pair.services[0].inside.sessions.store, "change", refusing)
-        before = received(pair.services[1], source)
+        failing_one, other = pair.services[failing], pair.services[1 - failing]
+        monkeypatch.setattr(failing_one.inside.sessions.store, "change", refusing)
+        before = received(other, source)
         for robot in pair.robots:
             if source == "ros2":
                 pair.bus.session.put(f"{robot}/scan", laser_scan((0.5, 0.5, math.inf, 1.0), 100.0))
             else:
                 put(pair, session, robot, stamped(robot))
-        wait_for(lambda: received(pair.services[1], source) == before + len(pair.robots), "all")
-        wait_for(lambda: any(each["refused"] for each in pair.reports(pair.services[0], source).values()), "its own")
+        wait_for(lambda: received(other, source) == before + len(pair.robots), "all")
+        wait_for(lambda: any(each["refused"] for each in pair.reports(failing_one, source).values()), "its own")
         first.close()
         wait_for(lambda: len(pair.stamps(session)) == len(pair.robots), "all scans")
