@@ -235,7 +235,8 @@ def test_calls_without_a_valid_key_are_limited_together_and_scans_by_robot(
         bus.session.put(bus.keys.scan(session, "flooding"), json.dumps(GOOD), attachment=attachment)
     bus.put_scan(session, GOOD, robot="flooding", key=sensor)
     wait_for(lambda: version(service, session) == before + 1, "the scan with a key, put last")
-    (report,) = [each for each in service.inside.robots.reports().items if each.robot == "flooding"]
+    wait_for(lambda: report_on(service, "flooding").looks == 1, "the look to be counted, after its commit")
+    report = report_on(service, "flooding")
     assert (report.scans, report.refused, report.looks) == (1, 2, 1), "five were put without a key, and two reported"
 
 

@@ -64,7 +64,8 @@ def test_a_look_that_is_not_accepted_is_published_counted_and_shown_and_the_next
     assert events(own, "ROS message refused: not-accepted") == 1
 
     own.revolutions(3, first=10)  # of the same stop
-    wait_for(lambda: own.version(session) == 1, "the look")
+    wait_for(lambda: own.report()["looks"] == 2, "the look, which is counted after its commit")
+    assert own.version(session) == 1
     shown = own.report()
     assert (shown["looks"], shown["refused"], shown["last_look"]["accepted"]) == (2, 1, True)
     assert shown["waiting_for"] == "the robot to move on: this stop's look is taken"

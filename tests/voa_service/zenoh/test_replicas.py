@@ -194,8 +194,11 @@ def test_scans_of_every_robot_count_once_whichever_replica_owns_it(pair: Pair) -
     for robot in pair.robots:
         put(pair, session, robot, stamped(robot))
     wait_for(lambda: len(pair.stamps(session)) >= len(pair.robots), "a scan of each robot")
-    looks = [[report["looks"] for report in pair.reports(service, "scan").values()] for service in pair.services]
-    assert all(sum(of_service) for of_service in looks), "each replica owns some"
+
+    def looks(service: Service) -> int:
+        return sum(report["looks"] for report in pair.reports(service, "scan").values())
+
+    wait_for(lambda: all(looks(service) for service in pair.services), "looks of each replica, which owns some")
     assert sorted(pair.stamps(session)) == sorted(pair.robots)
 
 
