@@ -26,7 +26,7 @@ from tests.support.routers import router
 from tests.support.serving import data_scenario, scan_of
 from tests.support.waiting import wait_for
 
-EVERY_S = 0.1
+EVERY_S = 0.05
 """Pause of a caller between a response and the next call."""
 REVOLUTION_S = 0.2
 """Pause of a robot between two scans that it puts: it receives no response, so it must not outrun the service."""

@@ -34,7 +34,7 @@ from voa_service.failures import Failure, IdempotencyKeyReused, InvalidRequest, 
 from voa_service.guard import guarded
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
-from voa_service.zenoh.deferred import Deferred
+from voa_service.zenoh.deferred import Deferred, finish
 from voa_service.zenoh.mailboxes import Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.replicas import Replicas
@@ -96,8 +96,7 @@ class Inputs:
 
     def close(self) -> None:
         """Apply the inputs that were received, as long as there is time, and end the worker."""
-        self._deferred.drain(self._left())
-        for _ in range(self._boxes.drain(self._left())):
+        for _ in range(finish(self._boxes, self._deferred, self._left)):
             self._services.metrics.zenoh("ROS input dropped at the end")
         self._deferred.close()
         self._boxes.close()

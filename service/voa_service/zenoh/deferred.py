@@ -4,7 +4,9 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
+
+from voa_service.zenoh.mailboxes import Mailboxes
 
 T = TypeVar("T")
 
@@ -83,3 +85,16 @@ class Deferred(Generic[T]):
                     return item
                 self._changed.wait(left)
         return None
+
+
+def finish(boxes: Mailboxes[Any], deferred: Deferred[Any], left: Callable[[], float]) -> int:
+    """Handle the items of boxes, what they have deferred, and what was deferred before; returns how many are left.
+
+    Args:
+        boxes: to which deferred items are handed on.
+        deferred: items that wait in case another replica does not do them.
+        left: returns the seconds that this may take.
+    """
+    boxes.drain(left())
+    deferred.drain(left())
+    return boxes.drain(left())

@@ -27,7 +27,7 @@ from voa_service.failures import Failure, InvalidRequest, NotAccepted, Overloade
 from voa_service.guard import guarded
 from voa_service.services import Services
 from voa_service.zenoh.applying import DueLook, apply_look
-from voa_service.zenoh.deferred import Deferred
+from voa_service.zenoh.deferred import Deferred, finish
 from voa_service.zenoh.joining import FOLLOW_SECONDS
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
 from voa_service.zenoh.mapped_robot import MappedRobot
@@ -90,7 +90,7 @@ class Ros2:
 
     def close(self) -> None:
         """Handle the messages that were received, as long as there is time, and end the workers."""
-        for _ in range(self._finish()):
+        for _ in range(finish(self._boxes, self._deferred, self._left)):
             self._services.metrics.zenoh("ROS message dropped at the end")
         self._deferred.close()
         self._boxes.close()
@@ -115,13 +115,7 @@ class Ros2:
     def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Handle the messages that were received, at the end of a `with` block; another replica may not have them."""
         yield
-        self._finish()
-
-    def _finish(self) -> int:
-        """Handle the messages that wait, and the looks that they complete; returns how many are left."""
-        self._boxes.drain(self._left())
-        self._deferred.drain(self._left())
-        return self._boxes.drain(self._left())
+        finish(self._boxes, self._deferred, self._left)
 
     def _watch(self, session: zenoh.Session, ended: threading.Event) -> None:
         while not ended.wait(FOLLOW_SECONDS):

@@ -32,7 +32,7 @@ from voa_service.requests.bodies import json_object, message
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.services import Services
 from voa_service.usecases.robots import LookOutcome
-from voa_service.zenoh.deferred import Deferred
+from voa_service.zenoh.deferred import Deferred, finish
 from voa_service.zenoh.mailboxes import MOST_WAITING, MOST_WAITING_BYTES, Mailboxes
 from voa_service.zenoh.outbox import Outbox
 from voa_service.zenoh.refusals import not_accepted
@@ -110,7 +110,7 @@ class Scans:
 
     def close(self) -> None:
         """Apply the scans that were received, as long as there is time, and end the workers."""
-        for _ in range(self._finish()):
+        for _ in range(finish(self._boxes, self._deferred, self._left)):
             self._services.metrics.zenoh("scan dropped at the end")
         self._deferred.close()
         self._boxes.close()
@@ -125,12 +125,7 @@ class Scans:
     def finishing(self, _session: zenoh.Session) -> Iterator[None]:
         """Apply the scans that were received, at the end of a `with` block; another replica may not have them."""
         yield
-        self._finish()
-
-    def _finish(self) -> int:
-        """Apply the scans that wait, as long as there is time; returns how many are left."""
-        self._deferred.drain(self._left())
-        return self._boxes.drain(self._left())
+        finish(self._boxes, self._deferred, self._left)
 
     def _receive(self, sample: zenoh.Sample) -> None:
         """Queue a scan for a worker thread, or refuse it; called in a Zenoh thread."""
