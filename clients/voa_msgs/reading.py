@@ -55,10 +55,18 @@ def read_json(content: bytes) -> Any:
         ) from error
 
 
+def utf8_text(content: bytes) -> str:
+    """Decode UTF-8 and remove its byte order mark; raises UnicodeDecodeError.
+
+    The codec `utf-8-sig`, which does the same, is written in Python, and takes several times as long.
+    """
+    return content.decode().removeprefix("\ufeff")
+
+
 def json_text(content: bytes) -> str:
     """Decode UTF-8 and remove its byte order mark; raises InvalidMessage where the bytes are not UTF-8."""
     try:
-        return content.decode("utf-8-sig")
+        return utf8_text(content)
     except UnicodeDecodeError as error:
         raise InvalidMessage(
             f"not UTF-8: byte 0x{content[error.start]:02x} at position {error.start}; save the text as UTF-8"

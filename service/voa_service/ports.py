@@ -154,6 +154,9 @@ class Store(Protocol):
     def get_session(self, id_: str) -> SessionState | None:
         """Read the newest version of a session; None: there is no such session."""
 
+    def newest_session(self) -> SessionState | None:
+        """Read the session that was opened last, at its newest version; None: there is no session."""
+
     def session_mark(self, id_: str) -> SessionMark | None:
         """Return values that differ after every change of a session, read cheaply; None: there is no such session."""
 

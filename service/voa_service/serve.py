@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import Any, cast
 
 import structlog
@@ -22,6 +22,8 @@ from voa_ros.robots import InvalidRobots, load
 from voa_service import bootstrap
 from voa_service.console import ConsolePort, StartConsole, console_beside, missing_console
 from voa_service.environment import unknown_variables
+from voa_service.failures import Failure
+from voa_service.guard import guarded
 from voa_service.http.app import create_app
 from voa_service.http.server import Server, supervised
 from voa_service.runtime import logs
@@ -161,6 +163,8 @@ def _serve(
         )
         load_scan_kernels()
         services.sessions.store.warm()
+        with suppress(Failure), guarded():  # whatever is wrong with one session, the others are served
+            services.updates.rehearse()
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots, lambda: deadline.left))
         _collect_seldom()
         if certificate is not None:

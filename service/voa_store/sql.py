@@ -11,8 +11,9 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from functools import partial
+from typing import Any
 
-from sqlalchemy import bindparam, delete, insert, literal_column, select, update
+from sqlalchemy import Row, bindparam, delete, insert, literal_column, select, update
 from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from voa_store import checksums, claims
@@ -59,6 +60,7 @@ _ROWS = 256  # stored responses that are dated or removed in one transaction
 # Built once, so that SQLAlchemy finds their compiled form in its cache by identity.
 _INSERT = {table: insert(table) for table in (sessions, history)}
 _BY_ID = select(sessions).where(sessions.c.id == bindparam("by_id"), sessions.c.version > GONE)
+_NEWEST = select(sessions).where(sessions.c.version > GONE).order_by(sessions.c.seq.desc()).limit(1)
 _LOCK = _BY_ID.with_for_update()
 _UPDATE = update(sessions).where(sessions.c.id == bindparam("by_id"))
 _DELETE = delete(sessions).where(sessions.c.id == bindparam("by_id"))
@@ -197,10 +199,13 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
         """Read the newest version of a session; None: there is no such session."""
         with statement(self._single) as connection:
             row = named_row(connection, _BY_ID, id_)
-        if row is None:
-            return None
-        checksums.check_session(row)
-        return session_of(row)
+        return _checked(row)
+
+    def newest_session(self) -> SessionState | None:
+        """Read the session that was opened last, at its newest version; None: there is no session."""
+        with statement(self._single) as connection:
+            row = connection.execute(_NEWEST).one_or_none()
+        return _checked(row)
 
     def session_mark(self, id_: str) -> SessionMark | None:
         """Return values that differ after every change of a session, read cheaply; None: there is no such session."""
@@ -295,3 +300,15 @@ class SqlStore(Contents, RobotRecords, KeyRecords):
 
     def _now(self) -> int:
         return int(self._seconds())
+
+
+def _checked(row: Row[Any] | None) -> SessionState | None:
+    """Return the state in a row of a session; None: there is no row.
+
+    Raises:
+        DamagedData: the session differs from what was written.
+    """
+    if row is None:
+        return None
+    checksums.check_session(row)
+    return session_of(row)

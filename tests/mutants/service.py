@@ -54,9 +54,9 @@ MUTANTS = (
     ),
     Mutant(
         name="a byte order mark is kept",
-        file="service/voa_service/requests/idempotency.py",
-        old='"utf-8-sig"',
-        new='"utf-8"',
+        file="clients/voa_msgs/reading.py",
+        old='.removeprefix("\\ufeff")',
+        new="",
         tests="tests/contract/test_sessions.py",
     ),
     Mutant(

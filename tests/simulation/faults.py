@@ -168,10 +168,10 @@ PLANTED = (
         "a version is published before its commit",
         (
             _change(
-                "voa_service.usecases.updates:Updates._change",
+                "voa_service.usecases.updates:Updates._answer",
                 (
                     "None if after is before else after, text)\n",
-                    "None if after is before else after, text)\n        self._committed(state.id, change)\n",
+                    "None if after is before else after, text)\n    self._committed(before.id, change)\n",
                 ),
             ),
         ),

@@ -125,6 +125,7 @@ def test_a_byte_order_mark_is_skipped() -> None:
         (b"{", "not JSON: Expecting property name"),
         (b'{"belief": [0.5,}', "not JSON: "),
         (b"\xff\xfe{\x00", "not UTF-8: byte 0xff at position 0"),
+        (b"\xef\xbb\xbf{\xff}", "not UTF-8: byte 0xff at position 4"),
         (b"[" * 100_000, "nested too deep"),
         (b'{"belief": ' + b"1" * 5_000 + b"}", ""),
         (b"[]", "expected an object with fields, got a list"),

@@ -5,14 +5,17 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from tests.support.api_keys import make_key, revoke_key
+from tests.support.serving import data_scenario, serving
 from voa_client.local import local_service
 from voa_service.serve import main
 from voa_service.settings import Limits, Settings
+from voa_store.drivers import sqlite_driver
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.lab", "10.0.0.1"])  # noqa: S104 - a name, not listened on
@@ -204,6 +207,15 @@ def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) ->
     )
     assert done.returncode != 0
     assert "s3cret" not in done.stdout + done.stderr
+
+
+def test_a_damaged_session_does_not_keep_the_service_from_starting(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        service.open(service.create(data_scenario()))
+    with closing(sqlite_driver().connect(str(tmp_path / "voa.db"), isolation_level=None)) as connection:
+        connection.execute("UPDATE sessions SET prior = zeroblob(48)")
+    done = serve_anywhere(tmp_path, "--insecure")
+    assert (done.returncode, done.stdout) == (0, "listening\n")
 
 
 def test_a_start_imports_nothing_that_only_some_requests_need() -> None:

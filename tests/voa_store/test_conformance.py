@@ -162,6 +162,21 @@ def test_a_cursor_holds_while_the_list_grows_and_shrinks(store: Store) -> None:
 # ------------------------------------------------------------------------------------------------------ sessions
 
 
+def test_the_newest_session_is_the_one_that_was_opened_last(pair: tuple[Store, Store]) -> None:
+    one, other = pair
+    assert one.newest_session() is None
+    create(one, "S")
+    create(other, "T")
+    change(one, "S", write(), next_version)
+    newest = one.newest_session()
+    assert newest is not None
+    assert (newest.id, newest.version) == ("T", 0)
+    one.delete_session("T", None, None)
+    newest = other.newest_session()
+    assert newest is not None
+    assert (newest.id, newest.version) == ("S", 1)
+
+
 def test_the_mark_of_a_session_changes_with_it(pair: tuple[Store, Store]) -> None:
     one, other = pair
     assert one.session_mark("S") is None

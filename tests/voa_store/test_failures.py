@@ -60,6 +60,7 @@ def test_a_database_that_does_not_answer_is_a_failure_that_says_when_to_try_agai
         calls: list[Callable[[], object]] = [
             lambda: store.get_session("S"),
             lambda: store.session_mark("S"),
+            store.newest_session,
             lambda: store.robot_looks("A", "r", 1),
             lambda: store.robot_session("r", "A"),
             lambda: store.settle_robot("r", "A"),

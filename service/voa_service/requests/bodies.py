@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from voa_msgs.reading import models_of, within
+from voa_msgs.reading import models_of, utf8_text, within
 from voa_service.failures import InvalidRequest, MalformedJson, malformed, of_message
 from voa_service.requests.large_json import python_float, python_int
 from voa_service.requests.limits import check_size, limited_objects
@@ -87,7 +87,7 @@ def json_value(payload: bytes, limits: Limits) -> Any:
     """
     check_size(payload, limits)
     try:
-        text = payload.decode("utf-8-sig")
+        text = utf8_text(payload)
     except UnicodeDecodeError as error:
         raise MalformedJson(f"expected JSON in UTF-8: {error}") from error
     if "\0" in text:

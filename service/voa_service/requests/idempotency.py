@@ -4,6 +4,7 @@ import hashlib
 
 from pydantic import BaseModel
 
+from voa_msgs.reading import utf8_text
 from voa_store.records import IdempotencyKey, RobotLook, Write, WriteKind
 
 
@@ -53,4 +54,4 @@ def write_of(
         look: the robot's look that a scan is, of a robot whose ROS 2 topics are mapped.
     """
     # JSON parsers accept a byte order mark before a body; text with one inside would not be read back.
-    return Write(kind, received.decode("utf-8-sig"), key, if_match, look)
+    return Write(kind, utf8_text(received), key, if_match, look)

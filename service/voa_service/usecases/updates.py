@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdatedEstimate, UpdateRequest
+from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, UpdatedEstimate, UpdateRequest
+from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import not_found
 from voa_service.mapping.estimates import session_message
 from voa_service.mapping.observations import ScanObservation, outcome_observation, scan_observation
@@ -15,6 +16,9 @@ from voa_service.usecases.places import LookedFrom
 from voa_service.usecases.sessions import Sessions, model_in_body
 from voa_store.errors import SessionMissing
 from voa_store.records import SessionChange, SessionState, StoredResponse, Write
+
+_MOST_REHEARSED = 2_000
+"""Most poses of a session that `rehearse` updates: 2 000 poses of a mesh take about a third of a second."""
 
 
 class AttemptCounter(Protocol):
@@ -106,6 +110,23 @@ class Updates:
         model = model_in_body(self.sessions.models, request.scenario)
         return updated_once(model, request, [*self.sessions.warnings(request.scenario)])
 
+    def rehearse(self) -> None:
+        """Update the session that was opened last by a scan, and discard the result.
+
+        What an update uses is then loaded: the next scan of that session need not wait for its scenario to be read.
+        Sessions with very many poses are left out, because a start would wait long for them.
+        """
+        state = self.sessions.store.newest_session()
+        if state is None or len(state.belief.p) > _MOST_REHEARSED:
+            return
+        scenario = self.sessions.model_of(state).scenario
+        lidar = scenario.lidar
+        ranges: list[float | None] = [0.5 * (lidar.range_min + lidar.range_max)] * lidar.grid.beams
+        request = ScanRequest(sensor=scenario.sensors[0].name, scan=Scan(ranges=ranges))
+        scan = self.places.prepared(state, scan_observation(scenario, request))
+        self._answer(SessionChange(state), state, self.places.updated(state, scan), scan, self._warnings(state, scan))
+        self.places.keep_state(state)
+
     def _change(
         self,
         state: SessionState,
@@ -124,25 +145,40 @@ class Updates:
         Returns:
             The response to the write, and the result; None: the write was answered before.
         """
-        sessions, updated = self.sessions, None
-        warnings = [*sessions.warnings(state.scenario), *([] if scan is None else scan.warnings)]
+        updated, warnings = None, self._warnings(state, scan)
 
         def step(change: SessionChange, before: SessionState) -> None:
             nonlocal updated
-            now, model = sessions.now(), sessions.model_of(before)
             updated = update(before)
-            after = next_version(model, before, updated, now) if updated.accepted else before
-            if scan is not None:
-                after = without_announcement(after, scan, now)
-            report = updated.report
-            body = session_message(model.scenario, after, warnings, now, report).model_dump_json()
-            text = None if report is None else report.model_dump_json()
-            change.respond(StoredResponse(body, after.version), None if after is before else after, text)
+            self._answer(change, before, updated, scan, warnings)
 
-        change = sessions.store.change(state.id, write, step)
+        change = self.sessions.store.change(state.id, write, step)
         if updated is not None and updated.report is not None:
             self.observed(write.kind, updated.report.reason or "accepted")
         return self._committed(state.id, change), updated
+
+    def _warnings(self, state: SessionState, scan: ScanObservation | None) -> list[ProbableMistake]:
+        """Return probable mistakes in a session's scenario and in a scan."""
+        return [*self.sessions.warnings(state.scenario), *([] if scan is None else scan.warnings)]
+
+    def _answer(
+        self,
+        change: SessionChange,
+        before: SessionState,
+        updated: Updated,
+        scan: ScanObservation | None,
+        warnings: list[ProbableMistake],
+    ) -> None:
+        """Respond to a change with the state that its result makes of the state before."""
+        sessions = self.sessions
+        now, model = sessions.now(), sessions.model_of(before)
+        after = next_version(model, before, updated, now) if updated.accepted else before
+        if scan is not None:
+            after = without_announcement(after, scan, now)
+        report = updated.report
+        body = session_message(model.scenario, after, warnings, now, report).model_dump_json()
+        text = None if report is None else report.model_dump_json()
+        change.respond(StoredResponse(body, after.version), None if after is before else after, text)
 
     def _committed(self, id_: str, change: SessionChange) -> StoredResponse:
         """Publish a committed version, if there is a new one; returns the response to the write."""

@@ -2,11 +2,12 @@
 
 import json
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.support.serving import PREDICTIONS, Service, as_scan, data_scenario
+from tests.support.serving import PREDICTIONS, Service, as_scan, data_scenario, serving
 from voa_core.errors import InvalidInput, UnknownName
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
 from voa_service.failures import NotFound, UnknownReference
@@ -167,3 +168,39 @@ def test_a_stated_belief_has_no_fit_where_no_pose_explains_the_scan(updates: Upd
     assert (refused.update.accepted, refused.update.reason) == (False, "no_match")
     assert (refused.belief, refused.last_fit_rmsd_mm) == (belief, None)
     assert refused.update.fit_rmsd_mm is not None
+
+
+def test_a_rehearsal_changes_nothing_and_reads_what_the_next_scan_needs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with serving(tmp_path) as before:
+        session = before.open(before.create(data_scenario()))
+    with serving(tmp_path) as after:
+        rows, counted = after.stored(), observations(after)
+        with after.inside.changes.listening(lambda *change: pytest.fail(f"published {change}")):
+            after.inside.updates.rehearse()
+        assert after.stored() == rows
+        assert observations(after) == counted
+        for read in ("get_session", "get_scenario"):
+            monkeypatch.setattr(after.inside.sessions.store, read, lambda id_: pytest.fail(f"read {id_} again"))
+        assert after.inside.updates.apply_scan(session, GOOD, write()).version == 1
+
+
+def test_a_rehearsal_leaves_out_a_session_with_very_many_poses(
+    updates: Updates, service: Service, session: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voa_service.usecases.updates._MOST_REHEARSED", 2)
+    state = service.inside.sessions.store.get_session(session)
+    updates.rehearse()
+    monkeypatch.setattr(service.inside.sessions.store, "get_session", lambda id_: state)
+    assert updates.places.last_state(session) is state, "it is read, because the rehearsal has not kept it"
+
+
+def test_without_a_session_there_is_nothing_to_rehearse(updates: Updates, service: Service) -> None:
+    rows = service.stored()
+    updates.rehearse()
+    assert service.stored() == rows
+
+
+def observations(service: Service) -> list[str]:
+    return [line for line in service.http.get("/metrics").text.splitlines() if line.startswith("voa_observations")]
