@@ -139,7 +139,7 @@ def lower_roots(covariance: Floats) -> Floats:
 
 def scaled(points: Floats, covariance: Floats) -> Floats:
     """Scale standard-normal points (J, 3) by the covariances of the poses (n, 3, 3): displacements (n, J, 3)."""
-    displacements: Floats = np.einsum("nik,jk->nji", lower_roots(covariance), points)
+    displacements: Floats = points @ lower_roots(covariance).transpose(0, 2, 1)
     return displacements
 
 

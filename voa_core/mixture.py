@@ -50,38 +50,42 @@ class Mixture(NamedTuple):
 
 
 class MeasuredScans(NamedTuple):
-    """Scans as the mixture needs them, each array of one shape: (N, r), or (r, N) where lanes are scans.
+    """Scans as the mixture needs them, the first four arrays of one shape: (N, r), or (r, N) where lanes are scans.
+
+    Densities are over that of the beam apart from hits and unexpected returns, so that each is at least 1, and is 1
+    where a return is predicted and none is measured.
 
     Attributes:
         ranges: metres; very far for a no-return and for a missing beam.
-        base: density of the beam apart from hits and unexpected returns: 1 for a missing beam.
         decay: exp(-decay_per_m z); 0 without a return.
         none: density where no return is predicted; 1 for a missing beam.
         log_none: its logarithm.
+        silent: (N,) log-likelihood of each scan where no return is predicted on any beam.
     """
 
     ranges: Floats
-    base: Floats
     decay: Floats
     none: Floats
     log_none: Floats
+    silent: Floats
 
-    def by_beam(self) -> "MeasuredScans":
-        """Transpose scans (N, r) to (r, N)."""
-        return MeasuredScans(*(np.ascontiguousarray(numbers.T) for numbers in self))
+    def by_beam(self, order: NDArray[np.intp]) -> "MeasuredScans":
+        """Sort scans (N, r) into an order (N,), and by their beams: (r, N)."""
+        ranges, decay, none, log_none = (np.ascontiguousarray(each[order].T) for each in self[:4])
+        return MeasuredScans(ranges, decay, none, log_none, self.silent[order])
 
 
 def measured_scans(observed: Floats, mixture: Mixture) -> MeasuredScans:
-    """Prepare classified scans, of any shape, for the loops below."""
+    """Prepare classified scans (N, r) for the loops below."""
     missing, returned = np.isnan(observed), np.isfinite(observed)
     ranges = np.where(returned, observed, FAR_M)
     decay = np.where(returned, np.exp(-mixture.decay_per_m * np.where(returned, observed, 0.0)), 0.0)
     reached = -math.expm1(-mixture.decay_per_m * mixture.range_max)
     background = mixture.random + (mixture.nothing - mixture.lost) / mixture.range_max
     none = np.where(returned, background + mixture.short * decay / reached, mixture.nothing)
-    none = np.where(missing, 1.0, none)
+    none[missing] = 1.0
     base = np.where(missing, 1.0, np.where(returned, mixture.random, mixture.lost))
-    return MeasuredScans(ranges, base, decay, none, np.log(none))
+    return MeasuredScans(ranges, decay, none / base, np.log(none / base), np.log(none).sum(axis=1))
 
 
 @sum_kernel
@@ -90,8 +94,10 @@ def tabulate(
 ) -> None:
     """Compute the four numbers of the density of each predicted range (h,); without a return all are 0.
 
-    A hit has the density `peaks` 2^-(`inverse_widths` (z - `means`))^2, see `vector_math.HALVING_WIDTH`.
+    A hit has the density `peaks` 2^-(`inverse_widths` (z - `means`))^2, see `vector_math.HALVING_WIDTH`. Densities are
+    over that of a random return.
     """
+    peak, short = mixture.hit_peak / mixture.random, mixture.short / mixture.random
     for h in range(len(predicted)):
         returns = predicted[h] < np.inf
         z = predicted[h] if returns else 0.0
@@ -102,8 +108,8 @@ def tabulate(
         reached = series if x < _SMALL else 1.0 - exp_of_negative(-x)
         means[h] = z
         inverse_widths[h] = HALVING_WIDTH * inverse if returns else 0.0
-        peaks[h] = mixture.hit_peak * inverse if returns else 0.0
-        shorts[h] = mixture.short / reached if returns else 0.0
+        peaks[h] = peak * inverse if returns else 0.0
+        shorts[h] = short / reached if returns else 0.0
 
 
 @kernel
@@ -122,29 +128,6 @@ def flush(product: Floats, bits: NDArray[np.int64], log: Floats) -> None:
     product[:] = 1.0
 
 
-@frugal_kernel
-def _multiply_copies(
-    z: float,
-    base: float,
-    decay: float,
-    none: float,
-    means: Floats,
-    inverse_widths: Floats,
-    peaks: Floats,
-    shorts: Floats,
-    product: Floats,
-    bits: NDArray[np.int64],
-) -> None:
-    """Multiply `product` (J,) by the density of one beam of a scan under each copy of a pose."""
-    numbers = bits.view(np.float64)
-    for j in range(len(product)):
-        off = (z - means[j]) * inverse_widths[j]
-        before = shorts[j] * decay
-        hit = half_to_the(off * off, numbers, bits, j)
-        density = base + peaks[j] * hit + (before if z <= means[j] else 0.0)
-        product[j] *= density if inverse_widths[j] > 0.0 else none
-
-
 @kernel
 def mixture_of_pairs(
     measured: MeasuredScans,
@@ -160,7 +143,7 @@ def mixture_of_pairs(
 
     Args:
         measured: the scans, arrays (N, r).
-        scans, poses: (P,) indices of each pair.
+        scans, poses: (P,) indices of each pair; fastest where pairs of one pose are neighbours.
         start, beams, predicted: as in `DisplacedScans`.
         mixture: of the rule.
         out: (P, J) written.
@@ -169,41 +152,68 @@ def mixture_of_pairs(
     for pose in poses:
         most = max(most, start[pose + 1] - start[pose])
     means, inverses, peaks, shorts = empty_tables(most, copies)
-    bits, product = np.zeros(copies, dtype=np.int64), np.zeros(copies)
-    done, counted, total = -1, -1, 0.0
+    bits, product, tabulated = np.zeros(copies, dtype=np.int64), np.ones(copies), np.zeros(most, dtype=np.bool_)
+    done = -1
     for pair in range(len(scans)):
         scan, pose, log = scans[pair], poses[pair], out[pair]
         first, last = start[pose], start[pose + 1]
         if pose != done:
-            for row in range(first, last):
-                k = row - first
-                tabulate(predicted[row], mixture, means[k], inverses[k], peaks[k], shorts[k])
+            tabulated[:] = False
             done = pose
-        if scan != counted:
-            total = measured.log_none[scan].sum()
-            counted = scan
-        rest = total
+        rest, factors = measured.silent[scan], 0
         log[:] = 0.0
-        product[:] = 1.0
-        factors = 0
         for row in range(first, last):
             beam, k = beams[row], row - first
+            z, none = measured.ranges[scan, beam], measured.none[scan, beam]
             rest -= measured.log_none[scan, beam]
-            _multiply_copies(
-                measured.ranges[scan, beam],
-                measured.base[scan, beam],
-                measured.decay[scan, beam],
-                measured.none[scan, beam],
-                means[k],
-                inverses[k],
-                peaks[k],
-                shorts[k],
-                product,
-                bits,
-            )
+            if z >= FAR_M:
+                if none == 1.0 or not _has_gaps(predicted[row]):
+                    continue
+                _multiply_gaps(predicted[row], none, product)
+            else:
+                if not tabulated[k]:
+                    tabulate(predicted[row], mixture, means[k], inverses[k], peaks[k], shorts[k])
+                    tabulated[k] = True
+                own = means[k], inverses[k], peaks[k], shorts[k]
+                _multiply_copies(z, measured.decay[scan, beam], none, own, product, bits)
             factors += 1
             if factors == mixture.factors:
                 flush(product, bits, log)
                 factors = 0
         flush(product, bits, log)
         log += rest
+
+
+@frugal_kernel
+def _has_gaps(predicted: Floats) -> bool:
+    """Whether a copy predicts no return on a beam (J,)."""
+    farthest = 0.0
+    for j in range(len(predicted)):
+        farthest = max(farthest, predicted[j])
+    return farthest == np.inf
+
+
+@frugal_kernel
+def _multiply_gaps(predicted: Floats, none: float, product: Floats) -> None:
+    """Multiply `product` (J,) by the density of a no-return where none is predicted."""
+    for j in range(len(product)):
+        product[j] *= none if predicted[j] == np.inf else 1.0
+
+
+@frugal_kernel
+def _multiply_copies(
+    z: float,
+    decay: float,
+    none: float,
+    table: tuple[Floats, Floats, Floats, Floats],
+    product: Floats,
+    bits: NDArray[np.int64],
+) -> None:
+    """Multiply `product` (J,) by the density of a return under each copy of a pose."""
+    means, inverse_widths, peaks, shorts = table
+    numbers = bits.view(np.float64)
+    for j in range(len(product)):
+        off = (z - means[j]) * inverse_widths[j]
+        before = shorts[j] * decay if z <= means[j] else 0.0
+        density = 1.0 + peaks[j] * half_to_the(off * off, numbers, bits, j) + before
+        product[j] *= density if inverse_widths[j] > 0.0 else none

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
-from voa_core.copy_kernels import log_sums_of_exp
 from voa_core.jit import frugal_kernel, kernel
 from voa_core.mixture import MeasuredScans, Mixture, empty_tables, flush, tabulate
 from voa_core.mixture_likelihoods import (
@@ -14,10 +13,12 @@ from voa_core.mixture_likelihoods import (
     likelihood_bound,
     likelihoods,
     multiply_largest,
+    sum_weights,
     write_intervals,
     write_window,
 )
 from voa_core.outlines import Ints
+from voa_core.vector_math import take_logarithms
 
 _SHARE_WORTH_GATHERING = 0.8
 
@@ -59,13 +60,12 @@ def mixture_of_copies(
         most = max(most, start[pose + 1] - start[pose])
     tables, scratch = empty_tables(most, copies), _scratch(scans, most, cluster)
     windows = np.zeros((len(measured.ranges), 2), dtype=np.intp)
-    rests, totals, some = np.zeros(scans), np.zeros(scans), np.zeros(_whole_registers(scans), dtype=np.uint64)
+    rests, some = np.zeros(scans), np.zeros(_whole_registers(scans), dtype=np.uint64)
     for beam in range(len(measured.ranges)):
-        totals += measured.log_none[beam]
         write_window(measured.ranges[beam], windows[beam])
     for pose in range(len(start) - 1):
         seen, ranges = beams[start[pose] : start[pose + 1]], predicted[start[pose] : start[pose + 1]]
-        rests[:] = totals
+        rests[:] = measured.silent
         write_intervals(ranges, order, scratch.intervals)
         _bound_all(measured, windows, seen, mixture, scratch, rests)
         n = 0
@@ -79,11 +79,12 @@ def mixture_of_copies(
             tabulate(ranges[row], mixture, tables[0][row], tables[1][row], tables[2][row], tables[3][row])
         limits = np.full(n, -np.inf)  # what the log-likelihood on the beams of the pose must reach
         for i in range(n):
+            scratch.bounds[i] = scratch.sums[some[i]]
             if own[some[i]] != first_pose + pose:
                 limits[i] = least[some[i]] / mixture.temper - rests[some[i]]
-        sums = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
+        totals = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
         for i in range(n):
-            out[pose, some[i]] = sums[i] + mixture.temper * rests[some[i]]
+            out[pose, some[i]] = totals[i] + mixture.temper * (rests[some[i]] + scratch.bounds[i])
 
 
 class _Scratch(NamedTuple):
@@ -91,8 +92,8 @@ class _Scratch(NamedTuple):
 
     Attributes:
         product, bits, logs: (c N,).
-        sums, few: (N,).
-        of_pose, of_cluster: (4 r N,).
+        sums, bounds, own_bounds, few: (N,).
+        of_pose, of_cluster: (3 r N,).
         intervals: (r, 4).
         windows, fewer: (r, 2).
     """
@@ -101,6 +102,8 @@ class _Scratch(NamedTuple):
     bits: NDArray[np.int64]
     logs: Floats
     sums: Floats
+    bounds: Floats
+    own_bounds: Floats
     few: NDArray[np.uint64]
     of_pose: Floats
     of_cluster: Floats
@@ -117,9 +120,11 @@ def _scratch(scans: int, rows: int, copies: int) -> _Scratch:
         np.zeros(copies * size, dtype=np.int64),
         np.zeros(copies * size),
         np.zeros(size),
+        np.zeros(size),
+        np.zeros(size),
         np.zeros(size, dtype=np.uint64),
-        np.zeros(4 * rows * size),
-        np.zeros(4 * rows * size),
+        np.zeros(3 * rows * size),
+        np.zeros(3 * rows * size),
         np.zeros((rows, 4)),
         np.zeros((rows, 2), dtype=np.intp),
         np.zeros((rows, 2), dtype=np.intp),
@@ -151,7 +156,6 @@ def _bound_all(
         _subtract(measured.log_none[beam], rests)
         multiply_largest(
             measured.ranges[beam],
-            measured.base[beam],
             measured.decay[beam],
             measured.none[beam],
             windows[beam],
@@ -180,25 +184,24 @@ def _sum_over_copies(
     mixture: Mixture,
     scratch: _Scratch,
 ) -> Floats:
-    """Logarithm of the sum of weights over the copies of a pose, for the first scans of `some`, as many as `limits`.
+    """Logarithm of the sum over the copies of a pose of weights over their bounds, for the first n scans of `some`.
 
     The weights are those of the beams (rows,) of the pose; clusters whose log-likelihood stays below `limits` (n,) are
     left out.
     """
     rows, n, size, few = len(beams), len(limits), _whole_registers(len(limits)), scratch.few
     numbers, sums, intervals = (
-        scratch.of_pose[: 4 * rows * size].reshape(rows, 4, size),
+        scratch.of_pose[: 3 * rows * size].reshape(rows, 3, size),
         scratch.sums,
         scratch.intervals,
     )
     for row in range(rows):
         _pick(measured.ranges[beams[row]], some[:size], numbers[row, 0])
-        _pick(measured.base[beams[row]], some[:size], numbers[row, 1])
-        _pick(measured.decay[beams[row]], some[:size], numbers[row, 2])
-        _pick(measured.none[beams[row]], some[:size], numbers[row, 3])
+        _pick(measured.decay[beams[row]], some[:size], numbers[row, 1])
+        _pick(measured.none[beams[row]], some[:size], numbers[row, 2])
         write_window(numbers[row, 0], scratch.windows[row])
-    parts = np.full((len(order) // cluster, size), -np.inf)
-    for c in range(len(parts)):
+    totals = np.zeros(size)
+    for c in range(len(order) // cluster):
         members = order[c * cluster : (c + 1) * cluster]
         write_intervals(ranges, members, intervals)
         likelihood_bound(
@@ -209,37 +212,37 @@ def _sum_over_copies(
             few[m] = i
             m += sums[i] >= limits[i]
         if m > _SHARE_WORTH_GATHERING * n:
-            _sum_over_cluster(numbers, scratch.windows, members, tables, mixture, scratch, parts[c])
+            _sum_over_cluster(numbers, scratch.windows, scratch.bounds[:size], members, tables, mixture, scratch)
+            for i in range(n):
+                totals[i] += sums[i]
         elif m > 0:
             fit = _whole_registers(m)
             few[m:fit] = few[0]
-            fewer = scratch.of_cluster[: 4 * rows * fit].reshape(rows, 4, fit)
+            fewer, bounds = scratch.of_cluster[: 3 * rows * fit].reshape(rows, 3, fit), scratch.own_bounds[:fit]
             _gather(numbers, few[:fit], intervals, fewer, scratch.fewer)
-            _sum_over_cluster(fewer, scratch.fewer, members, tables, mixture, scratch, sums[:fit])
+            _pick(scratch.bounds, few[:fit], bounds)
+            _sum_over_cluster(fewer, scratch.fewer, bounds, members, tables, mixture, scratch)
             for i in range(m):
-                parts[c, few[i]] = sums[i]
-    total = np.zeros(size)
-    log_sums_of_exp(parts, total, scratch.bits)
-    return total
+                totals[few[i]] += sums[i]
+    take_logarithms(totals, scratch.bits)
+    return totals
 
 
 @kernel
 def _sum_over_cluster(
     numbers: Floats,
     windows: NDArray[np.intp],
+    bounds: Floats,
     members: NDArray[np.intp],
     tables: tuple[Floats, Floats, Floats, Floats],
     mixture: Mixture,
     scratch: _Scratch,
-    sums: Floats,
 ) -> None:
-    """Write the logarithm of the sum of the weights of n scans over some copies of a pose, to `sums` (n,)."""
-    used = len(members) * len(sums)
+    """Write the sums of the weights of n scans over some copies of a pose, over their bounds (n,), to the sums."""
+    n, used = len(bounds), len(members) * len(bounds)
     product, logs = scratch.product[:used], scratch.logs[:used]
     likelihoods(numbers, windows, members, tables, mixture, product, scratch.bits, logs)
-    for i in range(used):
-        logs[i] *= mixture.temper
-    log_sums_of_exp(logs.reshape(len(members), len(sums)), sums, scratch.bits)
+    sum_weights(logs, bounds, mixture.temper, scratch.bits, scratch.sums[:n])
 
 
 @frugal_kernel
@@ -260,7 +263,7 @@ def _gather(
 ) -> None:
     """Copy the numbers of some scans; what counts where no return is predicted only where that is needed."""
     for row in range(len(numbers)):
-        for k in range(0 if intervals[row, 0] < np.inf else 3, 4 if intervals[row, 2] > 0.0 else 3):
+        for k in range(0 if intervals[row, 0] < np.inf else 2, 3 if intervals[row, 2] > 0.0 else 2):
             _pick(numbers[row, k], which, out[row, k])
         if intervals[row, 0] < np.inf:
             write_window(out[row, 0], windows[row])

@@ -12,6 +12,7 @@ from voa_core.vector_math import HALVING_WIDTH, bound_of_half_to_the, half_to_th
 
 REGISTER = 4
 """Numbers that a vector register holds; loops over a multiple of them are the fastest."""
+_LOG2_E = math.log2(math.e)
 
 
 @frugal_kernel
@@ -57,7 +58,7 @@ def likelihood_bound(
     """Upper bounds (n,) of the log-likelihood of n scans on the beams of a pose, under some of its copies.
 
     Args:
-        numbers: (rows, 4, n) the first four of `MeasuredScans` on each beam of the pose.
+        numbers: (rows, 3, n) the first three of `MeasuredScans` on each beam of the pose.
         windows: (rows, 2) of the scans that return, see `write_window`.
         intervals: (rows, 4) see `write_intervals`.
         mixture: of the rule.
@@ -69,7 +70,7 @@ def likelihood_bound(
     factors = 0
     for row in range(len(numbers)):
         own = numbers[row]
-        multiply_largest(own[0], own[1], own[2], own[3], windows[row], intervals[row], mixture, product, bits)
+        multiply_largest(own[0], own[1], own[2], windows[row], intervals[row], mixture, product, bits)
         factors += 1
         if factors == mixture.factors:
             flush(product, bits, out)
@@ -80,7 +81,6 @@ def likelihood_bound(
 @frugal_kernel
 def multiply_largest(
     z: Floats,
-    base: Floats,
     decay: Floats,
     none: Floats,
     window: NDArray[np.intp],
@@ -93,31 +93,47 @@ def multiply_largest(
 
     Scans outside the window do not return, and need no exponential.
     """
-    low, high = interval[0], interval[1]
+    low, high, may_be_none = interval[0], interval[1], interval[2] > 0.0
     if low == np.inf:
         _multiply(none, product)
         return
     near, far = min(max(low, 1e-9), mixture.range_max), min(max(high, 1e-9), mixture.range_max)
     inverse = HALVING_WIDTH / max(mixture.sigma_m, mixture.noise_ratio * far)
-    peak = mixture.hit_peak / max(mixture.sigma_m, mixture.noise_ratio * near)
-    short = mixture.short / -math.expm1(-mixture.decay_per_m * near)
-    a, b, some = window[0], window[1], interval[2]
-    _multiply_silent_bounds(base[:a], none[:a], some, product[:a])
-    own = z[a:b], base[a:b], decay[a:b], none[a:b]
-    _multiply_bounds(*own, low, high, inverse, peak, short, some, product[a:b], bits)
-    _multiply_silent_bounds(base[b:], none[b:], some, product[b:])
-
-
-@frugal_kernel
-def _multiply_silent_bounds(base: Floats, none: Floats, may_be_none: float, product: Floats) -> None:
-    for i in range(len(product)):
-        product[i] *= max(base[i], may_be_none * none[i])
+    peak = mixture.hit_peak / max(mixture.sigma_m, mixture.noise_ratio * near) / mixture.random
+    short = mixture.short / -math.expm1(-mixture.decay_per_m * near) / mixture.random
+    a, b = window[0], window[1]
+    if may_be_none:
+        _multiply(none[:a], product[:a])
+        _multiply_largest(z[a:b], decay[a:b], none[a:b], low, high, inverse, peak, short, product[a:b], bits)
+        _multiply(none[b:], product[b:])
+    else:
+        _multiply_bounds(z[a:b], decay[a:b], low, high, inverse, peak, short, product[a:b], bits)
 
 
 @frugal_kernel
 def _multiply_bounds(
     z: Floats,
-    base: Floats,
+    decay: Floats,
+    low: float,
+    high: float,
+    inverse: float,
+    peak: float,
+    short: float,
+    product: Floats,
+    bits: NDArray[np.int64],
+) -> None:
+    """Multiply `product` (n,) by the largest densities under a predicted return between two ranges."""
+    numbers = bits.view(np.float64)
+    for i in range(len(product)):
+        off = (z[i] - min(max(z[i], low), high)) * inverse
+        before = short * decay[i]
+        hit = peak * bound_of_half_to_the(off * off, numbers, bits, i)
+        product[i] *= 1.0 + hit + (before if z[i] <= high else 0.0)
+
+
+@frugal_kernel
+def _multiply_largest(
+    z: Floats,
     decay: Floats,
     none: Floats,
     low: float,
@@ -125,17 +141,16 @@ def _multiply_bounds(
     inverse: float,
     peak: float,
     short: float,
-    may_be_none: float,
     product: Floats,
     bits: NDArray[np.int64],
 ) -> None:
+    """Multiply as `_multiply_bounds`, or by `none` where that is larger."""
     numbers = bits.view(np.float64)
     for i in range(len(product)):
         off = (z[i] - min(max(z[i], low), high)) * inverse
         before = short * decay[i]
-        hit = bound_of_half_to_the(off * off, numbers, bits, i)
-        density = base[i] + peak * hit + (before if z[i] <= high else 0.0)
-        product[i] *= max(density, may_be_none * none[i])
+        hit = peak * bound_of_half_to_the(off * off, numbers, bits, i)
+        product[i] *= max(1.0 + hit + (before if z[i] <= high else 0.0), none[i])
 
 
 @frugal_kernel
@@ -164,7 +179,7 @@ def likelihoods(
     out[:] = 0.0
     factors = 0
     for row in range(len(numbers)):
-        z, base, decay, none = numbers[row, 0], numbers[row, 1], numbers[row, 2], numbers[row, 3]
+        z, decay, none = numbers[row, 0], numbers[row, 1], numbers[row, 2]
         a, b = windows[row, 0], windows[row, 1]
         for index in range(len(members)):
             copy, own = members[index], product[index * n : (index + 1) * n]
@@ -172,11 +187,7 @@ def likelihoods(
             if inverse == 0.0:
                 _multiply(none, own)
             else:
-                _multiply(base[:a], own[:a])
-                _multiply_scans(
-                    z[a:b], base[a:b], decay[a:b], mean, inverse, peaks[row, copy], shorts[row, copy], own[a:b], bits
-                )
-                _multiply(base[b:], own[b:])
+                _multiply_scans(z[a:b], decay[a:b], mean, inverse, peaks[row, copy], shorts[row, copy], own[a:b], bits)
         factors += 1
         if factors == mixture.factors:
             flush(product, bits, out)
@@ -193,7 +204,6 @@ def _multiply(values: Floats, product: Floats) -> None:
 @frugal_kernel
 def _multiply_scans(
     z: Floats,
-    base: Floats,
     decay: Floats,
     mean: float,
     inverse: float,
@@ -207,5 +217,18 @@ def _multiply_scans(
     for i in range(len(product)):
         off = (z[i] - mean) * inverse
         before = short * decay[i]
-        density = base[i] + peak * half_to_the(off * off, numbers, bits, i)
-        product[i] *= density + (before if z[i] <= mean else 0.0)
+        product[i] *= 1.0 + peak * half_to_the(off * off, numbers, bits, i) + (before if z[i] <= mean else 0.0)
+
+
+@frugal_kernel
+def sum_weights(logs: Floats, bounds: Floats, temper: float, bits: NDArray[np.int64], sums: Floats) -> None:
+    """Write the sum of exp(temper (L - B)) over k copies, with L the log-likelihoods (k n,) and B bounds of them (n,).
+
+    `bits` is scratch of n numbers.
+    """
+    n, numbers, scale = len(sums), bits.view(np.float64), -temper * _LOG2_E
+    sums[:] = 0.0
+    for index in range(len(logs) // n):
+        own = logs[index * n : (index + 1) * n]
+        for i in range(n):
+            sums[i] += half_to_the(max(scale * (own[i] - bounds[i]), 0.0), numbers, bits, i)

@@ -114,9 +114,9 @@ def drawn_displacements(
     normal = ndtri(_inside(uniforms[:, :, :6]))
     of_object = lower_roots(covariances(poses, sensor, spread, None))
     of_sensor = lower_roots(covariances(poses, sensor, None, std))
-    displacements: Floats = np.einsum("nab,nkb->nka", of_object, normal[:, :, :3]) + np.einsum(
-        "nab,nkb->nka", of_sensor, normal[:, :, 3:]
-    )
+    by_object = normal[:, :, :3] @ of_object.transpose(0, 2, 1)
+    by_sensor = normal[:, :, 3:] @ of_sensor.transpose(0, 2, 1)
+    displacements: Floats = by_object + by_sensor
     return displacements
 
 

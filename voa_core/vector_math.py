@@ -69,7 +69,7 @@ _MOST_FLOAT32_HALVINGS = np.float32(125.0)  # its power of a half is above the s
 _TO_WHOLE_FLOAT32, _NONE_FLOAT32 = np.float32(1.5 * 2.0**23), np.float32(0.0)
 _EXPONENT_BITS_FLOAT32 = np.int32(23)
 _MOST_EXACT_HALVINGS = 1010.0  # 2^-1010 is about e^-700: less is not worth a float64's last exponents
-_MOST_HALVINGS = -LOWEST * math.log2(math.e)
+_MOST_HALVINGS = 1000.0  # its power of a half times a density is above the smallest normal float64
 _TO_WHOLE = 1.5 * 2.0**52  # a float64 that is added to this is rounded, and its whole part fills the lowest bits
 HALVING_WIDTH = math.sqrt(0.5 * math.log2(math.e))
 """Factor h with which 2^-(h x)^2 = exp(-x^2 / 2)."""
@@ -104,7 +104,7 @@ def exp_of_negative(x: float) -> float:
 
 @frugal_kernel
 def half_to_the(power: float, numbers: Floats, bits: NDArray[np.int64], i: int) -> float:
-    """2^-power for a power of at least 0 within 1e-12 of it, without branches; e^-40 for all larger powers.
+    """2^-power for a power of at least 0 within 1e-12 of it, without branches; 2^-1000 for all above 1000.
 
     Args:
         power: at least 0.

@@ -20,12 +20,8 @@ _LAMBDA_SHORT_PER_M = 1.0
 _SILHOUETTE_SHARE = 0.05
 _ONE_WITNESS_RAD = math.radians(4.0)
 _ONE_WITNESS_OF_COPIES_RAD = math.radians(2.0)
+_LOG_RANGE = 600.0  # products of densities stay within e^-600 and e^600
 _LEAST_SHARE = 1e-9  # of random returns per metre, and of no-returns
-
-
-def _factors_in_range(lowest: float, highest: float) -> int:
-    """Number of factors between the lowest and the highest whose product surely fits a float64, at least 1."""
-    return max(1, int(600.0 / max(abs(math.log(lowest)), abs(math.log(highest)), 1.0)))
 
 
 @dataclass(frozen=True)
@@ -135,9 +131,11 @@ class Beam:
         lowest = min(mixture.random, mixture.lost)
         if lowest < _LEAST_SHARE:
             return None
-        nearest = mixture.short / -math.expm1(-1e-9 * mixture.decay_per_m)
-        highest = mixture.random + mixture.hit_peak / mixture.sigma_m + nearest
-        return MixtureComparison(mixture._replace(factors=_factors_in_range(lowest, highest)), observed, copies)
+        nearest = min(max(float(copies.ranges.min(initial=self.range_max)), 1e-9), self.range_max)
+        short = mixture.short / -math.expm1(-nearest * mixture.decay_per_m)
+        highest = max(mixture.random + mixture.hit_peak / mixture.sigma_m + short, 1.0)
+        factors = max(1, int(_LOG_RANGE / math.log(highest / lowest)))
+        return MixtureComparison(mixture._replace(factors=factors), observed, copies)
 
     def _mixture(self) -> Mixture:
         """Make the numbers of the mixture, with products of a single factor."""

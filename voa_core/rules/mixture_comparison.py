@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.displaced_scans import DisplacedScans
-from voa_core.mixture import FAR_M, MeasuredScans, Mixture, measured_scans, mixture_of_pairs
+from voa_core.mixture import FAR_M, Mixture, measured_scans, mixture_of_pairs
 from voa_core.mixture_kernels import mixture_of_copies
 from voa_core.scans import NO_RETURN
 
@@ -48,7 +48,7 @@ class MixtureComparison:
     def log_means(self, own: NDArray[np.intp], least: Floats, check: Callable[[], None]) -> Floats:
         """Logarithms of the mean weight over the copies of each pose after each scan, (k, N); -inf where left out."""
         copies, order = self._copies, self._neighbours_together()
-        measured = MeasuredScans(*(numbers[order] for numbers in self._measured)).by_beam()
+        measured = self._measured.by_beam(order)
         own, least = own[order], least[order] - self._constant
         means = np.zeros((len(copies), len(own)))
         for first in range(0, len(means), _POSES_AT_ONCE):
