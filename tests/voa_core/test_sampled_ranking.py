@@ -230,6 +230,7 @@ def test_driving_is_taken_off_in_every_round() -> None:
         assert look.cost == pytest.approx(look.sensor.cost + driving.cost(look.sensor))
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("definition", ["posterior", "executed"])
 def test_pending_looks_are_the_baseline_over_the_sampled_poses(definition: Definition) -> None:
     looks, held = replace(looks_of(), pending=(PLACES[20],)), valuation(definition)
@@ -244,6 +245,7 @@ def test_pending_looks_are_the_baseline_over_the_sampled_poses(definition: Defin
     assert some.value_of_perfect_information == pytest.approx(exact.value_of_perfect_information, abs=0.05)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("definition", ["posterior", "executed"])
 def test_the_error_from_attempts_is_that_of_all_poses(definition: Definition) -> None:
     held = Valuation(random_belief(1), table(attempts=15), UpdatePolicy(), definition)
