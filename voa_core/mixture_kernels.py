@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.copy_kernels import log_sums_of_exp
 from voa_core.jit import frugal_kernel, kernel
 from voa_core.mixture import MeasuredScans, Mixture, empty_tables, flush, tabulate
 from voa_core.mixture_likelihoods import (
     REGISTER,
     likelihood_bound,
     likelihoods,
+    log_sums_of_weights,
     multiply_largest,
-    sum_weights,
     write_intervals,
     write_window,
 )
 from voa_core.outlines import Ints
-from voa_core.vector_math import take_logarithms
 
 _SHARE_WORTH_GATHERING = 0.8
 
@@ -79,12 +79,11 @@ def mixture_of_copies(
             tabulate(ranges[row], mixture, tables[0][row], tables[1][row], tables[2][row], tables[3][row])
         limits = np.full(n, -np.inf)  # what the log-likelihood on the beams of the pose must reach
         for i in range(n):
-            scratch.bounds[i] = scratch.sums[some[i]]
             if own[some[i]] != first_pose + pose:
                 limits[i] = least[some[i]] / mixture.temper - rests[some[i]]
-        totals = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
+        sums = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
         for i in range(n):
-            out[pose, some[i]] = totals[i] + mixture.temper * (rests[some[i]] + scratch.bounds[i])
+            out[pose, some[i]] = sums[i] + mixture.temper * rests[some[i]]
 
 
 class _Scratch(NamedTuple):
@@ -92,7 +91,7 @@ class _Scratch(NamedTuple):
 
     Attributes:
         product, bits, logs: (c N,).
-        sums, bounds, own_bounds, few: (N,).
+        sums, highest, few: (N,).
         of_pose, of_cluster: (3 r N,).
         intervals: (r, 4).
         windows, fewer: (r, 2).
@@ -102,8 +101,7 @@ class _Scratch(NamedTuple):
     bits: NDArray[np.int64]
     logs: Floats
     sums: Floats
-    bounds: Floats
-    own_bounds: Floats
+    highest: Floats
     few: NDArray[np.uint64]
     of_pose: Floats
     of_cluster: Floats
@@ -119,7 +117,6 @@ def _scratch(scans: int, rows: int, copies: int) -> _Scratch:
         np.ones(copies * size),
         np.zeros(copies * size, dtype=np.int64),
         np.zeros(copies * size),
-        np.zeros(size),
         np.zeros(size),
         np.zeros(size),
         np.zeros(size, dtype=np.uint64),
@@ -184,7 +181,7 @@ def _sum_over_copies(
     mixture: Mixture,
     scratch: _Scratch,
 ) -> Floats:
-    """Logarithm of the sum over the copies of a pose of weights over their bounds, for the first n scans of `some`.
+    """Logarithm of the sum of weights over the copies of a pose, (n,), for the first n scans of `some`.
 
     The weights are those of the beams (rows,) of the pose; clusters whose log-likelihood stays below `limits` (n,) are
     left out.
@@ -200,8 +197,8 @@ def _sum_over_copies(
         _pick(measured.decay[beams[row]], some[:size], numbers[row, 1])
         _pick(measured.none[beams[row]], some[:size], numbers[row, 2])
         write_window(numbers[row, 0], scratch.windows[row])
-    totals = np.zeros(size)
-    for c in range(len(order) // cluster):
+    parts = np.full((len(order) // cluster, size), -np.inf)
+    for c in range(len(parts)):
         members = order[c * cluster : (c + 1) * cluster]
         write_intervals(ranges, members, intervals)
         likelihood_bound(
@@ -212,37 +209,35 @@ def _sum_over_copies(
             few[m] = i
             m += sums[i] >= limits[i]
         if m > _SHARE_WORTH_GATHERING * n:
-            _sum_over_cluster(numbers, scratch.windows, scratch.bounds[:size], members, tables, mixture, scratch)
-            for i in range(n):
-                totals[i] += sums[i]
+            _sum_over_cluster(numbers, scratch.windows, members, tables, mixture, scratch, parts[c])
         elif m > 0:
             fit = _whole_registers(m)
             few[m:fit] = few[0]
-            fewer, bounds = scratch.of_cluster[: 3 * rows * fit].reshape(rows, 3, fit), scratch.own_bounds[:fit]
+            fewer = scratch.of_cluster[: 3 * rows * fit].reshape(rows, 3, fit)
             _gather(numbers, few[:fit], intervals, fewer, scratch.fewer)
-            _pick(scratch.bounds, few[:fit], bounds)
-            _sum_over_cluster(fewer, scratch.fewer, bounds, members, tables, mixture, scratch)
+            _sum_over_cluster(fewer, scratch.fewer, members, tables, mixture, scratch, sums[:fit])
             for i in range(m):
-                totals[few[i]] += sums[i]
-    take_logarithms(totals, scratch.bits)
-    return totals
+                parts[c, few[i]] = sums[i]
+    total = np.zeros(size)
+    log_sums_of_exp(parts, total, scratch.bits)
+    return total
 
 
 @kernel
 def _sum_over_cluster(
     numbers: Floats,
     windows: NDArray[np.intp],
-    bounds: Floats,
     members: NDArray[np.intp],
     tables: tuple[Floats, Floats, Floats, Floats],
     mixture: Mixture,
     scratch: _Scratch,
+    sums: Floats,
 ) -> None:
-    """Write the sums of the weights of n scans over some copies of a pose, over their bounds (n,), to the sums."""
-    n, used = len(bounds), len(members) * len(bounds)
+    """Write the logarithm of the sum of the weights of n scans over some copies of a pose, to `sums` (n,)."""
+    n, used = len(sums), len(members) * len(sums)
     product, logs = scratch.product[:used], scratch.logs[:used]
     likelihoods(numbers, windows, members, tables, mixture, product, scratch.bits, logs)
-    sum_weights(logs, bounds, mixture.temper, scratch.bits, scratch.sums[:n])
+    log_sums_of_weights(logs, mixture.temper, scratch.highest[:n], scratch.bits[:n], sums)
 
 
 @frugal_kernel

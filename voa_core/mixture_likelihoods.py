@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from voa_core.checks import Floats
 from voa_core.jit import frugal_kernel
 from voa_core.mixture import FAR_M, Mixture, flush
-from voa_core.vector_math import HALVING_WIDTH, bound_of_half_to_the, half_to_the
+from voa_core.vector_math import HALVING_WIDTH, bound_of_half_to_the, half_to_the, take_logarithms
 
 REGISTER = 4
 """Numbers that a vector register holds; loops over a multiple of them are the fastest."""
@@ -221,14 +221,23 @@ def _multiply_scans(
 
 
 @frugal_kernel
-def sum_weights(logs: Floats, bounds: Floats, temper: float, bits: NDArray[np.int64], sums: Floats) -> None:
-    """Write the sum of exp(temper (L - B)) over k copies, with L the log-likelihoods (k n,) and B bounds of them (n,).
+def log_sums_of_weights(logs: Floats, temper: float, highest: Floats, bits: NDArray[np.int64], out: Floats) -> None:
+    """Write the logarithm of the sum of exp(temper L) over k copies, (n,), with L the log-likelihoods (k n,).
 
-    `bits` is scratch of n numbers.
+    `highest` is scratch of n numbers, `bits` of n.
     """
-    n, numbers, scale = len(sums), bits.view(np.float64), -temper * _LOG2_E
-    sums[:] = 0.0
+    n, numbers, scale = len(out), bits.view(np.float64), temper * _LOG2_E
+    for i in range(n):
+        highest[i] = logs[i]
+    for index in range(1, len(logs) // n):
+        own = logs[index * n : (index + 1) * n]
+        for i in range(n):
+            highest[i] = max(highest[i], own[i])
+    out[:] = 0.0
     for index in range(len(logs) // n):
         own = logs[index * n : (index + 1) * n]
         for i in range(n):
-            sums[i] += half_to_the(max(scale * (own[i] - bounds[i]), 0.0), numbers, bits, i)
+            out[i] += half_to_the(scale * (highest[i] - own[i]), numbers, bits, i)
+    take_logarithms(out, bits)
+    for i in range(n):
+        out[i] += temper * highest[i]

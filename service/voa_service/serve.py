@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from typing import Any, cast
 
 import structlog
@@ -28,6 +28,7 @@ from voa_service.http.app import create_app
 from voa_service.http.server import Server, supervised
 from voa_service.runtime import logs
 from voa_service.runtime.stopping import Deadline
+from voa_service.services import Services
 from voa_service.settings import Settings, ZenohSettings
 from voa_service.zenoh.entry import on_zenoh
 from voa_store.errors import CannotOpen
@@ -163,8 +164,7 @@ def _serve(
         )
         load_scan_kernels()
         services.sessions.store.warm()
-        with suppress(Failure), guarded():  # whatever is wrong with one session, the others are served
-            services.updates.rehearse()
+        _rehearse(services)
         stack.enter_context(on_zenoh(services, settings.zenoh, settings.robots, lambda: deadline.left))
         _collect_seldom()
         if certificate is not None:
@@ -172,6 +172,15 @@ def _serve(
         drain = services.health.drain
         server = Server(config, services.changes, connections, deadline, drain, settings.stop_seconds, certificate)
         server.run([listening])
+
+
+def _rehearse(services: Services) -> None:
+    """Update the newest session for nothing; whatever is wrong with that session, the others are served."""
+    try:
+        with guarded():
+            services.updates.rehearse()
+    except Failure as failure:
+        structlog.get_logger("voa").warning("an update of the newest session failed", error=str(failure))
 
 
 def _url_of(listening: socket.socket, certificate: ServerCertificate | None) -> str:

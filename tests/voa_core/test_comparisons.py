@@ -1,18 +1,21 @@
 """Comparisons with displaced copies in loops made for a rule, against the statistic of that rule."""
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.voa_core.simulated_worlds import LIDAR, NEAR, OBJECT, POSES, PlainGaussian
-from tests.voa_core.worlds import RULE_NAMES
+from tests.voa_core.worlds import RULE_NAMES, box
 from voa_core.checks import Floats
 from voa_core.comparisons import ComparesCopies, PlainComparison, comparison_of, squared_distances_of_pairs
 from voa_core.copies import negligible
 from voa_core.displaced_scans import DisplacedScans, predict_copies
 from voa_core.displacements import standard_normal_points
 from voa_core.filtering import log_means
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
+from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rules import distance_comparison
 from voa_core.rules.distances import squared_distance
@@ -73,6 +76,28 @@ def test_weights_are_those_of_the_rules_own_statistic(name: str, parameters: dic
     np.testing.assert_allclose(
         plain.log_means(nobody, everything, nowhere), log_means(expected).reshape(5, 20), rtol=1e-12, atol=1e-12
     )
+
+
+@pytest.mark.parametrize("leaves_out", [False, True])
+def test_weights_far_below_their_bounds_are_right(leaves_out: bool) -> None:
+    """With many fine beams a scan is thousands of nats away from a bound that takes the likeliest copy on each beam."""
+    lidar = LidarModel(BeamGrid(1440, 0.0, math.pi / 720), 0.1, 30.0, 0.1, "missing", 0.002, 0.0, 0.05)
+    rule, near = rule_of("beam", lidar, temper=1.0), SensorConfiguration("near", -0.5, 0.05, 0.1)
+    poses = PoseSet.from_arrays(["A", "B"], [(0.0, 0.0, 0.0), (0.004, 0.002, 0.0)], [(1.0, 0.0, 0.0, 0.0)] * 2)
+    predictor, random = predictor_of_mesh(box(0.3, 0.4, 0.2), poses, lidar), np.random.default_rng(1)
+    points = 0.05 * standard_normal_points(COPIES, "seed")
+    copies = predict_copies(predictor, near, np.repeat(points[None], 2, axis=0))
+    drawn = predict_copies(predictor, near, 0.05 * random.normal(size=(2, 8, 3))).prediction().dense()
+    scans = drawn + random.normal(0.0, 0.002, drawn.shape)
+    own, pairs = np.repeat([0, 1], 8), (np.tile(np.arange(16), 2), np.repeat([0, 1], 16))
+    every = PlainComparison(rule, scans, copies).log_weights(*pairs).reshape(2, 16, COPIES)
+    expected = log_means(every.reshape(32, COPIES)).reshape(2, 16)
+    least = expected[own, np.arange(16)] - 23.0 if leaves_out else np.full(16, -np.inf)
+    means = comparison_of(rule, scans, copies).log_means(own, least, nowhere)
+    matters = expected >= least
+    np.testing.assert_allclose(means[matters], expected[matters], rtol=1e-10, atol=1e-9)
+    assert (means[~matters] <= least[None].repeat(2, axis=0)[~matters] + 1e-9).all()
+    assert every.max() - every.min() > 700.0, "the case is one where weights differ by more than a float64 holds"
 
 
 @pytest.mark.parametrize("name", ["beam"])

@@ -211,11 +211,13 @@ def test_the_log_says_where_the_data_are_without_the_password(tmp_path: Path) ->
 
 def test_a_damaged_session_does_not_keep_the_service_from_starting(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
-        service.open(service.create(data_scenario()))
+        session = service.open(service.create(data_scenario()))
     with closing(sqlite_driver().connect(str(tmp_path / "voa.db"), isolation_level=None)) as connection:
         connection.execute("UPDATE sessions SET prior = zeroblob(48)")
     done = serve_anywhere(tmp_path, "--insecure")
     assert (done.returncode, done.stdout) == (0, "listening\n")
+    [warning] = [line for line in done.stderr.splitlines() if "an update of the newest session failed" in line]
+    assert session in warning
 
 
 def test_a_start_imports_nothing_that_only_some_requests_need() -> None:

@@ -133,7 +133,8 @@ class Beam:
             return None
         nearest = min(max(float(copies.ranges.min(initial=self.range_max)), 1e-9), self.range_max)
         short = mixture.short / -math.expm1(-nearest * mixture.decay_per_m)
-        highest = max(mixture.random + mixture.hit_peak / mixture.sigma_m + short, 1.0)
+        hit, behind = mixture.hit_peak / mixture.sigma_m, (mixture.nothing - mixture.lost) / self.range_max
+        highest = max(mixture.random + short + max(hit, behind), 1.0)
         factors = max(1, int(_LOG_RANGE / math.log(highest / lowest)))
         return MixtureComparison(mixture._replace(factors=factors), observed, copies)
 
