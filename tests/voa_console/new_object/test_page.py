@@ -121,7 +121,7 @@ def test_a_mesh_becomes_a_session_with_the_files_of_the_command(
     expect(page.get_by_role("button", name="Suggest")).to_be_visible()
     page.get_by_role("radio", name="Geometric").click()
     page.get_by_text("As a command").click()
-    command = page.get_by_text(re.compile("^voa new ")).inner_text()
+    command = page.get_by_text(re.compile("^voa new .*--scores geometric")).inner_text()  # the choice has arrived
     picture(page, "new-object-choices", tmp_path)
     page.get_by_role("button", name="Make the scenario").click()
     expect(page.get_by_text("The scenario part is made")).to_be_visible(timeout=_LONG_MS)
