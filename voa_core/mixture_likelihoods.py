@@ -93,7 +93,7 @@ def multiply_largest(
 
     Scans outside the window do not return, and need no exponential.
     """
-    low, high, may_be_none = interval[0], interval[1], interval[2] > 0.0
+    low, high, may_be_none = interval[0], interval[1], interval[2]
     if low == np.inf:
         _multiply(none, product)
         return
@@ -102,37 +102,15 @@ def multiply_largest(
     peak = mixture.hit_peak / max(mixture.sigma_m, mixture.noise_ratio * near) / mixture.random
     short = mixture.short / -math.expm1(-mixture.decay_per_m * near) / mixture.random
     a, b = window[0], window[1]
-    if may_be_none:
+    own = z[a:b], decay[a:b], none[a:b]
+    _multiply_bounds(*own, low, high, inverse, peak, short, may_be_none, product[a:b], bits)
+    if may_be_none > 0.0:
         _multiply(none[:a], product[:a])
-        _multiply_largest(z[a:b], decay[a:b], none[a:b], low, high, inverse, peak, short, product[a:b], bits)
         _multiply(none[b:], product[b:])
-    else:
-        _multiply_bounds(z[a:b], decay[a:b], low, high, inverse, peak, short, product[a:b], bits)
 
 
 @frugal_kernel
 def _multiply_bounds(
-    z: Floats,
-    decay: Floats,
-    low: float,
-    high: float,
-    inverse: float,
-    peak: float,
-    short: float,
-    product: Floats,
-    bits: NDArray[np.int64],
-) -> None:
-    """Multiply `product` (n,) by the largest densities under a predicted return between two ranges."""
-    numbers = bits.view(np.float64)
-    for i in range(len(product)):
-        off = (z[i] - min(max(z[i], low), high)) * inverse
-        before = short * decay[i]
-        hit = peak * bound_of_half_to_the(off * off, numbers, bits, i)
-        product[i] *= 1.0 + hit + (before if z[i] <= high else 0.0)
-
-
-@frugal_kernel
-def _multiply_largest(
     z: Floats,
     decay: Floats,
     none: Floats,
@@ -141,16 +119,17 @@ def _multiply_largest(
     inverse: float,
     peak: float,
     short: float,
+    may_be_none: float,
     product: Floats,
     bits: NDArray[np.int64],
 ) -> None:
-    """Multiply as `_multiply_bounds`, or by `none` where that is larger."""
+    """Multiply `product` (n,) by the largest densities under a return between two ranges, or none if it may be."""
     numbers = bits.view(np.float64)
     for i in range(len(product)):
         off = (z[i] - min(max(z[i], low), high)) * inverse
         before = short * decay[i]
         hit = peak * bound_of_half_to_the(off * off, numbers, bits, i)
-        product[i] *= max(1.0 + hit + (before if z[i] <= high else 0.0), none[i])
+        product[i] *= max(1.0 + hit + (before if z[i] <= high else 0.0), may_be_none * none[i])
 
 
 @frugal_kernel
