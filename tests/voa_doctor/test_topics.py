@@ -200,7 +200,7 @@ def latched_pose(router: Router) -> Iterator[None]:
 
 def test_a_latched_pose_is_fetched(own_router: Router) -> None:
     with latched_pose(own_router):
-        result = findings(own_router, place=AMCL, seconds=0.5)
+        result = findings(own_router, place=AMCL, seconds=2.0)
     assert result["tb3_1 /tb3_1/amcl_pose"].state == "ok"
     assert result["tb3_1 /tb3_1/amcl_pose"].seen.startswith("received; AMCL publishes when the robot has moved")
     assert result[SCAN].state == "wrong"
