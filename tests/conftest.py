@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,15 +25,24 @@ _TRACED = (
 )
 """Folders of tests that are traced, where coverage is measured."""
 
+_MOST_TRACED = 8 if "NUMBA_DISABLE_JIT" not in os.environ else sys.maxsize
+"""Parameters of one test that are traced in a process."""
+_TIMES = pytest.StashKey[Counter[str]]()
+
 settings.register_profile("untimed", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("untimed")
 
 
 @pytest.fixture(autouse=True)
 def logging_as_before() -> Iterator[None]:
-    """Log to stderr, as a service does, and undo what a command, called in this process, has set for logs."""
+    """Log to stderr, as a service does, and undo what a command, called in this process, has set for logs.
+
+    Tracebacks are plain: structlog's own way to write one takes seconds, as it prints every variable in colours.
+    """
     before = structlog.get_config()
-    structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
+    *processors, _ = before["processors"]
+    plain = structlog.dev.ConsoleRenderer(colors=False, exception_formatter=structlog.dev.plain_traceback)
+    structlog.configure(processors=[*processors, plain], logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
     yield
     structlog.configure(**before)
 
@@ -47,11 +57,15 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Trace only the tests in the folders of packages, those of `voa_core` where its kernels are not compiled.
 
-    Tracing doubles the time of a test. Tests across packages, and of compiled kernels, run lines that these run too.
+    Tracing doubles the time of a test. Tests across packages, and of compiled kernels, run lines that these run too. Of
+    a test with many parameters the first ones are traced: the others hardly run any other line.
     """
     tracing = Coverage.current()
     folder = item.path.relative_to(item.config.rootpath / "tests").parts[0]
-    if tracing is None or folder in _TRACED:
+    test = item.nodeid.partition("[")[0]
+    times = item.config.stash.setdefault(_TIMES, Counter())
+    times[test] += 1
+    if tracing is None or (folder in _TRACED and times[test] <= _MOST_TRACED):
         return (yield)
     tracing.stop()
     try:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.support.evaluations import FEW_SCANS
 from voa_cli.evaluate import command as evaluate
 from voa_cli.main import main
 from voa_fleet.episodes.policies import POLICIES, description_of
@@ -48,7 +49,10 @@ def test_the_fleet_uses_it(process: str, capfd: pytest.CaptureFixture[str]) -> N
 
 
 @pytest.mark.usefixtures("on_the_path_of_python")
-def test_the_evaluation_compares_voa_with_it(process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_evaluation_compares_voa_with_it(
+    process: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voa_cli.evaluate.values.QUICK", FEW_SCANS)
     options = ["--quick", "--drops", "1", "--attempts", "1", "--sensitivity-drops", "1", "--url", process]
     arguments = ["all", "block", *options, "--policy", "opposite", "--out", str(tmp_path), "--json"]
     assert evaluate.main(arguments) == 0

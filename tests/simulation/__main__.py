@@ -121,7 +121,7 @@ def _planted(run: Callable[[Plan], Result]) -> int:
 
 
 def search(
-    fault: PlantedFault, run: Callable[[Plan], Result], operations: int = OPERATIONS
+    fault: PlantedFault, run: Callable[[Plan], Result], operations: int = OPERATIONS, first: int = 0
 ) -> tuple[int, Result | None]:
     """Run seeds until a planted fault is found; returns how many, and the failing run; None: none failed.
 
@@ -129,11 +129,12 @@ def search(
         fault: that is planted already.
         run: runs a plan.
         operations: of each client.
+        first: seed that is tried before the others.
     """
-    for seed in range(fault.seeds):
+    for tried, seed in enumerate(sorted(range(fault.seeds), key=lambda seed: seed != first), start=1):
         result = run(plan_of(seed, operations))
         if result.problems:
-            return seed + 1, result
+            return tried, result
     return fault.seeds, None
 
 

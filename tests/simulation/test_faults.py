@@ -13,7 +13,7 @@ OPERATIONS = 30
 @pytest.mark.parametrize("fault", [each for each in PLANTED if not each.rare], ids=lambda fault: fault.name)
 def test_a_planted_fault_is_detected_and_replayed(simulator: Simulator, fault: PlantedFault) -> None:
     with fault.planted():
-        seeds, first = search(fault, simulator.run, OPERATIONS)
+        seeds, first = search(fault, simulator.run, OPERATIONS, fault.first)
         assert first is not None, f"not found within {seeds} seeds"
         again = simulator.run(first.plan)
     assert (again.problems, again.trace) == (first.problems, first.trace)

@@ -7,7 +7,6 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
 from html import escape, unescape
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.support import recorded
+from tests.support.evaluations import FEW_SCANS
 from voa_assets import path
 from voa_cli.evaluate import command as evaluate
 from voa_cli.evaluate.looks import QUICK_NOTICE
@@ -22,7 +22,6 @@ from voa_client import Client
 from voa_evaluation.looks.requests import estimate_before_look, register
 from voa_evaluation.looks.running import measure_scores
 from voa_evaluation.looks.setting import BELIEFS, EVALUATED_RULES, Setting
-from voa_evaluation.values.setting import QUICK, ROBOT_ERRORS
 from voa_fleet.episodes.policies import POLICIES
 from voa_fleet.world.objects import FleetObject
 from voa_recordings.selection import MATCHED, NOT_STATED, WHOLE
@@ -41,10 +40,8 @@ def rows_of(file: Path) -> list[dict[str, str]]:
 
 @pytest.fixture(autouse=True, scope="module")
 def few_scans() -> Iterator[None]:
-    """Evaluate values with so little that it takes seconds."""
-    setting = replace(QUICK, scans=8, beliefs=2, sessions=3, drops=1, rules=("beam",), robot_errors=ROBOT_ERRORS[1:2])
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("voa_cli.evaluate.values.QUICK", setting)
+        patch.setattr("voa_cli.evaluate.values.QUICK", FEW_SCANS)
         yield
 
 
