@@ -1,8 +1,10 @@
 """Proves what a spread costs: 64 displaced copies of each of 500 poses, against poses that are exact, in the same run.
 
-The first ranking of 500 poses x 64 sensors: predictions, weights and one belief, on eight of the sensors, a place at a
-time. Then another belief on the kept weights, and a scan update, with the predictions remembered and without. `ours`
-is with the spread, `peer` without; the ratio is how many times dearer the spread is.
+The weights of 256 scans at a place, as many as there are for up to 256 poses, against the exact weights of all poses.
+Then the first ranking as the service does it, with a scan of each of the 500 poses: predictions, weights and a belief.
+Both are on eight of 64 sensors, a place at a time. Then another belief on the kept weights, and a scan update, with the
+predictions remembered and without. `ours` is with the spread, `peer` without; the ratio is how many times dearer the
+spread is.
 """
 
 from collections.abc import Callable, Hashable
@@ -19,6 +21,7 @@ from voa_core.choices import LookWeights
 from voa_core.displacements import Spread
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
+from voa_core.lidars import SensorConfiguration
 from voa_core.prediction import predictor_of_mesh
 from voa_core.rules.registry import defaults, rule_of
 from voa_core.scan_model import ScanModel
@@ -27,8 +30,10 @@ from voa_core.scenario import Scenario
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.simulation import Sampling, samples_per_pose
 from voa_core.updating import UpdatePolicy
+from voa_core.weights import Weigher
 
 _POSES, _SENSORS, _GRASPS = 500, 8, 20
+_SCANS = 256
 _SPREAD = Spread(0.005, np.radians(3.0))
 
 
@@ -46,7 +51,7 @@ def _of_rule(name: str) -> list[Result]:
         for index in range(_SENSORS):
             _value(exact, look_of(index), definition)
 
-    def simulated(index: int) -> LookWeights:
+    def simulated(index: int) -> SimulatedWeights:
         return SimulatedWeights.of(model, vague.sensors[index], sampling, listed=True)
 
     def predicted(index: int) -> LookWeights:
@@ -56,8 +61,13 @@ def _of_rule(name: str) -> list[Result]:
     measured = exact.predictor.predict(exact.sensors[0]).dense()[0] + 0.002
     scan = Scan(measured, scene.LIDAR.grid)
     remembering = [replace(each, predictor=replace(each.predictor, remember=_memory())) for each in (vague, exact)]
+    rows, poses = np.arange(_SCANS) * _POSES // _SCANS, np.arange(_POSES)
+    bare = [_without_weights(model, sensor, look) for sensor, look in zip(vague.sensors, kept[0], strict=True)]
+    predictions = [exact.predictor.predict(sensor) for sensor in exact.sensors]
     times = interleaved(
         [
+            lambda: [look.weights(rows, poses) for look in bare],
+            lambda: [Weigher.of(exact.rule, prediction, np.float64, keep=True) for prediction in predictions],
             partial(first, simulated, "executed"),
             partial(first, predicted, "posterior"),
             partial(first, kept[0].__getitem__, "executed"),
@@ -70,6 +80,7 @@ def _of_rule(name: str) -> list[Result]:
         rounds=3,
     )
     names = (
+        f"weights of {_SCANS} scans, a place",
         "first ranking, a place",
         "ranking, another belief, a place",
         "scan update, fresh",
@@ -77,8 +88,14 @@ def _of_rule(name: str) -> list[Result]:
     )
     return [
         Result(f"spread, {name}: {what} / without", own / peer, 1e3 * own / count, 1e3 * peer / count, "ms")
-        for what, own, peer, count in zip(names, times[::2], times[1::2], (_SENSORS, _SENSORS, 1, 1), strict=True)
+        for what, own, peer, count in zip(names, times[::2], times[1::2], (_SENSORS,) * 3 + (1, 1), strict=True)
     ]
+
+
+def _without_weights(model: ScanModel, sensor: SensorConfiguration, look: SimulatedWeights) -> SimulatedWeights:
+    """Keep the scans and the predictions of a look, so that its weights are computed each time."""
+    displacements = model.displacements(sensor, 1)
+    return replace(look, matrix=None, copies=model.copies(sensor, displacements, listed=True, keep=True))
 
 
 def _scenario(name: str, spread: Spread | None) -> Scenario:

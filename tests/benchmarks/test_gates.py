@@ -12,7 +12,7 @@ from tests.benchmarks.measure import Result
 
 REPOSITORY = Path(__file__).parents[2]
 NUMPY = "ranking, 20 grasps, float32 / numpy loop"
-SPREAD = "spread, beam: first ranking, a place / without"
+SPREAD = "spread, beam: weights of 256 scans, a place / without"
 
 
 def result(name: str, ratio: float | None, ours: float = 1.0) -> Result:
