@@ -34,12 +34,14 @@ def squared_distances(observed: Array, predicted: Array, out: Array) -> None:
 
 @sum_kernel
 def squared_distances_among(scans: Array, out: Array) -> None:
-    """Sum the squared differences of each pair of `scans` (n, c), computing one triangle of (n, n) and copying it."""
+    """Sum the squared differences of each pair of `scans` (n, c), to `out` (n (n + 1) / 2,), see `mirror`."""
     n, c = scans.shape
     columns = np.zeros(((c + 3) // 4 * 4, n), dtype=scans.dtype)  # in fours: rows of `out` are gone over less often
     columns[:c] = scans.T
+    begin = 0
     for i in range(n):
-        row = out[i, i:]
+        row = out[begin : begin + n - i]
+        begin += n - i
         row[:] = 0.0
         for k in range(0, len(columns), 4):
             z0, z1, z2, z3 = columns[k, i], columns[k + 1, i], columns[k + 2, i], columns[k + 3, i]
@@ -47,13 +49,18 @@ def squared_distances_among(scans: Array, out: Array) -> None:
             for j in range(len(row)):
                 d0, d1, d2, d3 = z0 - c0[j], z1 - c1[j], z2 - c2[j], z3 - c3[j]
                 row[j] += d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3
-    _mirror(out)
 
 
 @kernel
-def _mirror(square: Array) -> None:
-    """Copy the upper triangle to the lower, in tiles: whole columns would miss the cache at every entry."""
-    n = len(square)
+def mirror(triangle: Array, square: Array) -> None:
+    """Write the symmetric matrix `square` (n, n) whose upper triangle, row after row, is `triangle` (n (n + 1) / 2,).
+
+    The lower triangle is written in tiles: whole columns would miss the cache at every entry.
+    """
+    n, begin = len(square), 0
+    for i in range(n):
+        square[i, i:] = triangle[begin : begin + n - i]
+        begin += n - i
     for top in range(0, n, _TILE):
         for left in range(top, n, _TILE):
             for i in range(top, min(top + _TILE, n)):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voa_core.kernels import disagreements, squared_distances, squared_distances_among
+from voa_core.kernels import disagreements, mirror, squared_distances, squared_distances_among
 
 SCANS = np.random.default_rng(0).uniform(0.1, 2.0, (5, 7))
 
@@ -17,20 +17,27 @@ def test_squared_distances_are_those_of_numpy(dtype: type[np.floating], toleranc
     np.testing.assert_allclose(out, expected, rtol=0, atol=10 * tolerance)
 
 
-def test_one_triangle_serves_both_and_the_diagonal_is_0() -> None:
-    out, among = np.full((5, 5), -1.0), np.full((5, 5), -1.0)
+def test_a_triangle_holds_each_pair_once_and_0_for_equal_scans() -> None:
+    out, among = np.full((5, 5), -1.0), np.full(15, -1.0)
     squared_distances(SCANS, SCANS, out)
     squared_distances_among(SCANS, among)
-    np.testing.assert_allclose(among, out, rtol=0, atol=1e-14)
-    assert np.diag(among).tolist() == [0.0] * 5
-    np.testing.assert_array_equal(among, among.T)
+    np.testing.assert_allclose(among, out[np.triu_indices(5)], rtol=0, atol=1e-14)
+    assert among[[0, 5, 9, 12, 14]].tolist() == [0.0] * 5
+
+
+@pytest.mark.parametrize("n", [0, 1, 5, 16, 17, 40])
+def test_a_triangle_makes_a_symmetric_matrix(n: int) -> None:
+    triangle, square = np.arange(n * (n + 1) / 2), np.full((n, n), -1.0)
+    mirror(triangle, square)
+    np.testing.assert_array_equal(square[np.triu_indices(n)], triangle)
+    np.testing.assert_array_equal(square, square.T)
 
 
 def test_float32_distances_of_nearly_equal_scans_stay_millimetre_true() -> None:
     near = np.array([[1.999] * 300, [2.0] * 300], dtype=np.float32)
-    out = np.zeros((2, 2), dtype=np.float32)
+    out = np.zeros(3, dtype=np.float32)
     squared_distances_among(near, out)
-    assert float(np.sqrt(out[0, 1] / 300)) == pytest.approx(0.001, rel=1e-3)
+    assert float(np.sqrt(out[1] / 300)) == pytest.approx(0.001, rel=1e-3)
 
 
 def test_disagreements_count_the_beams_beyond_the_margin() -> None:

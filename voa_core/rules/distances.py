@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from voa_core.checks import Floats, number
 from voa_core.copy_kernels import log_sums_of_exp
 from voa_core.displaced_scans import DisplacedScans
-from voa_core.kernels import Array, squared_distances, squared_distances_among
+from voa_core.kernels import Array, mirror, squared_distances, squared_distances_among
 from voa_core.lidars import LidarModel
 from voa_core.rules.distance_comparison import DifferenceComparison
 
@@ -31,6 +31,13 @@ def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> A
     out = np.zeros((len(observed), len(predicted)), dtype=observed.dtype)
     squared_distances(coded(observed, no_return_m), coded(predicted, no_return_m), out)
     return out
+
+
+def mirrored(triangle: Array, n: int) -> Array:
+    """Make the symmetric matrix (n, n) from its upper triangle, row after row, (n (n + 1) / 2,)."""
+    square = np.zeros((n, n), dtype=triangle.dtype)
+    mirror(triangle, square)
+    return square
 
 
 @dataclass(frozen=True)
@@ -64,14 +71,15 @@ class DistanceRule(ABC):
         """Squared distance d^2 for each pair of scans: (m, c) and (n, c) give (m, n)."""
         return squared_distance(observed, predicted, self.no_return_m)
 
-    def statistic_among(self, ranges: Array) -> Array:
-        """Squared distance d^2 for each pair of the scans (n, c), computed once for both orders: (n, n).
-
-        In float32 it comes column by column in memory, as `Weigher` keeps it; it is symmetric.
-        """
-        out = np.zeros((len(ranges), len(ranges)), dtype=ranges.dtype)
+    def statistic_of_pairs(self, ranges: Array) -> Array:
+        """Squared distance d^2 for each pair of the scans (n, c) once: a triangle (n (n + 1) / 2,), see `mirror`."""
+        out = np.zeros(len(ranges) * (len(ranges) + 1) // 2, dtype=ranges.dtype)
         squared_distances_among(coded(ranges, self.no_return_m), out)
-        return out.T if out.dtype == np.float32 else out
+        return out
+
+    def statistic_among(self, ranges: Array) -> Array:
+        """Statistic for each pair of the scans (n, c) in both orders, which are alike: (n, n)."""
+        return mirrored(self.statistic_of_pairs(ranges), len(ranges))
 
     @abstractmethod
     def log_weights(self, statistic: Array, beams: int, /) -> Array:

@@ -35,9 +35,9 @@ class Margin(DistanceRule):
         disagreements(coded(observed, self.no_return_m), coded(predicted, self.no_return_m), self.margin_m, out)
         return out
 
-    def statistic_among(self, ranges: Array) -> Array:
-        """Number of beams that disagree for each pair of the scans (n, c): (n, n)."""
-        return self.statistic(ranges, ranges)
+    def statistic_of_pairs(self, ranges: Array) -> Array:
+        """Number of beams that disagree for each pair of the scans (n, c) once: a triangle, (n (n + 1) / 2,)."""
+        return self.statistic(ranges, ranges)[np.triu_indices(len(ranges))]
 
     def log_weights(self, statistic: Array, _beams: int, /) -> Array:
         """Logarithms of the weights: 0 where no beam disagrees, else -inf; in the shape of `statistic`."""
