@@ -35,6 +35,10 @@ class LookWeights(Protocol):
         """All weights, (n * samples, n), where they are kept."""
 
     @property
+    def rough(self) -> Array | None:
+        """The kept weights in float32, made when first needed; None where none are kept, or they are in float32."""
+
+    @property
     def samples(self) -> int:
         """Number of scans of each pose."""
 
@@ -195,7 +199,8 @@ def _chosen_of_block(
         Index of the chosen grasp (-1: none), its expected score, and flags of those to repeat in logarithms, (k,).
     """
     weights = look.weights(rows, factor.columns)
-    chosen, scores, norms, undecided = choices_after(weights, factor.weighted_scores, factor.rough_scores)
+    rounded = look.rough if weights is look.matrix and factor.rough_scores is not None else None
+    chosen, scores, norms, undecided = choices_after(weights, factor.weighted_scores, factor.rough_scores, rounded)
     left_out = look.most_left_out(rows, factor.columns, factor.masses)
     doubtful = norms < LEAST_NORM[look.dtype]
     if left_out is not None:

@@ -35,6 +35,11 @@ class JointWeights:
         return None
 
     @property
+    def rough(self) -> None:
+        """None, as `matrix`."""
+        return None
+
+    @property
     def samples(self) -> int:
         """Number of samples of each pose."""
         return self.parts[0].samples

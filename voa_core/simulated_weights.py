@@ -120,6 +120,11 @@ class SimulatedWeights:
         return replace(computed, copies=model.copies(sensor, displacements, listed=listed, keep=False))
 
     @property
+    def rough(self) -> None:
+        """None: the weights are not kept in float32 too."""
+        return None
+
+    @property
     def simulated(self) -> bool:
         """True: the scans are drawn from the sensor model."""
         return True

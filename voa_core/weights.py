@@ -5,8 +5,8 @@ depend on the belief, so callers keep it for each sensor configuration.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -17,8 +17,9 @@ from voa_core.choices import belief_after
 from voa_core.filtering import Belief
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
-from voa_core.rules.distances import squared_distance
+from voa_core.rules.distances import DistanceRule, mirrored, squared_distance
 from voa_core.rules.protocol import UpdateRule
+from voa_core.screening import rough_weights
 from voa_core.updating import UpdatePolicy
 from voa_core.vector_math import take_exponentials
 
@@ -38,6 +39,7 @@ class Weigher:
         ranges: (n, c) predicted ranges, metres, on the beams on which some pose returns.
         beams: number of beams of a scan; all of them are compared, for predictions have no missing beams.
         dtype: float64 or float32, of the weights.
+        rounded: True to keep weights of float64 in float32 too, once a ranking has screened grasps by them.
         matrix: (n, n) all weights where they are kept, else None. In float32 they lie column by column in memory: a
             ranking multiplies their transpose, which OpenBLAS does a third faster then; in float64 it does not.
     """
@@ -46,6 +48,7 @@ class Weigher:
     ranges: Floats
     beams: int
     dtype: np.dtype[Any]
+    rounded: bool = True
     matrix: Array | None = None
 
     @classmethod
@@ -56,6 +59,7 @@ class Weigher:
         dtype: type[np.floating],
         *,
         keep: bool,
+        rounded: bool = True,
         check: Callable[[], None] = wanted,
     ) -> "Weigher":
         """Make the weights of a prediction.
@@ -65,24 +69,33 @@ class Weigher:
             prediction: of all poses at one sensor configuration, limited as it is compared (`evidence.restricted`).
             dtype: float64 or float32, of the weights.
             keep: True to compute the whole matrix now, and to keep it.
+            rounded: True if a matrix of float64 may be kept in float32 too, which takes half as much memory again.
             check: called before each part of the matrix; an error that it raises ends the computation.
         """
-        weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype))
+        weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype), rounded)
         if not keep:
             return weigher
         n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
         order: Literal["F", "C"] = "F" if weigher.dtype == np.float32 else "C"
         if n <= _POSES_AT_ONCE:
             check()
-            weights = scale_rows(rule.log_weights(rule.statistic_among(ranges), weigher.beams))
-            return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, np.asarray(weights, order=order))
+            return replace(weigher, matrix=np.asarray(_weights_among(rule, ranges, weigher.beams), order=order))
         weights = np.zeros((n, n), dtype=weigher.dtype, order=order)
         rows = max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()
             part = rule.statistic(ranges[start : start + rows], ranges)
             weights[start : start + rows] = scale_rows(rule.log_weights(part, weigher.beams))
-        return cls(rule, weigher.ranges, weigher.beams, weigher.dtype, weights)
+        return replace(weigher, matrix=weights)
+
+    @cached_property
+    def rough(self) -> Array | None:
+        """The kept weights in float32, made when first needed; None where they are not kept so."""
+        return rough_weights(self.matrix) if self._is_rounded and self.matrix is not None else None
+
+    @property
+    def _is_rounded(self) -> bool:
+        return self.rounded and self.dtype == np.float64
 
     @property
     def samples(self) -> int:
@@ -96,8 +109,9 @@ class Weigher:
 
     @property
     def nbytes(self) -> int:
-        """Memory held, in bytes."""
-        return self.ranges.nbytes + (0 if self.matrix is None else self.matrix.nbytes)
+        """Memory held, in bytes, with that of the rounded weights, which may come later."""
+        of_matrix = 0 if self.matrix is None else self.matrix.nbytes
+        return self.ranges.nbytes + of_matrix + (of_matrix // 2 if self._is_rounded else 0)
 
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights W[rows, columns], each row scaled by a positive number of its own."""
@@ -137,12 +151,31 @@ class Weigher:
         return distances
 
 
+def _weights_among(rule: UpdateRule, ranges: Array, beams: int) -> Array:
+    """Weights (n, n) between the scans (n, c), each row scaled.
+
+    A rule of distances weighs two scans alike in both orders, and a scan itself the most: each pair is weighed once.
+    """
+    if not isinstance(rule, DistanceRule):
+        return scale_rows(rule.log_weights(rule.statistic_among(ranges), beams))
+    n, triangle = len(ranges), rule.log_weights(rule.statistic_of_pairs(ranges), beams)
+    if triangle[0] != 0.0:  # of a scan and itself
+        triangle -= triangle[0]
+    weights = mirrored(_exponentials(triangle.reshape(-1, n + 1 - n % 2)).reshape(-1), n)
+    return weights.T if weights.dtype == np.float32 else weights  # columns in a row, as they are kept
+
+
 def scale_rows(log_weights: Array) -> Array:
     """Turn log weights into weights in place, the largest in each row 1; a row of weights of 0 remains 0."""
     highest = log_weights.max(axis=1, keepdims=True)
     highest[highest == -np.inf] = 0.0
     if highest.any():  # not among predictions under most rules: the diagonal holds weights of 1
         log_weights -= highest
+    return _exponentials(log_weights)
+
+
+def _exponentials(log_weights: Array) -> Array:
+    """Turn log weights of at most 0, (m, n), into weights, in place."""
     if log_weights.dtype == np.float64 and log_weights.flags.c_contiguous:
         take_exponentials(log_weights)
     else:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from voa_core.checks import Floats
-from voa_core.screening import Choices, choices_after, rough_scores
+from voa_core.screening import Choices, choices_after, rough_scores, rough_weights
 
 GRASPS, POSES, SCANS = 40, 30, 1_200  # more scans than are screened at once
 
@@ -15,10 +15,12 @@ def weighted(scores: Floats, belief: Floats) -> Floats:
 
 
 def screened(weights: Floats, factor: Floats) -> Choices:
-    """Choices with screening, of a table that is large enough for it."""
+    """Choices with screening, of a table that is large enough for it; whether the weights are rounded before or not."""
     rough = rough_scores(factor)
     assert rough is not None
-    return choices_after(weights, factor, rough)
+    choices = choices_after(weights, factor, rough)
+    assert_same(choices_after(weights, factor, rough, rough_weights(weights)), choices)
+    return choices
 
 
 def world(seed: int, grasps: int = GRASPS) -> tuple[Floats, Floats, Floats]:
@@ -84,8 +86,16 @@ def test_no_grasp_is_chosen_where_none_succeeds() -> None:
 
 def test_few_grasps_and_float32_are_not_screened() -> None:
     _, scores, belief = world(5)
-    assert rough_scores(weighted(scores[:20], belief)) is None
+    assert rough_scores(weighted(scores[:15], belief)) is None
+    assert rough_scores(weighted(scores[:16], belief)) is not None
     assert rough_scores(weighted(scores, belief).astype(np.float32)) is None
+
+
+def test_rounded_weights_lie_column_by_column() -> None:
+    weights, _, _ = world(7)
+    rounded = rough_weights(weights)
+    np.testing.assert_array_equal(rounded, weights.astype(np.float32))
+    assert rounded.T.flags.c_contiguous
 
 
 def test_the_best_score_is_the_largest_expected_score() -> None:

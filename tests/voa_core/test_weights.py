@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,6 +93,30 @@ def test_memory_is_counted() -> None:
     ranges = 3 * 5 * 8
     assert weigher("gaussian", keep=False).nbytes == ranges
     assert weigher("gaussian", np.float32, keep=True).nbytes == ranges + 3 * 3 * 4
+    assert weigher("gaussian", keep=True).nbytes == ranges + 3 * 3 * (8 + 4), "and in float32, to screen by"
+
+
+def test_kept_weights_are_rounded_once_and_only_where_that_is_wanted() -> None:
+    kept = weigher("gaussian", keep=True)
+    assert kept.matrix is not None
+    assert kept.rough is not None
+    np.testing.assert_array_equal(kept.rough, kept.matrix.astype(np.float32))
+    assert kept.rough is kept.rough
+    assert weigher("gaussian", np.float32, keep=True).rough is None
+    assert weigher("gaussian", keep=False).rough is None
+    bare = Weigher.of(rule_of("gaussian", LIDAR), PREDICTION, np.float64, keep=True, rounded=False)
+    assert bare.rough is None
+    assert bare.nbytes == 3 * 5 * 8 + 3 * 3 * 8
+
+
+@pytest.mark.parametrize("n", range(1, 6))
+@pytest.mark.parametrize("name", RULE_NAMES)
+def test_weights_of_all_pairs_are_those_of_each(name: str, n: int) -> None:
+    ranges = np.random.default_rng(n).uniform(0.1, 1.9, (n, 6))
+    own = Weigher.of(rule_of(name, LIDAR), Prediction.of_dense(LIDAR.grid, ranges), np.float64, keep=True)
+    rows = np.arange(n)
+    expected = replace(own, matrix=None).weights(rows, rows)
+    np.testing.assert_allclose(own.weights(rows, rows), expected, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", RULE_NAMES)

@@ -30,6 +30,10 @@ from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
 
 Precision = Literal["float64", "float32"]
+Keep = Literal["nothing", "weights", "rounded"]
+"""Part of a ranking's weights that is kept; `rounded`: weights of float64 in float32 too, see `voa_core.screening`."""
+
+_BYTES: dict[Precision, int] = {"float64": 8, "float32": 4}
 
 _MISTAKES_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that filled it completely would evict its own weights
@@ -46,15 +50,15 @@ class Model:
         scenario: the mathematics.
         mesh: the object; None where all predictions are data.
         weigher: returns the weights between the predictions of a sensor configuration. Its arguments are the sensor
-            configuration, the precision, True to keep the weights in the cache, and a check that ends the computation
-            by an exception.
+            configuration, the precision, what is kept of the weights in the cache, and a check that ends the
+            computation by an exception.
         kept: returns the weights of simulated scans of a key, computed by the function beside it where the cache does
             not hold them.
     """
 
     scenario: Scenario
     mesh: Mesh | None
-    weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
+    weigher: Callable[[SensorConfiguration, Precision, Keep, Check], Weigher]
     kept: Callable[[Hashable, Callable[[], SimulatedWeights], Check], SimulatedWeights]
 
     @property
@@ -140,10 +144,10 @@ class Models:
 
         scenario = replace(scenario_of(request, contours_at, remember, self._installed), seed=id_)
 
-        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
+        def weigher(sensor: SensorConfiguration, precision: Precision, keep: Keep, check: Check) -> Weigher:
             def make() -> Weigher:
                 dtype = np.float64 if precision == "float64" else np.float32
-                return scenario.weigher(sensor, dtype, keep=keep, check=check)
+                return scenario.weigher(sensor, dtype, keep=keep != "nothing", rounded=keep == "rounded", check=check)
 
             return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
 
@@ -188,8 +192,8 @@ class Models:
 
         return contours_at
 
-    def precision(self, weights: int) -> tuple[Precision, bool]:
-        """Choose the precision of a ranking's weights; the second value is True if the weights fit into the cache.
+    def precision(self, weights: int) -> tuple[Precision, Keep]:
+        """Choose the precision of a ranking's weights, and what of them is kept because it fits into the cache.
 
         The precision depends on the settings and the number of weights, never on the machine's memory.
 
@@ -201,5 +205,9 @@ class Models:
             precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
         else:
             precision = self._precision
-        size = {"float64": 8, "float32": 4}[precision]
-        return precision, size * weights <= _SHARE_FOR_WEIGHTS * self._cache.budget
+        fitting = _SHARE_FOR_WEIGHTS * self._cache.budget / max(weights, 1)  # bytes of a weight
+        if fitting < _BYTES[precision]:
+            return precision, "nothing"
+        if precision == "float32" or fitting < _BYTES["float64"] + _BYTES["float32"]:
+            return precision, "weights"
+        return precision, "rounded"

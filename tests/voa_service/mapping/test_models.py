@@ -13,7 +13,7 @@ from voa_core.assistance import value_of_assistance
 from voa_core.lidars import SensorConfiguration
 from voa_core.weights import wanted
 from voa_service.bootstrap import services
-from voa_service.mapping.models import Models, Precision
+from voa_service.mapping.models import Keep, Models, Precision
 from voa_service.runtime.cache import Cache
 from voa_service.settings import PrecisionSetting, Settings
 
@@ -56,38 +56,42 @@ def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Pa
         assert model is not None
         sensor = model.scenario.sensors[0]
         scenario = model.scenario
-        kinds: list[tuple[Precision, bool]] = [(p, keep) for p in ("float64", "float32") for keep in (True, False)]
+        kinds: list[tuple[Precision, Keep]] = [(p, keep) for p in get_args(Precision) for keep in get_args(Keep)]
         values = [
             value_of_assistance(
                 model.weigher(sensor, precision, keep, wanted), scenario.prior, scenario.table, scenario.policy
             )
             for precision, keep in kinds
         ]
-    assert values[0].voa == pytest.approx(values[1].voa, abs=1e-12)
-    for other in values[2:]:
+    for other in values[1:3]:
+        assert other.voa == pytest.approx(values[0].voa, abs=1e-12)
+    for other in values[3:]:
         assert other.voa == pytest.approx(values[0].voa, abs=1e-5)
 
 
 @pytest.mark.parametrize(
     ("setting", "sensors", "poses", "expected", "kept_in_one_mebibyte"),
     [
-        ("auto", 11, 100, "float64", True),
-        ("auto", 12, 100, "float64", False),
-        ("float32", 23, 100, "float32", True),
-        ("float32", 24, 100, "float32", False),
-        ("auto", 24, 3_162, "float64", False),
-        ("auto", 24, 3_163, "float32", False),
-        ("auto", 1, 20_000, "float32", False),
-        ("float64", 1, 20_000, "float64", False),
+        ("auto", 7, 100, "float64", "rounded"),
+        ("auto", 8, 100, "float64", "weights"),
+        ("auto", 11, 100, "float64", "weights"),
+        ("auto", 12, 100, "float64", "nothing"),
+        ("float32", 23, 100, "float32", "weights"),
+        ("float32", 24, 100, "float32", "nothing"),
+        ("auto", 24, 3_162, "float64", "nothing"),
+        ("auto", 24, 3_163, "float32", "nothing"),
+        ("auto", 1, 20_000, "float32", "nothing"),
+        ("float64", 1, 20_000, "float64", "nothing"),
+        ("float64", 0, 100, "float64", "rounded"),
     ],
 )
 def test_the_setting_decides_on_the_precision_and_memory_on_what_is_kept(
-    tmp_path: Path, setting: PrecisionSetting, sensors: int, poses: int, expected: str, kept_in_one_mebibyte: bool
+    tmp_path: Path, setting: PrecisionSetting, sensors: int, poses: int, expected: str, kept_in_one_mebibyte: Keep
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
         small, large = (Models(inside.health.store, Cache(size * MEBIBYTE), setting) for size in (1, 2**20))
         assert small.precision(sensors * poses**2) == (expected, kept_in_one_mebibyte)
-        assert large.precision(sensors * poses**2) == (expected, True)
+        assert large.precision(sensors * poses**2) == (expected, "rounded" if expected == "float64" else "weights")
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
@@ -116,7 +120,7 @@ def test_nothing_that_is_kept_of_one_scenario_height_or_precision_serves_another
                 assert fresh is not None
                 for sensor in [*model.scenario.sensors, *([above] if body["name"] == "mesh" else [])]:
                     for precision in get_args(Precision):
-                        kept, rebuilt = (each.weigher(sensor, precision, True, wanted) for each in (model, fresh))
+                        kept, rebuilt = (each.weigher(sensor, precision, "rounded", wanted) for each in (model, fresh))
                         assert kept.matrix is not None
                         assert kept.dtype == precision
                         np.testing.assert_array_equal(kept.matrix, rebuilt.matrix)
