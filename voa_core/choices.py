@@ -36,7 +36,7 @@ class LookWeights(Protocol):
 
     @property
     def rough(self) -> Array | None:
-        """The kept weights in float32, made when first needed; None where none are kept, or they are in float32."""
+        """The kept weights in float32, made when first needed; None where they are not kept in both types."""
 
     @property
     def samples(self) -> int:

@@ -5,7 +5,7 @@ Of many grasps in float64 all but the best need not be known so well. A product 
 shows which grasp is the best after most scans, since its rounding errors are bounded; the score of that one grasp is
 then computed in float64. Scans after which other grasps come near the best are multiplied in float64 throughout.
 
-Kept weights are kept in float32 too once they have been screened: to round them takes a fifth of the time.
+Weights over exact scans that are kept in float64 may be kept in float32 too: to round them takes a fifth of the time.
 """
 
 from typing import Any, NamedTuple
@@ -23,6 +23,8 @@ _TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: n
 LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}
 """Normalisers below which weights that count may have been lost, by type of the weights."""
 _SCREEN_FROM = 16  # grasps; with fewer a product in float64 costs no more than a second look at the weights
+_ROUND_FROM = 32  # grasps; with fewer it costs no more than to round the weights before
+_COLUMNS = 64  # that are turned into rows at once, so that they stay in a cache
 _ROWS = 512  # scans at once: with fewer the product is slower, more would not stay in a cache between two looks at them
 _FUTILE = 0.5  # share of scans that float32 leaves open, from which screening the others would not pay
 _UNIT = 2.0**-24  # largest relative error of one rounding to float32
@@ -54,7 +56,10 @@ def rough_scores(weighted_scores: Array) -> Array | None:
 
 def rough_weights(matrix: Floats) -> Array:
     """Round weights (k, n) to float32, to screen by; column by column in memory, as kept weights in float32 are."""
-    return matrix.astype(np.float32, order="F")
+    columns = np.zeros(matrix.shape[::-1], dtype=np.float32)
+    for start in range(0, len(matrix), _COLUMNS):
+        columns[:, start : start + _COLUMNS] = matrix[start : start + _COLUMNS].T
+    return columns.T
 
 
 def choices_after(weights: Array, weighted_scores: Array, rough: Array | None, rounded: Array | None = None) -> Choices:
@@ -66,7 +71,7 @@ def choices_after(weights: Array, weighted_scores: Array, rough: Array | None, r
         rough: (m + 1, c) the weighted scores in float32 to screen the grasps by; None to multiply all as they are.
         rounded: (k, c) the weights in float32, where they are known.
     """
-    if rough is None:
+    if rough is None or (rounded is None and len(weighted_scores) <= _ROUND_FROM):
         return _by_one_product(weights, weighted_scores)
     parts: list[Choices] = []
     for start in range(0, len(weights), _ROWS):

@@ -154,13 +154,15 @@ class Weigher:
 def _weights_among(rule: UpdateRule, ranges: Array, beams: int) -> Array:
     """Weights (n, n) between the scans (n, c), each row scaled.
 
-    A rule of distances weighs two scans alike in both orders, and a scan itself the most: each pair is weighed once.
+    A rule of distances weighs two scans alike in both orders, and each scan itself the most: each pair is weighed once,
+    and all rows are scaled alike.
     """
     if not isinstance(rule, DistanceRule):
         return scale_rows(rule.log_weights(rule.statistic_among(ranges), beams))
     n, triangle = len(ranges), rule.log_weights(rule.statistic_of_pairs(ranges), beams)
-    if triangle[0] != 0.0:  # of a scan and itself
-        triangle -= triangle[0]
+    highest = triangle.max()
+    if highest not in (0.0, -np.inf):
+        triangle -= highest
     weights = mirrored(_exponentials(triangle.reshape(-1, n + 1 - n % 2)).reshape(-1), n)
     return weights.T if weights.dtype == np.float32 else weights  # columns in a row, as they are kept
 

@@ -1,6 +1,6 @@
 """Proves what a spread costs: 64 displaced copies of each of 500 poses, against poses that are exact, in the same run.
 
-The weights of 256 scans at a place, as many as there are for up to 256 poses, against the exact weights of all poses.
+The weights of 256 scans, as many as the service simulates at a place for up to 256 poses, against the exact weights.
 Then the first ranking as the service does it, with a scan of each of the 500 poses: predictions, weights and a belief.
 Both are on eight of 64 sensors, a place at a time. Then another belief on the kept weights, and a scan update, with the
 predictions remembered and without. `ours` is with the spread, `peer` without; the ratio is how many times dearer the

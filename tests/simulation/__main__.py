@@ -131,6 +131,7 @@ def search(
         operations: of each client.
         first: seed that is tried before the others.
     """
+    assert first < fault.seeds
     for tried, seed in enumerate(sorted(range(fault.seeds), key=lambda seed: seed != first), start=1):
         result = run(plan_of(seed, operations))
         if result.problems:

@@ -23,6 +23,19 @@ def screened(weights: Floats, factor: Floats) -> Choices:
     return choices
 
 
+def test_with_few_grasps_only_weights_that_are_rounded_already_are_screened(monkeypatch: pytest.MonkeyPatch) -> None:
+    weights, scores, belief = world(8, grasps=20)
+    factor, rounded = weighted(scores, belief), rough_weights(weights)
+    rough = rough_scores(factor)
+    exact = choices_after(weights, factor, None)
+    assert_same(choices_after(weights, factor, rough), exact)
+    assert_same(choices_after(weights, factor, rough, rounded), exact)
+    monkeypatch.setattr("voa_core.screening._screened", None)
+    choices_after(weights, factor, rough)
+    with pytest.raises(TypeError):
+        choices_after(weights, factor, rough, rounded)
+
+
 def world(seed: int, grasps: int = GRASPS) -> tuple[Floats, Floats, Floats]:
     """Weights over many orders of magnitude, scores and a belief."""
     random = np.random.default_rng(seed)

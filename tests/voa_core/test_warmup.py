@@ -9,6 +9,7 @@ from voa_core import rasterising, warmup
 KERNELS = {
     "squared_distances": "rules.distances",
     "squared_distances_among": "rules.distances",
+    "mirror": "rules.distances",
     "disagreements": "rules.margin",
     "write_log_likelihoods": "mixture_pairs",
 }
@@ -41,7 +42,7 @@ def test_warming_up_runs_every_kernel_in_both_float_types(met: Met) -> None:
 
 def test_the_kernels_of_scans_are_loaded_with_the_type_of_scans(met: Met) -> None:
     warmup.load_scan_kernels()
-    assert met == {(name, "float64") for name in KERNELS if name != "squared_distances_among"}
+    assert met == {(name, "float64") for name in KERNELS if name not in ("squared_distances_among", "mirror")}
 
 
 def test_it_is_a_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,7 +37,13 @@ class Margin(DistanceRule):
 
     def statistic_of_pairs(self, ranges: Array) -> Array:
         """Number of beams that disagree for each pair of the scans (n, c) once: a triangle, (n (n + 1) / 2,)."""
-        return self.statistic(ranges, ranges)[np.triu_indices(len(ranges))]
+        scans, n = coded(ranges, self.no_return_m), len(ranges)
+        out, begin = np.zeros(n * (n + 1) // 2, dtype=ranges.dtype), 0
+        for first in range(n):
+            row = out[None, begin : begin + n - first]
+            disagreements(scans[first : first + 1], scans[first:], self.margin_m, row)
+            begin += n - first
+        return out
 
     def log_weights(self, statistic: Array, _beams: int, /) -> Array:
         """Logarithms of the weights: 0 where no beam disagrees, else -inf; in the shape of `statistic`."""

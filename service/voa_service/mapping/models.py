@@ -149,7 +149,7 @@ class Models:
                 dtype = np.float64 if precision == "float64" else np.float32
                 return scenario.weigher(sensor, dtype, keep=keep != "nothing", rounded=keep == "rounded", check=check)
 
-            return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
+            return self._cache.get(("weigher", id_, sensor, precision, keep != "nothing"), make, check)
 
         def kept(key: Hashable, make: Callable[[], SimulatedWeights], check: Check) -> SimulatedWeights:
             return self._cache.get(("simulated", id_, key), make, check)
@@ -192,22 +192,24 @@ class Models:
 
         return contours_at
 
-    def precision(self, weights: int) -> tuple[Precision, Keep]:
+    def precision(self, weights: int, listed: int) -> tuple[Precision, Keep]:
         """Choose the precision of a ranking's weights, and what of them is kept because it fits into the cache.
 
-        The precision depends on the settings and the number of weights, never on the machine's memory.
+        The precision depends on the settings and the number of weights, never on the machine's memory. Rankings of some
+        of a scenario's sensor configurations keep for each what a ranking of all keeps.
 
         Args:
-            weights: number of weights of all sensor configurations together.
+            weights: number of weights of all sensor configurations of the ranking together.
+            listed: the same of all sensor configurations that the scenario lists.
         """
         precision: Precision
         if self._precision == "auto":
             precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
         else:
             precision = self._precision
-        fitting = _SHARE_FOR_WEIGHTS * self._cache.budget / max(weights, 1)  # bytes of a weight
-        if fitting < _BYTES[precision]:
+        room = _SHARE_FOR_WEIGHTS * self._cache.budget
+        if weights * _BYTES[precision] > room:
             return precision, "nothing"
-        if precision == "float32" or fitting < _BYTES["float64"] + _BYTES["float32"]:
+        if precision == "float32" or max(weights, listed) * (_BYTES["float64"] + _BYTES["float32"]) > room:
             return precision, "weights"
         return precision, "rounded"

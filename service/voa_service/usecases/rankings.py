@@ -156,7 +156,8 @@ class Rankings:
         if question.request.outcomes:
             self._check_outcomes(task)
         _check_scans(task)
-        precision, keep = self.models.precision(len(task.sensors) * task.weights_of_place)
+        weights, listed = (task.weights_of_place * len(each) for each in (task.sensors, model.scenario.sensors))
+        precision, keep = self.models.precision(weights, listed)
         ranking = ranking_message(task, Weighing(precision, keep, check), self.parallel_map)
         return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
 

@@ -90,8 +90,27 @@ def test_the_setting_decides_on_the_precision_and_memory_on_what_is_kept(
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
         small, large = (Models(inside.health.store, Cache(size * MEBIBYTE), setting) for size in (1, 2**20))
-        assert small.precision(sensors * poses**2) == (expected, kept_in_one_mebibyte)
-        assert large.precision(sensors * poses**2) == (expected, "rounded" if expected == "float64" else "weights")
+        assert small.precision(sensors * poses**2, poses**2) == (expected, kept_in_one_mebibyte)
+        assert large.precision(sensors * poses**2, poses**2) == (
+            expected,
+            "rounded" if expected == "float64" else "weights",
+        )
+
+
+def test_rankings_of_some_sensors_keep_what_rankings_of_all_keep(tmp_path: Path) -> None:
+    with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
+        models = Models(inside.health.store, Cache(MEBIBYTE), "float64")
+        assert models.precision(7 * 100**2, 7 * 100**2) == ("float64", "rounded")
+        assert [models.precision(each * 100**2, 11 * 100**2) for each in (1, 11)] == [("float64", "weights")] * 2
+
+
+def test_weights_that_are_kept_serve_whatever_else_of_them_is_kept(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        model = service.inside.sessions.models.get(service.create(large()))
+        assert model is not None
+        sensor = model.scenario.sensors[0]
+        kept = model.weigher(sensor, "float64", "rounded", wanted)
+        assert model.weigher(sensor, "float64", "weights", wanted) is kept
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
