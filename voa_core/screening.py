@@ -24,7 +24,7 @@ LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}
 """Normalisers below which weights that count may have been lost, by type of the weights."""
 _SCREEN_FROM = 16  # grasps; with fewer a product in float64 costs no more than a second look at the weights
 _ROUND_FROM = 32  # grasps; with fewer it costs no more than to round the weights before
-_COLUMNS = 64  # that are turned into rows at once, so that they stay in a cache
+_COLUMNS = 64  # that are written at once: so many rows of weights stay in a cache
 _ROWS = 512  # scans at once: with fewer the product is slower, more would not stay in a cache between two looks at them
 _FUTILE = 0.5  # share of scans that float32 leaves open, from which screening the others would not pay
 _UNIT = 2.0**-24  # largest relative error of one rounding to float32
