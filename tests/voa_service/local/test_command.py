@@ -69,7 +69,7 @@ def test_a_signal_ends_it_in_order(tmp_path: Path, sent: signal.Signals) -> None
 
 
 def test_what_a_killed_process_has_finished_on_a_cluster_is_not_computed_again(tmp_path: Path) -> None:
-    document = mesh_document(tmp_path, {"belief": None, "scans": "simulated", "samples": 64}, sensors=places(50))
+    document = mesh_document(tmp_path, {"belief": None, "scans": "simulated", "samples": 64}, sensors=places(100))
     command = [*COMMAND, "--cluster", "local:2", "--resume", str(tmp_path / "parts")]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdin is not None
@@ -82,10 +82,10 @@ def test_what_a_killed_process_has_finished_on_a_cluster_is_not_computed_again(t
         process.kill()
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers), "the end of the workers", 60.0)
     kept = {file: file.stat().st_mtime_ns for file in (tmp_path / "parts").rglob("*.pickle")}
-    assert 10 <= len(kept) < 50
+    assert 10 <= len(kept) < 100
     status, lines = run(document, options=command[3:])
     assert status == 0
-    assert [line["progress"]["done"] for line in lines[:-1]] == list(range(1, 51))
+    assert [line["progress"]["done"] for line in lines[:-1]] == list(range(1, 101))
     assert {file: file.stat().st_mtime_ns for file in kept} == kept
     assert lines[-1] == run(document)[1][-1], "the result is that of one process"
 
