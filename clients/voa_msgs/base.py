@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Len
 from pydantic import (
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     JsonValue,
@@ -19,18 +18,17 @@ from pydantic import (
 from pydantic_core import PydanticKnownError
 
 from voa_msgs.bounds import LimitedBy, OneMistake
+from voa_msgs.described import Described
 
 
-class Message(BaseModel):
+class Message(Described):
     """Base class of all messages.
 
     A message is immutable and strict: it refuses unknown fields, NaN and infinity, and numbers given as strings or
     booleans. The docstring of a field becomes its description in the JSON schema.
     """
 
-    model_config = ConfigDict(
-        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 MOST_NESTED = 64

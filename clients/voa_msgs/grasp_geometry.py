@@ -7,18 +7,19 @@ import math
 from typing import Annotated, Any, Literal
 
 from annotated_types import Gt
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import ConfigDict, model_validator
 
 from voa_msgs.base import Real
+from voa_msgs.described import Described
 
 Vector = tuple[Real, Real, Real]
 _PERPENDICULAR = 1e-3
 
 
-class GraspGeometry(BaseModel):
+class GraspGeometry(Described):
     """Pose and width of a parallel gripper for a grasp; a grasp's `data` may hold other keys beside these."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     frame: Literal["world"] = "world"
     """Frame of the vectors. A grasp is fixed in the world frame, because the object's pose is not known."""

@@ -17,7 +17,7 @@ Touches = Literal["table", "gripper", "both"]
 class Part(BaseModel):
     """A part of `physics.json`; unknown keys are refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Box(Part):
