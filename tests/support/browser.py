@@ -27,6 +27,7 @@ _FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
+    "--disable-gpu-compositing",
 ]
 _WAIT_MS = 20_000.0
 _LOST = re.compile(r"ERR_CONNECTION|ERR_SOCKET|ERR_EMPTY|WebSocket connection to|GPU stall|GL Driver")
