@@ -34,5 +34,5 @@ its docstring names the source.
 
 The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `choice_kernels`,
 `copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `mixture_pairs`, `vector_math` and `jit` for
-compiled loops, `warmup`, which compiles them all, and `large_pages` for arrays that are quick to fill.
+compiled loops, and `warmup`, which compiles them all.
 """

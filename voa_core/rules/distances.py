@@ -12,7 +12,6 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from voa_core import large_pages
 from voa_core.checks import Floats, number
 from voa_core.copy_kernels import log_sums_of_exp
 from voa_core.displaced_scans import DisplacedScans
@@ -36,7 +35,7 @@ def squared_distance(observed: Array, predicted: Array, no_return_m: float) -> A
 
 def mirrored(triangle: Array, n: int) -> Array:
     """Make the symmetric matrix (n, n) from its upper triangle, row after row, (n (n + 1) / 2,)."""
-    square = large_pages.zeros((n, n), triangle.dtype)
+    square = np.zeros((n, n), dtype=triangle.dtype)
     mirror(triangle, square)
     return square
 
