@@ -78,6 +78,7 @@ _EXPONENT_BITS, _BIAS = 52, 1023
 _MANTISSA, _ONE = (1 << 52) - 1, 1023 << 52
 _LN_2, _LOG2_E, _SQRT_2 = math.log(2.0), math.log2(math.e), math.sqrt(2.0)
 _LEAST_NORMAL = 2.0**-1022
+_AT_ONCE = 512
 
 
 @sum_kernel
@@ -186,11 +187,11 @@ def half_to_the_float32(power: np.float32, numbers: NDArray[np.float32], bits: N
 
 
 @kernel
-def take_exponentials(rows: Floats) -> None:
-    """Replace numbers x of at most 0, (m, n), by e^x within (1e-15 - 3e-16 x) e^x; below -700 by 0. NaN remains NaN."""
-    bits = np.zeros(rows.shape[1], dtype=np.int64)
-    for row in rows:
-        _take_exponentials(row, bits)
+def take_exponentials(numbers: Floats) -> None:
+    """Replace numbers x of at most 0, (k,), by e^x within (1e-15 - 3e-16 x) e^x; below -700 by 0. NaN remains NaN."""
+    bits = np.zeros(_AT_ONCE, dtype=np.int64)
+    for first in range(0, len(numbers), _AT_ONCE):
+        _take_exponentials(numbers[first : first + _AT_ONCE], bits)
 
 
 @frugal_kernel

@@ -24,6 +24,7 @@ from voa_core.updating import UpdatePolicy
 from voa_core.vector_math import take_exponentials
 
 _POSES_AT_ONCE = 2048  # a larger matrix is computed in parts of as many numbers, at most a second each
+_PAIRS_AT_ONCE = 2**14
 
 
 def wanted() -> None:
@@ -155,15 +156,19 @@ def _weights_among(rule: UpdateRule, ranges: Array, beams: int) -> Array:
     """Weights (n, n) between the scans (n, c), each row scaled.
 
     A rule of distances weighs two scans alike in both orders, and each scan itself the most: each pair is weighed once,
-    and all rows are scaled alike.
+    and all rows are scaled alike. Of the pairs, as many are weighed at a time as fit into a cache of the processor.
     """
     if not isinstance(rule, DistanceRule):
         return scale_rows(rule.log_weights(rule.statistic_among(ranges), beams))
-    n, triangle = len(ranges), rule.log_weights(rule.statistic_of_pairs(ranges), beams)
-    highest = triangle.max()
-    if highest not in (0.0, -np.inf):
-        triangle -= highest
-    weights = mirrored(_exponentials(triangle.reshape(-1, n + 1 - n % 2)).reshape(-1), n)
+    pairs = rule.statistic_of_pairs(ranges)
+    highest = rule.log_weights(np.zeros(1, dtype=pairs.dtype), beams)
+    for first in range(0, len(pairs), _PAIRS_AT_ONCE):
+        some = pairs[first : first + _PAIRS_AT_ONCE]
+        log_weights = rule.log_weights(some, beams)
+        if highest[0] != 0.0:
+            log_weights -= highest
+        some[:] = _exponentials(log_weights)
+    weights = mirrored(pairs, len(ranges))
     return weights.T if weights.dtype == np.float32 else weights  # columns in a row, as they are kept
 
 
@@ -177,9 +182,9 @@ def scale_rows(log_weights: Array) -> Array:
 
 
 def _exponentials(log_weights: Array) -> Array:
-    """Turn log weights of at most 0, (m, n), into weights, in place."""
+    """Turn log weights of at most 0, of any shape, into weights, in place."""
     if log_weights.dtype == np.float64 and log_weights.flags.c_contiguous:
-        take_exponentials(log_weights)
+        take_exponentials(log_weights.reshape(-1))
     else:
         np.exp(log_weights, out=log_weights)
     return log_weights

@@ -82,15 +82,19 @@ def test_powers_of_a_half_in_float32_are_exact_to_a_few_roundings() -> None:
     assert own[0] == 1.0
 
 
-def test_exponentials_of_rows() -> None:
-    numbers = np.append(-np.logspace(-17, math.log10(699.9), 999), 0.0).reshape(10, 100)
+@pytest.mark.parametrize("count", [0, 1, 511, 512, 513, 1200])
+def test_exponentials_of_many_numbers(count: int) -> None:
+    numbers = np.append(-np.logspace(-17, math.log10(699.9), 1199), 0.0)[1200 - count :]
     own = numbers.copy()
     take_exponentials(own)
     assert (np.abs(own - np.exp(numbers)) <= (1e-15 - 3e-16 * numbers) * np.exp(numbers)).all()
-    ends = np.array([[0.0, -701.0, -math.inf, math.nan]])
+
+
+def test_exponentials_of_numbers_at_the_ends() -> None:
+    ends = np.array([0.0, -701.0, -math.inf, math.nan])
     take_exponentials(ends)
-    assert ends[0, :3].tolist() == [1.0, 0.0, 0.0]
-    assert math.isnan(ends[0, 3])
+    assert ends[:3].tolist() == [1.0, 0.0, 0.0]
+    assert math.isnan(ends[3])
 
 
 def test_the_bound_of_powers_of_a_half_lies_above_by_little() -> None:
