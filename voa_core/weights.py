@@ -155,11 +155,24 @@ class Weigher:
 def _weights_among(rule: UpdateRule, ranges: Array, beams: int) -> Array:
     """Weights (n, n) between the scans (n, c), each row scaled.
 
-    A rule of distances weighs two scans alike in both orders, and each scan itself the most: each pair is weighed once,
-    and all rows are scaled alike. Of the pairs, as many are weighed at a time as fit into a cache of the processor.
+    As many pairs are weighed at a time as fit into a cache of the processor, and in the place of their statistics: more
+    large arrays take longer to come from the system than to fill.
     """
-    if not isinstance(rule, DistanceRule):
-        return scale_rows(rule.log_weights(rule.statistic_among(ranges), beams))
+    if isinstance(rule, DistanceRule):
+        return _weights_of_pairs(rule, ranges, beams)
+    weights = rule.statistic_among(ranges)
+    rows = max(1, _PAIRS_AT_ONCE // len(weights))
+    for first in range(0, len(weights), rows):
+        some = weights[first : first + rows]
+        some[:] = scale_rows(rule.log_weights(some, beams))
+    return weights
+
+
+def _weights_of_pairs(rule: DistanceRule, ranges: Array, beams: int) -> Array:
+    """Weights (n, n) between the scans (n, c), all scaled alike, of a rule of distances.
+
+    It weighs two scans alike in both orders, and each scan itself the most: each pair is weighed once.
+    """
     pairs = rule.statistic_of_pairs(ranges)
     highest = rule.log_weights(np.zeros(1, dtype=pairs.dtype), beams)
     for first in range(0, len(pairs), _PAIRS_AT_ONCE):
