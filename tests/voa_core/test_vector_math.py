@@ -1,12 +1,16 @@
 """Exponentials and logarithms of our own, against those of the library."""
 
 import math
+import re
 from collections.abc import Callable
 from decimal import Decimal
+from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
+from tests.voa_core.test_jit import UNCOMPILED
 from voa_core.checks import Floats
 from voa_core.vector_math import (
     _EXACT_HALVES,
@@ -95,6 +99,15 @@ def test_exponentials_of_numbers_at_the_ends() -> None:
     take_exponentials(ends)
     assert ends[:3].tolist() == [1.0, 0.0, 0.0]
     assert math.isnan(ends[3])
+
+
+@pytest.mark.skipif(UNCOMPILED, reason="nothing is compiled, so nothing runs in vector registers")
+def test_exponentials_are_taken_several_at_a_time() -> None:
+    """A compiled loop over numbers that do not lie side by side, such as the rows of a loop over a matrix, does not."""
+    written: Any = take_exponentials
+    compiled = numba.njit(nogil=True, error_model="numpy")(written.py_func)
+    compiled(np.zeros(3))
+    assert re.search(r"= fmul .*<\d+ x double>", "".join(compiled.inspect_llvm().values()))
 
 
 def test_the_bound_of_powers_of_a_half_lies_above_by_little() -> None:
