@@ -73,7 +73,7 @@ def draw(runs: Sequence[Run], path: Path = PICTURE) -> None:
         _draw_goals(axes, names)
         axes.axvline(1.0, color=_INK, linewidth=1.0)
         axes.set_xscale("log", base=2)
-        axes.set_xticks([0.5, 1, 2, 4], ["half the gate", "gate", "2 x", "4 x"])
+        axes.set_xticks([0.5, 1, 2, 4], ["0.5 x", "gate", "2 x", "4 x"])
         axes.set_yticks(range(len(names)), names)
         axes.invert_yaxis()
         axes.grid(axis="x", alpha=0.3)
