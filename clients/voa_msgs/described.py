@@ -1,7 +1,8 @@
 """Base of models whose fields are described, in their JSON schema, by the docstrings that follow them.
 
 Pydantic can do that too (`use_attribute_docstrings`), but it reads the sources whenever a class is made, which took a
-tenth of the time of a start of the service. They are read here when a schema is made, which few processes ever do.
+tenth of the time of a start of the service. They are read here when a schema is made, which few processes ever do; of
+classes within functions and other classes they are not.
 """
 
 import ast
@@ -26,8 +27,10 @@ class Described(BaseModel):
         properties = handler.resolve_ref_schema(made).get("properties", {})
         for name, field in cls.model_fields.items():
             docstring = _docstring(cls, name)
-            if docstring is not None:
-                properties[field.alias or name].setdefault("description", docstring)
+            keys = (field.alias, field.validation_alias, field.serialization_alias, name)
+            described = next((properties[key] for key in keys if isinstance(key, str) and key in properties), None)
+            if docstring is not None and described is not None:
+                described.setdefault("description", docstring)
         return made
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, parameters_of
+from voa_core import weights
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
 from voa_core.rules.registry import rule_of
@@ -110,9 +111,17 @@ def test_kept_weights_are_rounded_once_and_only_where_that_is_wanted() -> None:
 
 
 @pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-14), (np.float32, 2e-6)])
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 18])
+@pytest.mark.parametrize(("n", "pairs_at_once"), [(1, 2**14), (2, 2**14), (3, 2**14), (4, 3), (18, 2**14), (18, 40)])
 @pytest.mark.parametrize("name", RULE_NAMES)
-def test_weights_of_all_pairs_are_those_of_each(name: str, n: int, dtype: type[np.floating], tolerance: float) -> None:
+def test_weights_of_all_pairs_are_those_of_each(
+    name: str,
+    n: int,
+    pairs_at_once: int,
+    dtype: type[np.floating],
+    tolerance: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(weights, "_PAIRS_AT_ONCE", pairs_at_once)
     ranges = np.random.default_rng(n).uniform(0.1, 1.9, (n, 6))
     ranges[n // 2 :] = ranges[: n - n // 2] + 1e-4  # so near that `inverse_rmsd` and `margin` weigh them as equal
     own = Weigher.of(rule_of(name, LIDAR), Prediction.of_dense(LIDAR.grid, ranges), dtype, keep=True)

@@ -2,7 +2,7 @@ import json
 import subprocess
 import sys
 from types import ModuleType
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from pydantic import Field, create_model
@@ -35,6 +35,15 @@ class Better(Look):
     """Seconds of driving."""
 
 
+class Shown(Described):
+    """A model whose fields have other names when they are read and when they are written."""
+
+    place: str = Field(validation_alias="read", serialization_alias="written")
+    """Place that it is taken from."""
+    secret: str = Field(default="", exclude=True)
+    """A field that is read, and never written."""
+
+
 def descriptions(model: type[Described]) -> dict[str, str | None]:
     properties: dict[str, dict[str, Any]] = model.model_json_schema()["properties"]
     return {name: each.get("description") for name, each in properties.items()}
@@ -53,6 +62,15 @@ def test_a_field_that_is_declared_again_has_the_docstring_of_the_new_declaration
     assert descriptions(Better)["place"] is None
     assert descriptions(Better)["cost"] == "Seconds of driving."
     assert descriptions(Better)["from"] == "Name that is no word of Python."
+
+
+@pytest.mark.parametrize("mode", ["validation", "serialization"])
+def test_properties_have_the_names_of_fields_or_their_aliases(mode: Literal["validation", "serialization"]) -> None:
+    by_name = Look.model_json_schema(by_alias=False, mode=mode)["properties"]
+    assert by_name["from_"]["description"] == "Name that is no word of Python."
+    shown = Shown.model_json_schema(mode=mode)["properties"]
+    assert shown["read" if mode == "validation" else "written"]["description"] == "Place that it is taken from."
+    assert ("secret" in shown) == (mode == "validation")
 
 
 @pytest.mark.parametrize("model", [ScanRequest, UpdatedSession, VoaRequest])

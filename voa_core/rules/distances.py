@@ -45,7 +45,7 @@ class DistanceRule(ABC):
     """Base of the rules whose weight depends on d alone: their statistic is d^2, and each adds `log_weights`.
 
     The weight is the largest where two scans are equal. A rule with a statistic of its own, which must be the same for
-    two scans in both orders, replaces `statistic` and `statistic_of_pairs`.
+    two scans in both orders and 0 for equal ones, replaces `statistic` and `statistic_of_pairs`.
 
     Each field of a subclass is a parameter of its rule, a number above 0; its default is the parameter's.
 

@@ -25,7 +25,10 @@ class UpdateRule(Protocol):
         """Sum over c beams for each pair of scans: observed (m, c) and predicted (n, c) give (m, n)."""
 
     def statistic_among(self, ranges: Array) -> Array:
-        """Sum over c beams for each pair of the same scans: (n, c) gives (n, n), `statistic(ranges, ranges)`."""
+        """Sum over c beams for each pair of the same scans: (n, c) gives (n, n), `statistic(ranges, ranges)`.
+
+        The result belongs to the caller, who may change it.
+        """
 
     def log_weights(self, statistic: Array, beams: int, /) -> Array:
         """Natural logarithms of the weights, in the shape of `statistic`; -inf is a weight of 0.
