@@ -78,7 +78,7 @@ _EXPONENT_BITS, _BIAS = 52, 1023
 _MANTISSA, _ONE = (1 << 52) - 1, 1023 << 52
 _LN_2, _LOG2_E, _SQRT_2 = math.log(2.0), math.log2(math.e), math.sqrt(2.0)
 _LEAST_NORMAL = 2.0**-1022
-_AT_ONCE = 512
+_AT_ONCE = 512  # numbers: their scratch stays in the first-level cache
 
 
 @sum_kernel

@@ -6,7 +6,9 @@ Solids collide; the object's mesh itself is only seen by the lidar.
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from voa_msgs.described import Described
 
 Vector = tuple[float, float, float]
 Length = Annotated[float, Gt(0.0)]
@@ -14,7 +16,7 @@ Touches = Literal["table", "gripper", "both"]
 """Partners with which a solid collides: fewer pairs are faster, and a tube of boxes need not rest on the table."""
 
 
-class Part(BaseModel):
+class Part(Described):
     """A part of `physics.json`; unknown keys are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
