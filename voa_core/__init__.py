@@ -12,7 +12,7 @@ its docstring names the source.
 | predict scans                         | `prediction`, `cutting`, `chains`      | Definition 5                        |
 | enter contours into beams             | `window_rasterising`, `rasterising`    |                                     |
 | read measured scans                   | `scans`                                |                                     |
-| turn a scan into weights              | `rules`, `evidence`                    | fit by RMSD; longer: tau 1, 2 and 3 |
+| turn a scan into weights              | `rules`, `evidence`, `fits`            | fit by RMSD; longer: tau 1, 2 and 3 |
 | displace the poses a little           | `displacements`                        |                                     |
 | predict displaced poses               | `displaced_scans`, `copy_rasterising`, `outlines` |                          |
 | compare scans with displaced poses    | `comparisons`                          |                                     |

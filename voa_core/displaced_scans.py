@@ -1,7 +1,7 @@
 """Predicted scans of displaced copies of poses, kept for the few beams that meet a pose in any of its copies."""
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -120,7 +120,6 @@ def predict_copies(
     grid: BeamGrid | None = None,
     *,
     first: int = 0,
-    key: Hashable = None,
 ) -> DisplacedScans:
     """Predict the scans of displaced copies of poses from the mesh, by geometry alone.
 
@@ -132,23 +131,32 @@ def predict_copies(
         displacements: (k, J, 3) x and y in metres, yaw in radians about the position of the pose, of k poses.
         grid: the beams to predict; None: the lidar's.
         first: index of the first of the k poses.
-        key: names the displacements of all poses from this sensor, so that the scans are remembered; None: they are
-            not.
 
     Raises:
         NoMesh: there is no mesh, or no height of the scan plane.
     """
-    own = predictor.lidar.grid
-    wanted = own if grid is None or own.agrees_with(grid) else grid
+    contours, wanted = predictor.contours(sensor), predictor.lidar.beams_of(grid)
+    return predict_displaced_scans(contours, displacements, sensor, wanted, predictor.lidar.range_max, first)
 
-    def predict() -> DisplacedScans:
-        contours = predictor.contours(sensor)
-        return predict_displaced_scans(contours, displacements, sensor, wanted, predictor.lidar.range_max, first)
 
-    if key is None:
-        return predict()
+def remembered_copies(
+    predictor: ObservationPredictor,
+    sensor: SensorConfiguration,
+    grid: BeamGrid,
+    key: Hashable,
+    predict: Callable[[], DisplacedScans],
+) -> DisplacedScans:
+    """Return the displaced scans that the predictor remembers of a place, or make them.
+
+    Args:
+        predictor: of the scenario.
+        sensor: where the lidar stands.
+        grid: the beams.
+        key: names the displacements relative to the sensor, and the poses.
+        predict: makes the scans, as by `predict_copies`.
+    """
     stands = sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m
-    return predictor.remember((stands, wanted, key, first, len(displacements)), predict)
+    return predictor.remember((stands, predictor.lidar.beams_of(grid), key), predict)
 
 
 def predict_displaced_scans(

@@ -1,20 +1,21 @@
 """Comparison of one scan with every displaced copy of every pose: the weight of each, and how well it fits."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 
 from voa_core.checks import Floats
-from voa_core.comparisons import comparison_of, squared_distances_of_pairs
-from voa_core.displaced_scans import DisplacedScans, predict_copies
+from voa_core.comparisons import comparison_of
+from voa_core.displaced_scans import DisplacedScans, predict_copies, remembered_copies
 from voa_core.displacements import Displacements
 from voa_core.filtering import log_means
-from voa_core.lidars import LidarModel, SensorConfiguration
+from voa_core.fits import Fits, fits_of_copies, fits_of_poses
+from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration
 from voa_core.places import Viewpoint
 from voa_core.prediction import ObservationPredictor, Prediction
-from voa_core.rules.distances import coded, squared_distance
+from voa_core.rules.distances import DistanceRule
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import NO_RETURN, Scan, classify, restrict_prediction
 from voa_core.sight import BEHIND_M, Sight, joined, sight_of, sight_of_copies
@@ -106,7 +107,7 @@ def evidence_of_scan(
         BeamGridMismatch: there is no prediction for the beams of the scan.
     """
     lidar = predictor.lidar
-    grid = lidar.grid if lidar.grid.agrees_with(scan.grid) else scan.grid
+    grid = lidar.beams_of(scan.grid)
     crossing = workspace.crossing(sensor, grid.angles) if workspace else None
     beams = classify(scan, lidar, crossing)
     viewpoint = Viewpoint.of(sensor, lidar, listed=listed)
@@ -114,20 +115,32 @@ def evidence_of_scan(
     if displacements is None or displacements.copies == 1:
         alone = restricted(predictor.predict(sensor, grid, listed=listed), sensor, scan, lidar, workspace)
         return evidence_of_beams(beams, alone, rule, has_workspace=has_workspace, viewpoint=viewpoint)
-    each = displacements.at(predictor.poses, sensor)
+    blocks = (
+        restricted_copies(copies, sensor, scan, lidar, workspace)
+        for copies in _blocks_of_copies(predictor, sensor, grid, displacements, listed=listed)
+    )
+    return _evidence_of_copies(beams, blocks, rule, np.inf if has_workspace else BEHIND_M, viewpoint)
+
+
+def _blocks_of_copies(
+    predictor: ObservationPredictor,
+    sensor: SensorConfiguration,
+    grid: BeamGrid,
+    displacements: Displacements,
+    *,
+    listed: bool,
+) -> Iterator[DisplacedScans]:
+    """Predict the displaced copies of consecutive poses, block by block; those at listed sensors are remembered."""
+    displaced = cache(partial(displacements.at, predictor.poses, sensor))  # not needed for what is remembered
     poses_at_once = max(1, _NUMBERS_AT_ONCE // (displacements.copies * grid.beams))
-    key = displacements if listed else None  # a robot hardly ever comes back to a pose that is not listed
-    copies = (
-        predict_copies(predictor, sensor, each[start : start + poses_at_once], grid, first=start, key=key)
-        for start in range(0, len(each), poses_at_once)
-    )
-    return _evidence_of_copies(
-        beams,
-        (restricted_copies(block, sensor, scan, lidar, workspace) for block in copies),
-        rule,
-        np.inf if has_workspace else BEHIND_M,
-        viewpoint,
-    )
+    for first in range(0, len(predictor.poses), poses_at_once):
+
+        def predict(first: int = first) -> DisplacedScans:
+            return predict_copies(predictor, sensor, displaced()[first : first + poses_at_once], grid, first=first)
+
+        key = displacements, first, poses_at_once
+        # A robot hardly ever comes back to a pose that is not listed.
+        yield remembered_copies(predictor, sensor, grid, key, predict) if listed else predict()
 
 
 def evidence_of_beams(
@@ -147,12 +160,13 @@ def evidence_of_beams(
         has_workspace: True if the beams were classified with a workspace.
         viewpoint: from where the scan was taken; None: unknown.
     """
-    log_copies, distances, hit_rmsds = _compare(beams, prediction, rule)
+    fits = fits_of_poses(beams, prediction, rule.no_return_m)
+    compared = int(np.count_nonzero(~np.isnan(beams)))
     return Evidence(
-        log_copies,
-        distances,
-        hit_rmsds,
-        int(np.count_nonzero(~np.isnan(beams))),
+        _log_weights(fits, compared, rule, partial(_log_weights_of_poses, beams, prediction, rule)),
+        fits.distances,
+        fits.hit_rmsds,
+        compared,
         sight_of(beams, prediction, np.inf if has_workspace else BEHIND_M),
         _log_absent(beams, rule),
         viewpoint,
@@ -167,42 +181,43 @@ def _evidence_of_copies(
     viewpoint: Viewpoint,
 ) -> Evidence:
     """Compare the classified beams (r,) of a scan with the displaced copies of consecutive poses, block by block."""
-    compared, sights = [], []
+    compared = int(np.count_nonzero(~np.isnan(beams)))
+    fits, logs, sights = [], [], []
     for copies in blocks:  # one after another: many copies would not fit in memory together
-        compared.append(_compare_copies(beams, copies, rule))
+        fits.append(fits_of_copies(beams, copies, rule.no_return_m))
+        logs.append(_log_weights(fits[-1], compared, rule, partial(_log_weights_of_copies, beams, copies, rule)))
         sights.append(sight_of_copies(beams, copies, behind_m))
-    log_copies, distances, hit_rmsds = (np.concatenate(values) for values in zip(*compared, strict=True))
     return Evidence(
-        log_copies,
-        distances,
-        hit_rmsds,
-        int(np.count_nonzero(~np.isnan(beams))),
-        joined(beams, sights),
+        np.concatenate(logs),
+        np.concatenate([each.distances for each in fits]),
+        np.concatenate([each.hit_rmsds for each in fits]),
+        compared,
+        joined(sights),
         _log_absent(beams, rule),
         viewpoint,
     )
 
 
-def _compare_copies(beams: Floats, copies: DisplacedScans, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
-    """Compare one scan, classified (r,), with the displaced copies of k poses.
+def _log_weights(fits: Fits, beams: int, rule: UpdateRule, otherwise: Callable[[], Floats]) -> Floats:
+    """Return ln w of each copy of each pose, (n, J), from its distance where the rule depends on that alone.
 
-    Returns:
-        ln w of each copy, (k, J); and d, and RMSD over the beams on which both return (NaN where there is none), of
-        the copy of each pose with the smallest d, each (k,).
+    Args:
+        fits: of the scan.
+        beams: number of beams that are compared.
+        rule: the update rule.
+        otherwise: computes ln w of any other rule.
     """
-    observed, poses = beams[None, :], np.arange(len(copies))
-    pairs = np.zeros(len(copies), dtype=np.intp), poses
-    square = squared_distances_of_pairs(observed, copies, rule.no_return_m, *pairs)
-    best = square.argmin(axis=1)
-    of_row = np.repeat(poses, np.diff(copies.start))
-    seen, nearest = beams[copies.beams], copies.ranges[np.arange(len(of_row)), best[of_row]]
-    both = np.isfinite(seen) & np.isfinite(nearest)
-    off = np.minimum(seen, rule.no_return_m) - np.minimum(nearest, rule.no_return_m)
-    count = np.bincount(of_row[both], minlength=len(copies))
-    total = np.bincount(of_row[both], weights=off[both] ** 2, minlength=len(copies))
-    hit_rmsds = np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)
-    log_copies = comparison_of(rule, observed, copies).log_weights(*pairs)
-    return log_copies, np.sqrt(square[poses, best]), hit_rmsds
+    if beams == 0:
+        return np.zeros_like(fits.squares)
+    if isinstance(rule, DistanceRule) and rule.is_of_squares:
+        return rule.log_weights(fits.squares, beams)
+    return otherwise()
+
+
+def _log_weights_of_copies(beams: Floats, copies: DisplacedScans, rule: UpdateRule) -> Floats:
+    """Compare one scan, classified (r,), with the displaced copies of k poses: ln w of each copy, (k, J)."""
+    scans, poses = np.zeros(len(copies), dtype=np.intp), np.arange(len(copies))
+    return comparison_of(rule, beams[None, :], copies).log_weights(scans, poses)
 
 
 def restricted(
@@ -214,8 +229,9 @@ def restricted(
 ) -> Prediction:
     """Limit a prediction to the range of the scan (None: of the lidar) and to the workspace, as it is compared."""
     range_max = lidar.range_max if scan is None else scan.limits(lidar)[1]
-    angles = prediction.grid.angles[prediction.columns]
-    crossing = workspace.crossing(sensor, angles) if workspace else None
+    if workspace is None and range_max >= lidar.range_max:
+        return prediction  # made within the lidar's range
+    crossing = workspace.crossing(sensor, prediction.grid.angles[prediction.columns]) if workspace else None
     return Prediction(prediction.grid, prediction.columns, restrict_prediction(prediction.ranges, range_max, crossing))
 
 
@@ -233,35 +249,18 @@ def restricted_copies(
     return copies.restricted(range_max, workspace.crossing(sensor, copies.grid.angles) if workspace else None)
 
 
-def _compare(beams: Floats, prediction: Prediction, rule: UpdateRule) -> tuple[Floats, Floats, Floats]:
-    """Compare one scan, classified (r,), with the scan predicted for each of n poses at one sensor pose.
-
-    Returns:
-        ln w, (n, 1); and d, and RMSD over the beams on which both return (NaN where there is none), each (n,).
-    """
+def _log_weights_of_poses(beams: Floats, prediction: Prediction, rule: UpdateRule) -> Floats:
+    """Compare one scan, classified (r,), with the scan predicted for each of n poses: ln w of each, (n, 1)."""
     known = ~np.isnan(beams)
     compared = int(known.sum())
-    poses = len(prediction.ranges)
-    if compared == 0:
-        return np.zeros((poses, 1)), np.zeros(poses), np.full(poses, np.nan)
     kept = known[prediction.columns]
     observed = np.ascontiguousarray(beams[prediction.columns][kept])[None, :]
     predicted = np.ascontiguousarray(prediction.ranges[:, kept])
     # On every other beam all poses predict a no-return: one comparison serves them all.
     known[prediction.columns] = False
     rest = beams[known][None, :]
-    nothing = np.full_like(rest, NO_RETURN)
-    statistic = rule.statistic(observed, predicted)[0] + rule.statistic(rest, nothing)[0, 0]
-    square = (
-        squared_distance(observed, predicted, rule.no_return_m)[0]
-        + squared_distance(rest, nothing, rule.no_return_m)[0, 0]
-    )
-    hit_rmsds = _hit_rmsds(
-        coded(observed, rule.no_return_m),
-        coded(predicted, rule.no_return_m),
-        np.isfinite(observed) & np.isfinite(predicted),
-    )
-    return rule.log_weights(statistic, compared)[:, None], np.sqrt(square), hit_rmsds
+    statistic = rule.statistic(observed, predicted)[0] + rule.statistic(rest, np.full_like(rest, NO_RETURN))[0, 0]
+    return rule.log_weights(statistic, compared)[:, None]
 
 
 def _log_absent(beams: Floats, rule: UpdateRule) -> float:
@@ -271,9 +270,3 @@ def _log_absent(beams: Floats, rule: UpdateRule) -> float:
         return 0.0
     nothing = np.full_like(compared, NO_RETURN)
     return float(rule.log_weights(rule.statistic(compared, nothing)[0], compared.shape[1])[0])
-
-
-def _hit_rmsds(observed: Floats, predicted: Floats, both: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> Floats:
-    count = both.sum(axis=1)
-    square = np.where(both, (observed - predicted) ** 2, 0.0).sum(axis=1)
-    return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)

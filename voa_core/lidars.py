@@ -87,6 +87,10 @@ class LidarModel:
         number("noise_ratio", self.noise_ratio, at_least=0.0)
         number("dropout", self.dropout, at_least=0.0, below=1.0)
 
+    def beams_of(self, grid: BeamGrid | None) -> BeamGrid:
+        """Return the beams of a scan on a grid: the lidar's own where the two agree, or where there is no other."""
+        return self.grid if grid is None or self.grid.agrees_with(grid) else grid
+
 
 @dataclass(frozen=True)
 class SensorConfiguration:

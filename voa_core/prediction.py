@@ -131,7 +131,7 @@ class ObservationPredictor:
             BeamGridMismatch: the beams are not the lidar's, and there are only data for this sensor.
             NoMesh: there is neither data nor a mesh for this sensor, or no height of the scan plane.
         """
-        wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
+        wanted = self.lidar.beams_of(grid)
         place = (sensor.name if listed else None, sensor.x, sensor.y, sensor.yaw_rad, sensor.height_m)
         return self.remember((place, wanted), lambda: self._predict(sensor, wanted, listed))
 
@@ -159,7 +159,7 @@ class ObservationPredictor:
         Raises:
             NoMesh: there is no mesh, or no height of the scan plane.
         """
-        wanted = self.lidar.grid if grid is None or self.lidar.grid.agrees_with(grid) else grid
+        wanted = self.lidar.beams_of(grid)
         contours = self.contours(sensor)
         at_once = max(1, _NUMBERS_AT_ONCE // (wanted.beams * displacements.shape[1]))
         return _joined(

@@ -1,7 +1,8 @@
 """Beams of a scan that could see the object, and those that do: to notice a scan in which the object is missing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from voa_core.checks import Floats
 from voa_core.displaced_scans import DisplacedScans
 from voa_core.jit import kernel
+from voa_core.outlines import Ints
 from voa_core.prediction import Prediction
 
 BEHIND_M = 0.1
@@ -17,24 +19,50 @@ _FEWEST_RETURNS = 3
 _SLACK_M = 1e-9
 
 
+class Returns(NamedTuple):
+    """The farthest return that a displaced copy of each of n poses predicts on each beam that can meet the pose.
+
+    Attributes:
+        start: (n + 1,) first row of each pose, and the end.
+        first: (n,) index in `beams` of the first row of each pose; the others follow. Poses may share their beams.
+        beams: (b,) indices of beams.
+        farthest: (h,) metres, for each row; inf or -inf where no copy returns.
+    """
+
+    start: NDArray[np.int64]
+    first: NDArray[np.int64]
+    beams: NDArray[np.intp] | Ints
+    farthest: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class Sight:
     """Beams of one scan that could see the object, and those that do: for scans in which the object is missing.
 
     Attributes:
-        measured: (u,) the scan's ranges, metres, on the compared beams on which some copy of a pose returns.
-        reach: (n, u) largest range, metres, of a return that sees the object at each pose, in any of its displaced
-            copies; -inf where no copy returns. With a workspace it is inf elsewhere: its edge bounds the returns.
+        beams: (r,) the scan, metres, as `scans.classify` gives it.
+        returns: predicted for n poses.
+        behind_m: a return so far behind the farthest prediction of its beam still sees the object, metres; inf where
+            the workspace bounds the returns.
         fewest: (n,) the fewest of the compared beams on which a displaced copy of each pose returns.
     """
 
-    measured: Floats
-    reach: Floats
+    beams: Floats
+    returns: Returns
+    behind_m: float
     fewest: NDArray[np.intp]
+
+    @property
+    def is_blind(self) -> bool:
+        """True if none of the compared beams can meet a pose."""
+        return bool(np.isnan(self.beams[self.returns.beams]).all())
 
     def hits(self, pose: int) -> Floats:
         """Measured ranges, (h,) metres, on the h beams on which both the scan and a copy of the pose return."""
-        hit: Floats = self.measured[np.isfinite(self.measured) & (self.reach[pose] > -np.inf)]
+        start, first, beams, farthest = self.returns
+        rows = slice(start[pose], start[pose + 1])
+        measured = self.beams[beams[first[pose] : first[pose] + rows.stop - rows.start]]
+        hit: Floats = measured[np.isfinite(measured) & np.isfinite(farthest[rows])]
         return hit
 
     def misses_object(self, possible: NDArray[np.bool_]) -> bool:
@@ -46,89 +74,81 @@ class Sight:
         fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
         if fewest < _FEWEST_RETURNS:
             return False
-        seen = (self.measured <= _farthest(self.reach, possible) + _SLACK_M) & np.isfinite(self.measured)
+        reach = np.full(len(self.beams), -np.inf)
+        _add_reach(possible, *self.returns, self.behind_m, reach)
+        seen = (self.beams <= reach + _SLACK_M) & np.isfinite(self.beams)
         return 3 * int(np.count_nonzero(seen)) < fewest
-
-
-@dataclass(frozen=True, eq=False)
-class SightOfSome:
-    """Sight of consecutive poses alone, and the beams that it is about: `columns` (u,), ascending indices."""
-
-    columns: NDArray[np.intp]
-    sight: Sight
 
 
 def sight_of(beams: Floats, prediction: Prediction, behind_m: float) -> Sight:
     """Find the classified beams (r,) that could see some poses, each exactly where it is listed.
 
-    A return at most `behind_m` behind the farthest prediction of its beam sees the object.
-
     Args:
         beams: metres, as `scans.classify` gives them.
         prediction: of the poses.
-        behind_m: metres; inf where the workspace bounds the returns.
+        behind_m: see `Sight`.
     """
-    columns = prediction.columns[~np.isnan(beams[prediction.columns])]
-    entry = np.full(len(beams), -1)
-    entry[columns] = np.arange(len(columns))
-    poses = len(prediction.ranges)
-    reach, fewest = np.full((poses, len(columns)), -np.inf), np.full(poses, len(beams))
-    _enter(prediction.ranges, entry[prediction.columns], behind_m, reach, fewest)
-    return Sight(beams[columns], reach, fewest)
+    poses, columns = prediction.ranges.shape
+    start, first = np.arange(poses + 1) * columns, np.zeros(poses, dtype=np.int64)
+    returns = Returns(start, first, prediction.columns, prediction.ranges.reshape(-1))
+    fewest = np.zeros(poses, dtype=np.intp)
+    _count_returns(prediction.ranges, ~np.isnan(beams[prediction.columns]), fewest)
+    return Sight(beams, returns, behind_m, fewest)
 
 
-def sight_of_copies(beams: Floats, copies: DisplacedScans, behind_m: float) -> SightOfSome:
+def sight_of_copies(beams: Floats, copies: DisplacedScans, behind_m: float) -> Sight:
     """Find the classified beams (r,) that could see some poses in any of their displaced copies.
 
     Args:
         beams: metres, as `scans.classify` gives them.
-        copies: of consecutive poses.
-        behind_m: as for `sight_of`.
+        copies: of the poses.
+        behind_m: see `Sight`.
     """
-    compared = ~np.isnan(beams)
-    columns = np.unique(copies.beams[compared[copies.beams]]).astype(np.intp)
-    seen = compared[copies.beams] & (copies.farthest > -np.inf)
-    of_row = np.repeat(np.arange(len(copies)), np.diff(copies.start))
-    reach = np.full((len(copies), len(columns)), -np.inf)
-    reach[of_row[seen], np.searchsorted(columns, copies.beams[seen])] = copies.farthest[seen] + behind_m
-    return SightOfSome(columns, Sight(beams[columns], reach, copies.fewest_returns(~compared)))
+    returns = Returns(copies.start, copies.start[:-1], copies.beams, copies.farthest)
+    return Sight(beams, returns, behind_m, copies.fewest_returns(np.isnan(beams)))
 
 
-def joined(beams: Floats, parts: Sequence[SightOfSome]) -> Sight:
-    """Join the sights of consecutive poses, in their order, on the classified beams (r,) of one scan."""
+def joined(parts: Sequence[Sight]) -> Sight:
+    """Join what one scan shows of some poses, and of others, in their order."""
     if len(parts) == 1:
-        return parts[0].sight
-    columns = np.unique(np.concatenate([part.columns for part in parts]))
-    fewest = np.concatenate([part.sight.fewest for part in parts])
-    reach, first = np.full((len(fewest), len(columns)), -np.inf), 0
-    for part in parts:
-        last = first + len(part.sight.fewest)
-        reach[first:last, np.searchsorted(columns, part.columns)] = part.sight.reach
-        first = last
-    return Sight(beams[columns], reach, fewest)
+        return parts[0]
+    rows = np.cumsum([0, *(len(part.returns.farthest) for part in parts)])
+    beams = np.cumsum([0, *(len(part.returns.beams) for part in parts)])
+    starts = [part.returns.start[:-1] + row for part, row in zip(parts, rows, strict=False)]
+    returns = Returns(
+        np.concatenate([*starts, rows[-1:]]),
+        np.concatenate([part.returns.first + beam for part, beam in zip(parts, beams, strict=False)]),
+        np.concatenate([part.returns.beams for part in parts]),
+        np.concatenate([part.returns.farthest for part in parts]),
+    )
+    return replace(parts[0], returns=returns, fewest=np.concatenate([part.fewest for part in parts]))
 
 
 @kernel
-def _enter(ranges: Floats, entry: NDArray[np.intp], behind_m: float, reach: Floats, fewest: NDArray[np.intp]) -> None:
-    """Enter the predictions (n, c) of the poses into `reach` (n, u) and `fewest` (n,).
-
-    `entry` (c,) is the index among the u beams of each column; -1 for a column that is not compared.
-    """
+def _count_returns(ranges: Floats, compared: NDArray[np.bool_], fewest: NDArray[np.intp]) -> None:
+    """Count the returns of each prediction (n, c) on the columns that are compared, flags (c,), to `fewest` (n,)."""
     for pose in range(len(ranges)):
-        returns = 0
-        for column in range(len(entry)):
-            if entry[column] >= 0 and ranges[pose, column] < np.inf:
-                returns += 1
-                reach[pose, entry[column]] = ranges[pose, column] + behind_m
-        fewest[pose] = returns
+        for column in range(len(compared)):
+            fewest[pose] += compared[column] and ranges[pose, column] < np.inf
 
 
 @kernel
-def _farthest(reach: Floats, possible: NDArray[np.bool_]) -> Floats:
-    """The greatest of `reach` (n, u) over the possible poses (n,), for each beam, (u,)."""
-    farthest = np.full(reach.shape[1], -np.inf)
-    for pose in range(len(reach)):
+def _add_reach(
+    possible: NDArray[np.bool_],
+    start: NDArray[np.int64],
+    first: NDArray[np.int64],
+    beams: NDArray[np.intp] | Ints,
+    farthest: Floats,
+    behind_m: float,
+    reach: Floats,
+) -> None:
+    """Raise `reach` (r,), from -inf, to the largest range that sees the object at one of the possible poses (n,)."""
+    for pose in range(len(possible)):
         if possible[pose]:
-            for beam in range(len(farthest)):
-                farthest[beam] = max(farthest[beam], reach[pose, beam])
-    return farthest
+            for row in range(start[pose], start[pose + 1]):
+                if farthest[row] < np.inf:
+                    beam = beams[first[pose] + row - start[pose]]
+                    reach[beam] = max(reach[beam], farthest[row])
+    for beam in range(len(reach)):
+        if reach[beam] > -np.inf:
+            reach[beam] += behind_m

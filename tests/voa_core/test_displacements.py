@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tests.voa_core.worlds import box, data_predictor, lidar_of
-from voa_core import prediction
-from voa_core.displaced_scans import predict_copies
+from voa_core import evidence, prediction
+from voa_core.displaced_scans import DisplacedScans, predict_copies, remembered_copies
 from voa_core.displacements import (
     Displacements,
     Spread,
@@ -23,6 +23,8 @@ from voa_core.geometry import quaternion_of_matrix, turn
 from voa_core.lidars import BeamGrid, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
+from voa_core.rules.registry import rule_of
+from voa_core.scans import Scan
 
 POSES = PoseSet.from_arrays(
     ["A", "B", "C"],
@@ -204,18 +206,48 @@ def test_displaced_predictions_are_remembered_by_all_that_they_depend_on() -> No
         return make()
 
     predictor = replace(predictor_of_mesh(CUBE, POSES, LIDAR), remember=remember)
-    whole, grid = np.zeros((3, 2, 3)), BeamGrid(7, -0.2, 0.061)
-    predict_copies(predictor, AT, whole)
+    own, other = LIDAR.grid, BeamGrid(7, -0.2, 0.061)
+    whole = np.zeros((3, 2, 3))
+
+    def predict() -> DisplacedScans:
+        return predict_copies(predictor, AT, whole)
+
+    assert len(predict()) == 3
     assert keys == []
     for sensor in (AT, replace(AT, x=0.1), replace(AT, y=0.1), replace(AT, yaw_rad=0.1), replace(AT, height_m=0.05)):
-        predict_copies(predictor, sensor, whole, key="a")
-    predict_copies(predictor, AT, whole, grid, key="a")
-    predict_copies(predictor, AT, whole[1:], key="a", first=1)
-    predict_copies(predictor, AT, whole[:2], key="a")
-    predict_copies(predictor, AT, whole, key="b")
-    assert len(set(keys)) == 9
-    predict_copies(predictor, replace(AT, name="other", cost=1.0), whole, LIDAR.grid, key="a")
-    assert len(set(keys)) == 9
+        assert len(remembered_copies(predictor, sensor, own, "a", predict)) == 3
+    remembered_copies(predictor, AT, other, "a", predict)
+    remembered_copies(predictor, AT, own, "b", predict)
+    assert len(set(keys)) == 7
+    remembered_copies(predictor, replace(AT, name="other", cost=1.0), replace(own), "a", predict)
+    assert len(set(keys)) == 7
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_copies_at_listed_sensors_alone_are_remembered(listed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: dict[Hashable, Any] = {}
+
+    def remember(key: Hashable, make: Callable[[], Any]) -> Any:
+        return kept.setdefault(key, make()) if key not in kept else kept[key]
+
+    predictor = replace(predictor_of_mesh(CUBE, POSES, LIDAR), remember=remember)
+    scan = Scan(predictor.predict(AT).dense()[0], LIDAR.grid)
+    kept.clear()
+    monkeypatch.setattr(evidence, "_NUMBERS_AT_ONCE", 2 * 16 * LIDAR.grid.beams)  # two poses a block
+    displacements = Displacements(16, Spread(0.01, 0.05), None, "test")
+
+    def compare(displacements: Displacements) -> Any:
+        return evidence.evidence_of_scan(
+            scan, AT, predictor, rule_of("beam", LIDAR), displacements=displacements, listed=listed
+        ).log_copies
+
+    first = compare(displacements)
+    blocks = -(-len(POSES) // 2) if listed else 0
+    assert len(kept) == blocks
+    np.testing.assert_array_equal(compare(displacements), first)
+    assert len(kept) == blocks
+    assert np.abs(compare(replace(displacements, seed="other")) - first).max() > 0.0
+    assert len(kept) == 2 * blocks
 
 
 def test_displacements_have_as_many_copies_as_the_look_or_its_place_needs() -> None:

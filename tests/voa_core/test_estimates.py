@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.support import twin
-from tests.voa_core.worlds import box, lidar_of, random_belief, standing
+from tests.voa_core.worlds import box, lidar_of, random_belief, sight_at_half_a_metre, standing
 from voa_core.checks import Floats
 from voa_core.displacements import Spread
 from voa_core.errors import InvalidInput
@@ -26,7 +26,6 @@ from voa_core.prediction import predictor_of_mesh
 from voa_core.rules.registry import defaults, rule_of
 from voa_core.scans import Scan
 from voa_core.scenario import Scenario
-from voa_core.sight import Sight
 from voa_core.updating import (
     Update,
     UpdatePolicy,
@@ -54,7 +53,7 @@ def look(
     array: Floats = np.array(log_copies, dtype=np.float64)
     n = len(array)
     beams = 4 if missed else 0
-    sight = Sight(np.full(beams, np.inf), np.full((n, beams), 0.5), np.full(n, beams))
+    sight = sight_at_half_a_metre(np.full(beams, np.inf), np.full(n, beams))
     far = np.array(distances if distances is not None else [0.1] * n)
     return Evidence(array, far, np.full(n, np.nan), 4, sight, log_absent, viewpoint)
 

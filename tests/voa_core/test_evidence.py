@@ -235,10 +235,12 @@ def test_poses_compared_in_blocks_are_as_those_compared_at_once(monkeypatch: pyt
     monkeypatch.setattr(evidence_module, "_NUMBERS_AT_ONCE", 1)
     blocks = compare()
     np.testing.assert_allclose(blocks.log_copies, whole.log_copies, rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(blocks.sight.measured, whole.sight.measured)
-    np.testing.assert_array_equal(blocks.sight.reach, whole.sight.reach)
+    np.testing.assert_array_equal(blocks.distances, whole.distances)
+    np.testing.assert_array_equal(blocks.hit_rmsds, whole.hit_rmsds)
     np.testing.assert_array_equal(blocks.sight.fewest, whole.sight.fewest)
-    assert np.isfinite(whole.sight.measured).any()
+    for pose in range(len(POSES)):
+        np.testing.assert_array_equal(blocks.sight.hits(pose), whole.sight.hits(pose))
+    assert len(whole.sight.hits(1))
 
 
 def test_one_copy_is_the_pose_itself_and_may_come_from_data() -> None:

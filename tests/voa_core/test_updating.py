@@ -4,6 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.voa_core.worlds import sight_at_half_a_metre
 from voa_core.checks import Floats
 from voa_core.errors import InvalidInput
 from voa_core.evidence import Evidence
@@ -19,14 +20,14 @@ def evidence_of(
     log_weights: Any, distances: Any = (0.1, 0.2, 0.3), beams: int = 4, sight: Sight | None = None
 ) -> Evidence:
     array: Floats = np.array(log_weights, dtype=np.float64)[:, None]
-    blind = Sight(np.zeros(0), np.zeros((3, 0)), np.zeros(3, dtype=np.intp))
+    blind = sight_at_half_a_metre(np.zeros(0), np.zeros(3, dtype=np.intp))
     return Evidence(array, np.array(distances, dtype=np.float64), np.full(3, np.nan), beams, sight or blind)
 
 
 def sight_of(seen: int, fewest: Any = (6, 9, 3)) -> Sight:
     """Nine beams on which every pose returns at 0.5 m, `seen` of which return there."""
     measured = np.where(np.arange(9) < seen, 0.5, np.inf)
-    return Sight(measured, np.full((3, 9), 0.6), np.array(fewest))
+    return sight_at_half_a_metre(measured, np.array(fewest))
 
 
 @pytest.mark.parametrize(

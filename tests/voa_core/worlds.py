@@ -17,6 +17,7 @@ from voa_core.poses import PoseSet
 from voa_core.prediction import ObservationPredictor, Prediction, predictor_of_mesh
 from voa_core.rules.protocol import UpdateRule
 from voa_core.rules.registry import RULES, defaults, rule_of
+from voa_core.sight import BEHIND_M, Returns, Sight
 from voa_core.updating import OnNoMatch, UpdatePolicy
 from voa_core.weights import Weigher
 
@@ -171,3 +172,10 @@ def worlds(draw: st.DrawFn, rule_name: str) -> World:
 
 def as_lists(array: NDArray[np.float64]) -> list[list[float]]:
     return [[float(value) for value in row] for row in array]
+
+
+def sight_at_half_a_metre(measured: Floats, fewest: NDArray[np.intp]) -> Sight:
+    """Sight of classified beams (r,), on each of which each of n poses returns at 0.5 m; `fewest` (n,) is as stated."""
+    r, n = len(measured), len(fewest)
+    returns = Returns(np.arange(n + 1) * r, np.zeros(n, dtype=np.int64), np.arange(r), np.full(n * r, 0.5))
+    return Sight(measured, returns, BEHIND_M, fewest)

@@ -75,7 +75,7 @@ def _sensor_pose(sensor: SensorConfiguration, evidence: Evidence) -> list[Mistak
             "in millimetres? Lengths are metres"
         )
         mistakes.append(Mistake("length-in-millimetres", detail))
-    if evidence.beams_compared > 0 and not evidence.sight.measured.size:
+    if evidence.beams_compared > 0 and evidence.sight.is_blind:
         detail = "from the stated sensor pose the object is seen at no pose: check x, y, yaw_rad and height_m"
         mistakes.append(Mistake("place-sees-nothing", detail))
     return mistakes

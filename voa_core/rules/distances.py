@@ -70,6 +70,11 @@ class DistanceRule(ABC):
         """Make the rule from a value for each of its parameters; raises InvalidInput where one is not above 0."""
         return cls(**parameters)
 
+    @property
+    def is_of_squares(self) -> bool:
+        """True if the statistic is d^2, and not one of the subclass's own."""
+        return type(self).statistic is DistanceRule.statistic
+
     def statistic(self, observed: Array, predicted: Array) -> Array:
         """Squared distance d^2 for each pair of scans: (m, c) and (n, c) give (m, n)."""
         return squared_distance(observed, predicted, self.no_return_m)
