@@ -209,7 +209,7 @@ def _log_weights(fits: Fits, beams: int, rule: UpdateRule, otherwise: Callable[[
     """
     if beams == 0:
         return np.zeros_like(fits.squares)
-    if isinstance(rule, DistanceRule) and rule.is_of_squares:
+    if _is_of_squares(rule):
         return rule.log_weights(fits.squares, beams)
     return otherwise()
 
@@ -265,8 +265,16 @@ def _log_weights_of_poses(beams: Floats, prediction: Prediction, rule: UpdateRul
 
 def _log_absent(beams: Floats, rule: UpdateRule) -> float:
     """Logarithm of the weight of a prediction without any return, for classified beams (r,)."""
-    compared = beams[~np.isnan(beams)][None, :]
-    if compared.shape[1] == 0:
+    compared = beams[~np.isnan(beams)]
+    if len(compared) == 0:
         return 0.0
-    nothing = np.full_like(compared, NO_RETURN)
-    return float(rule.log_weights(rule.statistic(compared, nothing)[0], compared.shape[1])[0])
+    if _is_of_squares(rule):
+        off = compared[compared < rule.no_return_m] - rule.no_return_m
+        statistic = np.array([off @ off])
+    else:
+        statistic = rule.statistic(compared[None, :], np.full((1, len(compared)), NO_RETURN))[0]
+    return float(rule.log_weights(statistic, len(compared))[0])
+
+
+def _is_of_squares(rule: UpdateRule) -> bool:
+    return isinstance(rule, DistanceRule) and rule.is_of_squares

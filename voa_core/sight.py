@@ -71,13 +71,8 @@ class Sight:
         With m the fewest returns that a copy of a possible pose predicts, the scan misses the object if m >= 3 and
         fewer than m / 3 of the beams on which such a copy returns see it. Two returns or fewer decide nothing.
         """
-        fewest = int(self.fewest.min(where=possible, initial=np.iinfo(np.intp).max))
-        if fewest < _FEWEST_RETURNS:
-            return False
-        reach = np.full(len(self.beams), -np.inf)
-        _add_reach(possible, *self.returns, self.behind_m, reach)
-        seen = (self.beams <= reach + _SLACK_M) & np.isfinite(self.beams)
-        return 3 * int(np.count_nonzero(seen)) < fewest
+        fewest, seen = _see(self.beams, possible, *self.returns, self.behind_m, self.fewest)
+        return bool(fewest >= _FEWEST_RETURNS and 3 * seen < fewest)
 
 
 def sight_of(beams: Floats, prediction: Prediction, behind_m: float) -> Sight:
@@ -133,22 +128,31 @@ def _count_returns(ranges: Floats, compared: NDArray[np.bool_], fewest: NDArray[
 
 
 @kernel
-def _add_reach(
+def _see(
+    measured: Floats,
     possible: NDArray[np.bool_],
     start: NDArray[np.int64],
     first: NDArray[np.int64],
     beams: NDArray[np.intp] | Ints,
     farthest: Floats,
     behind_m: float,
-    reach: Floats,
-) -> None:
-    """Raise `reach` (r,), from -inf, to the largest range that sees the object at one of the possible poses (n,)."""
+    fewest: NDArray[np.intp],
+) -> tuple[int, int]:
+    """Return the fewest returns that one of the possible poses predicts, and the number of beams that see the object.
+
+    The arguments are those of `Sight` and `Returns`.
+    """
+    least, reach = np.iinfo(np.int64).max, np.full(len(measured), -np.inf)
     for pose in range(len(possible)):
         if possible[pose]:
+            least = min(least, fewest[pose])
             for row in range(start[pose], start[pose + 1]):
                 if farthest[row] < np.inf:
                     beam = beams[first[pose] + row - start[pose]]
                     reach[beam] = max(reach[beam], farthest[row])
-    for beam in range(len(reach)):
-        if reach[beam] > -np.inf:
-            reach[beam] += behind_m
+    seen = 0
+    for beam in range(len(measured)):
+        seen += (
+            reach[beam] > -np.inf and measured[beam] < np.inf and measured[beam] <= reach[beam] + behind_m + _SLACK_M
+        )
+    return least, seen

@@ -21,7 +21,7 @@ RESERVED_FILES = 256
 """Files of the process that are kept for the database, Zenoh, mesh readers and followers, and not for connections."""
 SPARE = 64
 """Connections beyond the limit on which health probes are answered and other requests refused."""
-_IDLE = frozenset({Stage.SILENT, Stage.HEADERS, Stage.CLOSING})
+_IDLE = (Stage.SILENT, Stage.HEADERS, Stage.CLOSING)  # members of an Enum have a slow hash
 _CHECK_SECONDS = 1.0
 _QUIET_SECONDS = 60.0
 

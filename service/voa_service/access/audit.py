@@ -9,6 +9,11 @@ from voa_service.runtime.logs import is_wanted
 from voa_store.records import StoredKey
 
 
+def is_recorded() -> bool:
+    """True if the log takes lines of the audit, which have level INFO."""
+    return is_wanted("INFO")
+
+
 def record_write(
     caller: Caller | None,
     call: str,
@@ -28,7 +33,7 @@ def record_write(
         robot: name of the robot that it concerns; None: none, or not known.
         version: of the session afterwards; None: none, or not known.
     """
-    if not is_wanted("INFO"):
+    if not is_recorded():
         return
     structlog.get_logger().info(
         "audit",
@@ -52,7 +57,7 @@ def record_key(done: Literal["key.create", "key.revoke"], key: StoredKey, by: st
         log: logger of a command; None: that of the service, where lines of level INFO are logged.
     """
     if log is None:
-        if not is_wanted("INFO"):
+        if not is_recorded():
             return
         log = structlog.get_logger()
     bound = {"sessions": key.sessions, "robots": key.robots}

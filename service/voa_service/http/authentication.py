@@ -10,7 +10,7 @@ from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 
 from voa_connections.asgi import Asgi, Message, Receive, Scope, Send, header
-from voa_service.access.audit import record_write
+from voa_service.access.audit import is_recorded, record_write
 from voa_service.access.callers import ANONYMOUS, Caller
 from voa_service.access.gate import Gate
 from voa_service.access.roles import CALLS
@@ -53,7 +53,7 @@ class Authentication:
                 raise NotFound("there is no such path: it has a control character")
         except Failure as failure:
             if matched.call.writes and not isinstance(failure, TooManyWithoutKey):
-                _record(caller, matched, failure.status, Headers())
+                _record(caller, matched, failure.status, [])
             await problem_response(failure)(scope, receive, send)
             return
         scope[_CALLER] = caller
@@ -63,7 +63,7 @@ class Authentication:
 
         async def send_recorded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                _record(caller, matched, message["status"], Headers(raw=message.get("headers", [])))
+                _record(caller, matched, message["status"], message.get("headers", []))
             await send(message)
 
         await self._app(scope, receive, send_recorded)
@@ -111,8 +111,11 @@ def check_acting(
         caller.check_acting(session, robot, acting)
 
 
-def _record(caller: Caller | None, matched: Matched, status: int, headers: Headers) -> None:
-    call = matched.call
+def _record(caller: Caller | None, matched: Matched, status: int, raw: list[tuple[bytes, bytes]]) -> None:
+    """Record a write in the audit, by the headers of its response; they are not read where nothing is recorded."""
+    if not is_recorded():
+        return
+    call, headers = matched.call, Headers(raw=raw)
     session = created_id(headers) if call.on == "sessions" else matched.subject if call.on == "session" else None
     robot = matched.subject if call.on == "robot" else None
     record_write(caller, call.name, status, session=session, robot=robot, version=version_of(headers))

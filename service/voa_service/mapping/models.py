@@ -20,9 +20,11 @@ from voa_core.scenario import Scenario
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
+from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import Failure, UnknownReference, not_found
 from voa_service.mapping.rules import NO_RULES, InstalledRules
 from voa_service.mapping.scenarios import scenario_of
+from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Contents
 from voa_service.requests import large_json
 from voa_service.runtime.cache import Cache, Sized
@@ -35,7 +37,7 @@ Keep = Literal["nothing", "weights", "rounded"]
 
 _BYTES: dict[Precision, int] = {"float64": 8, "float32": 4}
 
-_MISTAKES_BYTES = 8 * 2**20
+_WARNINGS_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that filled it completely would evict its own weights
 
 
@@ -69,14 +71,14 @@ class Model:
 
 
 @dataclass(frozen=True, eq=False)
-class _Mistakes:
-    """Probable mistakes in a scenario, as an entry of the cache."""
+class _Warnings:
+    """Warnings about a scenario, as an entry of the cache."""
 
-    items: tuple[Mistake, ...]
+    items: tuple[ProbableMistake, ...]
 
     @property
     def nbytes(self) -> int:
-        return sum(512 + 64 * len(mistake.poses + mistake.sensors) for mistake in self.items)
+        return sum(512 + 64 * len([*(each.poses or ()), *(each.sensors or ())]) for each in self.items)
 
 
 class Models:
@@ -96,7 +98,7 @@ class Models:
         self._installed = installed
         self._precision = precision
         self._cache = cache
-        self._mistakes = Cache(_MISTAKES_BYTES)  # a cache of its own: a large ranking must not evict them
+        self._warnings = Cache(_WARNINGS_BYTES)  # a cache of its own: a large ranking must not evict them
 
     def get(self, id_: str) -> Model | None:
         """Return the model of a stored scenario; None: there is no such scenario.
@@ -118,7 +120,7 @@ class Models:
 
     def keep(self, id_: str, model: Model) -> None:
         """Keep the model of a scenario that was just stored, so that it need not be built again."""
-        self._cache.get(("model", id_), lambda: model)
+        self._cache.put(("model", id_), model)
 
     def forget(self, id_: str) -> None:
         """Drop the model of a scenario that was deleted."""
@@ -156,24 +158,24 @@ class Models:
 
         return Model(scenario, mesh, weigher, kept)
 
-    def mistakes(self, id_: str) -> tuple[Mistake, ...]:
-        """Search for probable mistakes in a stored scenario, at a bounded cost; the result is kept.
+    def warnings(self, id_: str) -> tuple[ProbableMistake, ...]:
+        """Search for probable mistakes in a stored scenario, at a bounded cost; the warnings about them are kept.
 
-        An error of the search is logged, and the result is then empty: no response depends on it.
+        An error of the search is logged, and there are then no warnings: no response depends on them.
         """
 
-        def make() -> _Mistakes:
+        def make() -> _Warnings:
             try:
-                return _Mistakes(self.find_mistakes(id_, QUICK))
+                return _Warnings(tuple(warning_messages(self.find_mistakes(id_, QUICK))))
             except VoaError:  # its update rule is not installed any more: it can be read all the same
-                return _Mistakes(())
+                return _Warnings(())
             except Failure:
                 raise
             except Exception:
                 structlog.get_logger().exception("the search for probable mistakes failed", scenario=id_)
-                return _Mistakes(())
+                return _Warnings(())
 
-        return self._mistakes.get(id_, make).items
+        return self._warnings.get(id_, make).items
 
     def find_mistakes(self, id_: str, effort: Effort = THOROUGH) -> tuple[Mistake, ...]:
         """Search for probable mistakes in a stored scenario, with the given effort.

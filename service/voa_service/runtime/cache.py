@@ -85,12 +85,16 @@ class Cache:
         with self._lock:
             return self._values.get(key)
 
+    def put(self, key: Hashable, value: Sized) -> None:
+        """Keep the value of a key, in place of another one."""
+        with self._lock:
+            self._drop(key)
+            self._keep(key, value)
+
     def drop(self, key: Hashable) -> None:
         """Drop the value of a key, if the cache holds it."""
         with self._lock:
-            dropped = self._values.pop(key, None)
-            if dropped is not None:
-                self._held -= dropped.nbytes
+            self._drop(key)
 
     def _make(self, key: Hashable, make: Callable[[], S], mine: "Future[S]") -> S:
         try:
@@ -105,6 +109,11 @@ class Cache:
             self._keep(key, value)
         mine.set_result(value)
         return value
+
+    def _drop(self, key: Hashable) -> None:
+        dropped = self._values.pop(key, None)
+        if dropped is not None:
+            self._held -= dropped.nbytes
 
     def _keep(self, key: Hashable, value: Sized) -> None:
         if value.nbytes > self.budget:

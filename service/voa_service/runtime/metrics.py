@@ -45,6 +45,7 @@ class Metrics:
             registry=self._registry,
         )
         self._routes: dict[tuple[str, str, int], tuple[Counter, Histogram]] = {}
+        self._results: dict[tuple[str, str], Counter] = {}
         self._observations = Counter(
             "voa_observations",
             "Scans and grasp outcomes, by result: accepted, or the reason why not.",
@@ -119,7 +120,10 @@ class Metrics:
 
     def observation(self, kind: str, result: str) -> None:
         """Count a scan or grasp outcome, by its result: accepted, or the reason why not."""
-        self._observations.labels(kind, result).inc()
+        counted = self._results.get((kind, result))
+        if counted is None:
+            counted = self._results[kind, result] = self._observations.labels(kind, result)
+        counted.inc()
 
     def store(self, seconds: float) -> None:
         """Count a transaction or statement of the database, with its duration."""

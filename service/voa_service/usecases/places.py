@@ -62,9 +62,7 @@ class LookedFrom:
 
     def keep_state(self, state: SessionState) -> None:
         """Keep a state that was committed for `last_state`."""
-        key = "state", state.id
-        self.cache.drop(key)
-        self.cache.get(key, lambda: _LastState(state))
+        self.cache.put(("state", state.id), _LastState(state))
 
     def prepared(self, state: SessionState, scan: ScanObservation) -> ScanObservation:
         """Do the long part of `updated` before the transaction that it runs in.
@@ -83,7 +81,7 @@ class LookedFrom:
         place = updated.place
         index = None if place is None else updated.record.index_of(place.viewpoint)
         if place is not None and index is not None and place.copies > 1:
-            self.cache.get(_key(session, updated.record, index, len(place.looks), place.copies), lambda: place)
+            self.cache.put(_key(session, updated.record, index, len(place.looks), place.copies), place)
 
     def place(self, state: SessionState, scenario: Scenario, index: int, copies: int) -> Place:
         """Return a place of a session with the weights of its looks.

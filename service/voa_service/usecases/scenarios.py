@@ -153,7 +153,7 @@ class Scenarios:
     def _message(self, filled: ScenarioRequest, stored: StoredScenario) -> Scenario:
         """Convert a stored scenario to a message; its content has been validated already."""
         content = {name: getattr(filled, name) for name in ScenarioRequest.model_fields}
-        warnings = warning_messages(self.models.mistakes(stored.id))
+        warnings = [*self.models.warnings(stored.id)]
         return Scenario.model_construct(**content, id=stored.id, created_at=stored.created_at, warnings=warnings)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from voa_msgs.sessions import HistoryPage, Session, SessionPage, SessionRequest, SessionSummary
-from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import UnknownReference, not_found
 from voa_service.mapping.beliefs import prior_of
 from voa_service.mapping.estimates import absent_of, belief_summary, session_message, summary_of
@@ -14,7 +13,6 @@ from voa_service.mapping.histories import history_message
 from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.models import Model, Models
 from voa_service.mapping.under_way import announced_looks
-from voa_service.mapping.warnings import warning_messages
 from voa_service.ports import Clock, IdSource, Store
 from voa_service.runtime.cache import Cache
 from voa_service.usecases.pages import page, position
@@ -187,11 +185,7 @@ class Sessions:
 
     def message(self, state: SessionState) -> Session:
         """Convert a session's state to a message, with the warnings about its scenario."""
-        return session_message(self.model_of(state).scenario, state, self.warnings(state.scenario), self.now())
-
-    def warnings(self, scenario: str) -> Sequence[ProbableMistake]:
-        """Return probable mistakes in a scenario, which its sessions show too."""
-        return warning_messages(self.models.mistakes(scenario))
+        return session_message(self.model_of(state).scenario, state, self.models.warnings(state.scenario), self.now())
 
     def state(self, id_: str) -> SessionState:
         """Read a session that a path names.

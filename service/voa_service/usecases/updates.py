@@ -9,6 +9,7 @@ from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, 
 from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import not_found
 from voa_service.mapping.estimates import session_message
+from voa_service.mapping.models import Model
 from voa_service.mapping.observations import ScanObservation, outcome_observation, scan_observation
 from voa_service.mapping.under_way import without_announcement
 from voa_service.mapping.updates import Updated, next_version, replaced_belief, updated_by_outcome, updated_once
@@ -58,10 +59,10 @@ class Updates:
         state = self.places.last_state(id_)
         if state is None:
             return self._response_of_deleted(id_, write)
-        scan = scan_observation(self.sessions.model_of(state).scenario, request)
-        scan = self.places.prepared(state, scan)
+        model = self.sessions.model_of(state)
+        scan = self.places.prepared(state, scan_observation(model.scenario, request))
         try:
-            response, updated = self._change(state, write, partial(self.places.updated, scan=scan), scan)
+            response, updated = self._change(state, model, write, partial(self.places.updated, scan=scan), scan)
         except SessionMissing:  # since this process saw it
             return self._response_of_deleted(id_, write)
         if updated is not None:
@@ -79,8 +80,9 @@ class Updates:
         state = self.sessions.store.get_session(id_)
         if state is None:
             return self._response_of_deleted(id_, write)
-        outcome = outcome_observation(self.sessions.model_of(state).scenario, request)
-        response, updated = self._change(state, write, partial(updated_by_outcome, outcome=outcome))
+        model = self.sessions.model_of(state)
+        outcome = outcome_observation(model.scenario, request)
+        response, updated = self._change(state, model, write, partial(updated_by_outcome, outcome=outcome))
         if updated is not None:
             self.attempted(outcome.promised(state.belief), success=outcome.success)
         return response
@@ -98,7 +100,7 @@ class Updates:
             return self._response_of_deleted(id_, write)
         model = self.sessions.model_of(state)
         replaced_belief(state, model, request)  # a wrong belief is refused before the transaction
-        return self._change(state, write, partial(replaced_belief, model=model, request=request))[0]
+        return self._change(state, model, write, partial(replaced_belief, model=model, request=request))[0]
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """Update the belief in the request, or the scenario's prior where that is null, by a raw scan; stores nothing.
@@ -108,7 +110,7 @@ class Updates:
             VoaError: the request does not fit the scenario.
         """
         model = model_in_body(self.sessions.models, request.scenario)
-        return updated_once(model, request, [*self.sessions.warnings(request.scenario)])
+        return updated_once(model, request, [*self.sessions.models.warnings(request.scenario)])
 
     def rehearse(self) -> None:
         """Update the session that was opened last by a scan, as if it had no looks yet, and discard the result.
@@ -120,16 +122,19 @@ class Updates:
         if newest is None or len(newest.belief.p) > _MOST_REHEARSED:
             return
         state = replace(newest, looks=None)  # earlier looks would be compared again, however many they are
-        scenario = self.sessions.model_of(state).scenario
+        model = self.sessions.model_of(state)
+        scenario = model.scenario
         lidar = scenario.lidar
         ranges: list[float | None] = [0.5 * (lidar.range_min + lidar.range_max)] * lidar.grid.beams
         request = ScanRequest(sensor=scenario.sensors[0].name, scan=Scan(ranges=ranges))
         scan = self.places.prepared(state, scan_observation(scenario, request))
-        self._answer(SessionChange(state), state, self.places.updated(state, scan), scan, self._warnings(state, scan))
+        updated, warnings = self.places.updated(state, scan), self._warnings(state, scan)
+        self._answer(SessionChange(state), model, state, updated, scan, warnings)
 
     def _change(
         self,
         state: SessionState,
+        model: Model,
         write: Write,
         update: Callable[[SessionState], Updated],
         scan: ScanObservation | None = None,
@@ -138,6 +143,7 @@ class Updates:
 
         Args:
             state: of the session, as it was read before the transaction.
+            model: of its scenario.
             write: the request.
             update: computes the result from the state within the transaction.
             scan: that changes the estimate; None: it is an outcome, or another belief.
@@ -150,7 +156,7 @@ class Updates:
         def step(change: SessionChange, before: SessionState) -> None:
             nonlocal updated
             updated = update(before)
-            self._answer(change, before, updated, scan, warnings)
+            self._answer(change, model, before, updated, scan, warnings)
 
         change = self.sessions.store.change(state.id, write, step)
         if updated is not None and updated.report is not None:
@@ -159,19 +165,19 @@ class Updates:
 
     def _warnings(self, state: SessionState, scan: ScanObservation | None) -> list[ProbableMistake]:
         """Return probable mistakes in a session's scenario and in a scan."""
-        return [*self.sessions.warnings(state.scenario), *([] if scan is None else scan.warnings)]
+        return [*self.sessions.models.warnings(state.scenario), *([] if scan is None else scan.warnings)]
 
     def _answer(
         self,
         change: SessionChange,
+        model: Model,
         before: SessionState,
         updated: Updated,
         scan: ScanObservation | None,
         warnings: list[ProbableMistake],
     ) -> None:
         """Respond to a change with the state that its result makes of the state before."""
-        sessions = self.sessions
-        now, model = sessions.now(), sessions.model_of(before)
+        now = self.sessions.now()
         after = next_version(model, before, updated, now) if updated.accepted else before
         if scan is not None:
             after = without_announcement(after, scan, now)

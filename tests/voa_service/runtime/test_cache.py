@@ -146,3 +146,18 @@ def test_whoever_is_cancelled_waits_no_longer_for_what_another_computes() -> Non
             cache.get("a", Maker(), check)
         release.set()
         assert first.result(30).nbytes == 1
+
+
+def test_a_value_that_is_put_replaces_the_other_one_and_its_memory() -> None:
+    cache = Cache(10)
+    cache.put("a", Block(4))
+    cache.put("b", Block(4))
+    cache.put("a", Block(5))
+    assert cache.held == 9
+    assert cache.peek("a") == Block(5)
+    cache.put("a", Block(6))  # the least recently used one gives way
+    assert (cache.held, cache.peek("b")) == (10, Block(4))
+    cache.put("c", Block(1))
+    assert (cache.held, cache.peek("b")) == (7, None)
+    cache.put("a", Block(11))  # too large to be kept, and the older value is gone
+    assert (cache.held, cache.peek("a")) == (1, None)
