@@ -61,7 +61,8 @@ class DisplacedScans:
     @cached_property
     def _extremes(self) -> tuple[Floats, Floats]:
         """Largest range of each row, (h,), -inf where there is none, and the returns of each copy, (n, J)."""
-        return _extremes(self.start, self.ranges)
+        farthest, returns = _extremes(self.start, self.ranges)
+        return frozen(farthest), returns
 
     @property
     def farthest(self) -> Floats:

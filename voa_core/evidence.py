@@ -6,7 +6,7 @@ from functools import cache, cached_property, partial
 
 import numpy as np
 
-from voa_core.checks import Floats
+from voa_core.checks import Floats, frozen
 from voa_core.comparisons import comparison_of
 from voa_core.displaced_scans import DisplacedScans, predict_copies, remembered_copies
 from voa_core.displacements import Displacements
@@ -232,7 +232,8 @@ def restricted(
     if workspace is None and range_max >= lidar.range_max:
         return prediction  # made within the lidar's range
     crossing = workspace.crossing(sensor, prediction.grid.angles[prediction.columns]) if workspace else None
-    return Prediction(prediction.grid, prediction.columns, restrict_prediction(prediction.ranges, range_max, crossing))
+    ranges = frozen(restrict_prediction(prediction.ranges, range_max, crossing))
+    return Prediction(prediction.grid, prediction.columns, ranges)
 
 
 def restricted_copies(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from voa_core.checks import Floats
+from voa_core.checks import Floats, frozen
 from voa_core.displaced_scans import DisplacedScans
 from voa_core.jit import kernel
 from voa_core.outlines import Ints
@@ -20,7 +20,9 @@ _SLACK_M = 1e-9
 
 
 class Returns(NamedTuple):
-    """The farthest return that a displaced copy of each of n poses predicts on each beam that can meet the pose.
+    """The farthest return that a displaced copy of each of n poses predicts, on all beams on which one returns.
+
+    The arrays are read-only: kernels are compiled for such arrays alone.
 
     Attributes:
         start: (n + 1,) first row of each pose, and the end.
@@ -84,7 +86,7 @@ def sight_of(beams: Floats, prediction: Prediction, behind_m: float) -> Sight:
         behind_m: see `Sight`.
     """
     poses, columns = prediction.ranges.shape
-    start, first = np.arange(poses + 1) * columns, np.zeros(poses, dtype=np.int64)
+    start, first = frozen(np.arange(poses + 1) * columns), frozen(np.zeros(poses, dtype=np.int64))
     returns = Returns(start, first, prediction.columns, prediction.ranges.reshape(-1))
     fewest = np.zeros(poses, dtype=np.intp)
     _count_returns(prediction.ranges, ~np.isnan(beams[prediction.columns]), fewest)
@@ -111,10 +113,10 @@ def joined(parts: Sequence[Sight]) -> Sight:
     beams = np.cumsum([0, *(len(part.returns.beams) for part in parts)])
     starts = [part.returns.start[:-1] + row for part, row in zip(parts, rows, strict=False)]
     returns = Returns(
-        np.concatenate([*starts, rows[-1:]]),
-        np.concatenate([part.returns.first + beam for part, beam in zip(parts, beams, strict=False)]),
-        np.concatenate([part.returns.beams for part in parts]),
-        np.concatenate([part.returns.farthest for part in parts]),
+        frozen(np.concatenate([*starts, rows[-1:]])),
+        frozen(np.concatenate([part.returns.first + beam for part, beam in zip(parts, beams, strict=False)])),
+        frozen(np.concatenate([part.returns.beams for part in parts])),
+        frozen(np.concatenate([part.returns.farthest for part in parts])),
     )
     return replace(parts[0], returns=returns, fewest=np.concatenate([part.fewest for part in parts]))
 

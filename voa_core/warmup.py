@@ -80,7 +80,9 @@ def load_scan_kernels() -> None:
     sensor, ranges = SensorConfiguration("a", 0.0, 0.0, 0.0), np.array([[0.5, 0.5, 0.6, NO_RETURN]])
     predictor = ObservationPredictor(PoseSet.named(["A"]), lidar, {"a": ranges})
     for name in RULES:
-        evidence_of_scan(Scan(ranges[0], lidar.grid), sensor, predictor, rule_of(name, lidar), listed=True)
+        rule = rule_of(name, lidar)
+        evidence = evidence_of_scan(Scan(ranges[0], lidar.grid), sensor, predictor, rule, listed=True)
+        evidence.sight.misses_object(np.array([True]))
 
 
 if __name__ == "__main__":

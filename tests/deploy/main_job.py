@@ -15,6 +15,7 @@ from numba.core.dispatcher import Dispatcher
 import voa_core
 from tests.support.serving import Service, box_obj, data_scenario, mesh_scenario, scan_of, serving
 from voa_assets import path as asset_path
+from voa_core import copies, evidence, scan_model
 from voa_core.rules.registry import RULES
 from voa_core.warmup import warm_up
 
@@ -69,6 +70,8 @@ def main(folder: Path) -> int:
     """Warm up, work, and print what was compiled by the work."""
     warm_up()
     before = compiled()
+    # In several blocks, whose results are joined, as with many poses.
+    evidence._NUMBERS_AT_ONCE, scan_model._COPIES_AT_ONCE, copies._PAIRS_AT_ONCE = 1, 1, 1
     mug = json.loads((asset_path("mug") / "scenario.json").read_text(encoding="utf-8"))
     for precision in ("float64", "float32"):
         with serving(folder / precision, precision=precision) as service:

@@ -6,14 +6,16 @@ import pytest
 
 from voa_core import rasterising, warmup
 
-KERNELS = {
+WEIGHING = {
     "squared_distances": "rules.distances",
     "squared_distances_among": "rules.distances",
     "mirror": "rules.distances",
     "disagreements": "rules.margin",
     "write_log_likelihoods": "mixture_pairs",
 }
-"""Kernels that weigh scans, and the modules that call them."""
+"""Kernels that weigh scans, for rankings in either precision, and the modules that call them."""
+COMPARING = {"_fit_poses": "fits", "_fit_copies": "fits", "_count_returns": "sight", "_see": "sight"}
+"""Kernels that compare a measured scan, and the modules that call them."""
 
 
 Met = set[tuple[str, str]]
@@ -24,25 +26,27 @@ Met = set[tuple[str, str]]
 def met(monkeypatch: pytest.MonkeyPatch) -> Met:
     """The kernels that have run."""
     met: Met = set()
-    for name, module in KERNELS.items():
+    for name, module in (WEIGHING | COMPARING).items():
         plain = getattr(importlib.import_module(f"voa_core.{module}"), name)
 
-        def spying(*arguments: object, name: str = name, plain: object = plain) -> None:
+        def spying(*arguments: object, name: str = name, plain: object = plain) -> object:
             met.add((name, str(getattr(arguments[0], "dtype", None))))
-            plain(*arguments)  # type: ignore[operator] # a kernel
+            return plain(*arguments)  # type: ignore[operator] # a kernel
 
         monkeypatch.setattr(f"voa_core.{module}.{name}", spying)
     return met
 
 
-def test_warming_up_runs_every_kernel_in_both_float_types(met: Met) -> None:
+def test_warming_up_runs_every_kernel_in_the_float_types_that_it_is_used_with(met: Met) -> None:
     warmup.warm_up()
-    assert met == {(name, dtype) for name in KERNELS for dtype in ("float32", "float64")}
+    in_both = {(name, dtype) for name in WEIGHING for dtype in ("float32", "float64")}
+    assert met == in_both | {(name, "float64") for name in COMPARING}
 
 
 def test_the_kernels_of_scans_are_loaded_with_the_type_of_scans(met: Met) -> None:
     warmup.load_scan_kernels()
-    assert met == {(name, "float64") for name in KERNELS if name not in ("squared_distances_among", "mirror")}
+    names = {"_fit_poses", "_count_returns", "_see", "disagreements", "write_log_likelihoods"}
+    assert met == {(name, "float64") for name in names}
 
 
 def test_it_is_a_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,8 +72,9 @@ class DistanceRule(ABC):
 
     @property
     def is_of_squares(self) -> bool:
-        """True if the statistic is d^2, and not one of the subclass's own."""
-        return type(self).statistic is DistanceRule.statistic
+        """True if scans are compared by d^2, and not in a way of the subclass's own."""
+        own = type(self)
+        return own.statistic is DistanceRule.statistic and own.comparison is DistanceRule.comparison
 
     def statistic(self, observed: Array, predicted: Array) -> Array:
         """Squared distance d^2 for each pair of scans: (m, c) and (n, c) give (m, n)."""

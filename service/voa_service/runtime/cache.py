@@ -88,7 +88,6 @@ class Cache:
     def put(self, key: Hashable, value: Sized) -> None:
         """Keep the value of a key, in place of another one."""
         with self._lock:
-            self._drop(key)
             self._keep(key, value)
 
     def drop(self, key: Hashable) -> None:
@@ -116,6 +115,7 @@ class Cache:
             self._held -= dropped.nbytes
 
     def _keep(self, key: Hashable, value: Sized) -> None:
+        self._drop(key)  # put by another thread while this one computed it
         if value.nbytes > self.budget:
             return
         self._values[key] = value

@@ -148,6 +148,19 @@ def test_whoever_is_cancelled_waits_no_longer_for_what_another_computes() -> Non
         assert first.result(30).nbytes == 1
 
 
+def test_a_value_that_is_put_while_it_is_computed_counts_once() -> None:
+    cache = Cache(10)
+
+    def make() -> Block:
+        cache.put("a", Block(3))
+        return Block(4)
+
+    assert cache.get("a", make) == Block(4)
+    assert (cache.held, cache.peek("a")) == (4, Block(4))
+    cache.drop("a")
+    assert cache.held == 0
+
+
 def test_a_value_that_is_put_replaces_the_other_one_and_its_memory() -> None:
     cache = Cache(10)
     cache.put("a", Block(4))
