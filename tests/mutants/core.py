@@ -4,6 +4,48 @@ from tests.mutants.mutant import Mutant
 
 MUTANTS = (
     Mutant(
+        name="a return beside the predictions counts twice",
+        file="voa_core/fits.py",
+        old="if beams[beam] < no_return_m and not inside[beam]:",
+        new="if beams[beam] < no_return_m:",
+        tests="tests/voa_core/test_fits.py",
+    ),
+    Mutant(
+        name="returns of other poses' beams are left out of the distance to copies",
+        file="voa_core/fits.py",
+        old="                outside += (beams[beam] - no_return_m) ** 2\n        inside",
+        new="                outside += 0.0\n        inside",
+        tests="tests/voa_core/test_fits.py",
+    ),
+    Mutant(
+        name="the fit of hits is that of the first copy",
+        file="voa_core/fits.py",
+        old="predicted[row, best]",
+        new="predicted[row, 0]",
+        tests="tests/voa_core/test_fits.py",
+    ),
+    Mutant(
+        name="a predicted no-return hits",
+        file="voa_core/fits.py",
+        old="both = returned[column] if z < np.inf else 0.0",
+        new="both = returned[column]",
+        tests="tests/voa_core/test_fits.py",
+    ),
+    Mutant(
+        name="impossible poses see the object",
+        file="voa_core/sight.py",
+        old="        if possible[pose]:\n",
+        new="        if True:\n",
+        tests="tests/voa_core/test_sight.py",
+    ),
+    Mutant(
+        name="a joined pose looks at the beams of the first pose",
+        file="voa_core/sight.py",
+        old="part.returns.first + beam for",
+        new="part.returns.first for",
+        tests="tests/voa_core/test_sight.py",
+    ),
+    Mutant(
         name="float32 ties are as narrow as float64's",
         file="voa_core/screening.py",
         old="_FLOAT32: np.float32(1e-6)",

@@ -4,6 +4,13 @@ from tests.mutants.mutant import Mutant
 
 MUTANTS = (
     Mutant(
+        name="a value that is put while it is computed counts twice",
+        file="service/voa_service/runtime/cache.py",
+        old="        self._drop(key)  # put by another thread while this one computed it\n",
+        new="",
+        tests="tests/voa_service/runtime/test_cache.py",
+    ),
+    Mutant(
         name="updated_at stays where a session gets a version",
         file="service/voa_service/mapping/updates.py",
         old="        updated_at=now,\n",
