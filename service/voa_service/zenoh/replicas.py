@@ -37,7 +37,11 @@ class Replicas:
 
     @contextmanager
     def on(self, session: zenoh.Session) -> Iterator[None]:
-        """Declare this replica alive, and follow the others, within a `with` block."""
+        """Declare this replica alive, and follow the others, within a `with` block.
+
+        Args:
+            session: that has not followed replicas before: Zenoh may then name some that left when it followed no more.
+        """
         with self._lock:
             self._alive = {self._own}  # replicas may have left while this one was not connected
         alive = session.liveliness()

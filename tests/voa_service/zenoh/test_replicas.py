@@ -266,16 +266,22 @@ def test_each_refusal_of_a_mapped_robot_is_published_once_and_both_replicas_know
 
 def test_a_replica_that_joins_again_knows_those_that_are_there() -> None:
     robots = [f"r{number}" for number in range(8)]
-    with router() as own, stranger(own.endpoint) as bus, stranger(own.endpoint) as other:
-        one, two = Replicas("one", bus.keys), Replicas("two", other.keys)
+    with router() as own, stranger(own.endpoint) as other:
+        one, two = Replicas("one", other.keys), Replicas("two", other.keys)
+
+        @contextmanager
+        def joined() -> Iterator[None]:
+            with stranger(own.endpoint) as bus, one.on(bus.session):
+                yield
+
         with two.on(other.session):
             for _ in range(2):
-                with one.on(bus.session):
+                with joined():
                     wait_for(lambda: all(one.owns(robot) != two.owns(robot) for robot in robots), "one owner of each")
                     assert any(two.owns(robot) for robot in robots)
                 wait_for(lambda: all(two.owns(robot) for robot in robots), "the one to be gone")
-        wait_for(lambda: not list(bus.session.liveliness().get(bus.keys.replica("*"))), "both to be gone")
-        with one.on(bus.session):  # its session may learn of the other's end after the router has
+        wait_for(lambda: not list(other.session.liveliness().get(other.keys.replica("*"))), "both to be gone")
+        with joined():
             wait_for(lambda: all(one.owns(robot) for robot in robots), "one owner of all")
 
 
