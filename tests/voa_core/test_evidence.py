@@ -14,12 +14,18 @@ from tests.voa_core.worlds import (
     standing,
 )
 from voa_core import evidence as evidence_module
+from voa_core.checks import Floats
+from voa_core.displaced_scans import DisplacedScans
 from voa_core.displacements import Displacements, Spread, standard_normal_points
 from voa_core.errors import BeamGridMismatch
 from voa_core.evidence import Evidence, evidence_of_scan, restricted
+from voa_core.kernels import Array
 from voa_core.lidars import BeamGrid, LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
 from voa_core.prediction import predictor_of_mesh
+from voa_core.rules.distance_comparison import DifferenceComparison
+from voa_core.rules.exponential import Exponential
+from voa_core.rules.gaussian import Gaussian
 from voa_core.rules.registry import rule_of
 from voa_core.scans import Scan, classify
 from voa_core.workspace import Workspace
@@ -182,6 +188,37 @@ def twin_copies(lidar: LidarModel, displacements: Displacements) -> list[list[li
             ]
         )
     return copies
+
+
+class OwnStatistic(Exponential):
+    """A rule whose statistic is that of another one: d^2, twice as large."""
+
+    def statistic(self, observed: Array, predicted: Array) -> Array:
+        return 2.0 * super().statistic(observed, predicted)
+
+
+class OwnComparison(Exponential):
+    """A rule that compares scans with displaced copies as another one does."""
+
+    def comparison(self, observed: Floats, copies: DisplacedScans) -> DifferenceComparison:
+        return DifferenceComparison(Gaussian(self.no_return_m), observed, copies)
+
+
+@pytest.mark.parametrize(("own", "copies"), [(OwnStatistic, 1), (OwnComparison, 8)])
+def test_rules_of_distance_that_compare_scans_in_a_way_of_their_own_keep_it(
+    own: type[Exponential], copies: int
+) -> None:
+    lidar = lidar_of(24)
+    predictor, rule = predictor_of_mesh(CUBE, POSES, lidar), own(lidar.range_max)
+    scan = Scan(predictor.predict(AT).dense()[1] + 0.01, lidar.grid)
+    displacements = Displacements(copies, SPREAD if copies > 1 else None, None, "test")
+
+    def compare(rule: Exponential | Gaussian) -> Evidence:
+        return evidence_of_scan(scan, AT, predictor, rule, displacements=displacements)
+
+    distances = -compare(Exponential(lidar.range_max)).log_copies
+    expected = -0.5 * distances**2 if copies > 1 else -math.sqrt(2.0) * distances
+    np.testing.assert_allclose(compare(rule).log_copies, expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", RULE_NAMES)
