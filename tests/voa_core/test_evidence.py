@@ -205,9 +205,7 @@ class OwnComparison(Exponential):
 
 
 @pytest.mark.parametrize(("own", "copies"), [(OwnStatistic, 1), (OwnComparison, 8)])
-def test_rules_of_distance_that_compare_scans_in_a_way_of_their_own_keep_it(
-    own: type[Exponential], copies: int
-) -> None:
+def test_rules_of_distance_keep_a_comparison_of_their_own(own: type[Exponential], copies: int) -> None:
     lidar = lidar_of(24)
     predictor, rule = predictor_of_mesh(CUBE, POSES, lidar), own(lidar.range_max)
     scan = Scan(predictor.predict(AT).dense()[1] + 0.01, lidar.grid)
