@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +26,17 @@ class GraspTable:
     names: tuple[str, ...]
     scores: Floats
     attempts: int | None = None
+
+    @cached_property
+    def score_variances(self) -> Floats | None:
+        """Variances (m, n) of scores that were measured as k successes of N attempts; None for given probabilities.
+
+        The score has the Beta distribution of parameters k + 1/2 and N - k + 1/2 (Jeffreys).
+        """
+        if self.attempts is None:
+            return None
+        a, b = self.attempts * self.scores + 0.5, self.attempts * (1.0 - self.scores) + 0.5
+        return frozen(a * b / ((a + b) ** 2 * (a + b + 1.0)))
 
     @classmethod
     def of_probabilities(cls, names: Sequence[str], probabilities: ArrayLike, poses: int) -> "GraspTable":

@@ -31,18 +31,6 @@ def standard_error(shares: Floats, gains: Floats) -> float:
     return float(np.sqrt(np.sum(shares**2 * squares / (samples - 1 + shares)) / samples))
 
 
-def score_variances(table: GraspTable) -> Floats | None:
-    """Variances (m, n) of grasp scores that were measured as k successes of N attempts; None for given probabilities.
-
-    The score has the Beta distribution of parameters k + 1/2 and N - k + 1/2 (Jeffreys).
-    """
-    if table.attempts is None:
-        return None
-    a, b = table.attempts * table.scores + 0.5, table.attempts * (1.0 - table.scores) + 0.5
-    variances: Floats = a * b / ((a + b) ** 2 * (a + b + 1.0))
-    return variances
-
-
 def score_standard_error(
     table: GraspTable,
     chosen: NDArray[np.intp],
@@ -61,7 +49,7 @@ def score_standard_error(
         poses: (k,) pose that gives the scan.
         shares: (k,) probability of the scan.
     """
-    variances = score_variances(table)
+    variances = table.score_variances
     if variances is None:
         return None
     difference = np.zeros_like(variances)

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 
 from voa_core.grasps import GraspTable
-from voa_core.standard_errors import score_variances, standard_error
+from voa_core.standard_errors import standard_error
 
 
 def test_variances_of_scores_are_those_of_a_beta_distribution() -> None:
     rng = np.random.default_rng(3)
     counts = np.array([[0, 7, 15]])
     drawn = rng.beta(counts + 0.5, 15 - counts + 0.5, (200_000, 1, 3))
-    variances = score_variances(GraspTable.of_successes(["a"], counts, 15, 3))
+    variances = GraspTable.of_successes(["a"], counts, 15, 3).score_variances
     assert variances is not None
     np.testing.assert_allclose(variances, drawn.var(axis=0), rtol=0.02)
-    assert score_variances(GraspTable.of_probabilities(["a"], [[0.5]], 1)) is None
+    assert GraspTable.of_probabilities(["a"], [[0.5]], 1).score_variances is None
 
 
 def test_standard_errors_by_hand() -> None:
