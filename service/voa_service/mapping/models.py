@@ -67,7 +67,9 @@ class Model:
     def nbytes(self) -> int:
         """Memory held by the scenario's own tables, in bytes, without the cache's separate entries."""
         data = sum(ranges.nbytes for ranges in self.scenario.predictor.data.values())
-        return data + self.scenario.table.scores.nbytes + 512 * len(self.scenario.poses)
+        table = self.scenario.table
+        scores = table.scores.nbytes * (1 if table.attempts is None else 2)  # with their variances
+        return data + scores + 512 * len(self.scenario.poses)
 
 
 @dataclass(frozen=True, eq=False)
