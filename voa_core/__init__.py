@@ -22,7 +22,7 @@ its docstring names the source.
 | make a prior                          | `priors`                               | longer: appendix                    |
 | value a look, rank looks              | `weights`, `assistance`, `ranking`     | equations 2 and 3; longer: 3 and 4  |
 | rank looks over samples of the poses  | `sampled_ranking`, `pose_samples`      |                                     |
-| choose a grasp after each scan        | `choices`, `screening`                 | equation 1                          |
+| choose a grasp after each scan        | `choices`, `panels`                    | equation 1                          |
 | say how far a value may be off        | `standard_errors`                      |                                     |
 | simulate scans that are to be taken   | `simulation`, `scan_model`             |                                     |
 | weigh simulated scans                 | `simulated_weights`, `copies`, `sample_sight` |                             |
@@ -33,6 +33,6 @@ its docstring names the source.
 | find probable mistakes                | `mistakes`                             |                                     |
 
 The other files serve these: `checks` and `errors` for input, `geometry` for rotations, `kernels`, `choice_kernels`,
-`copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `mixture_pairs`, `vector_math` and `jit` for
-compiled loops, and `warmup`, which compiles them all.
+`register_products`, `copy_kernels`, `mixture`, `mixture_kernels`, `mixture_likelihoods`, `mixture_pairs`, `vector_math`
+and `jit` for compiled loops, and `warmup`, which compiles them all.
 """

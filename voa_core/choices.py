@@ -1,23 +1,31 @@
-"""Choice of a grasp after each of many scans, by one matrix product per block of scans."""
+"""Choice of a grasp after each of many scans, by a product of matrices.
+
+With B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for every grasp x, and the normaliser last.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voa_core.checks import Floats
+from voa_core.choice_kernels import choose_after_panels, choose_after_rows
 from voa_core.filtering import Belief, condition
-from voa_core.grasps import Choice, GraspTable, best_grasp, choose
+from voa_core.grasps import TIE, Choice, GraspTable, best_grasp, choose
 from voa_core.kernels import Array
-from voa_core.screening import LEAST_NORM, choices_after, rough_scores
+from voa_core.panels import Panels
+from voa_core.register_products import PANEL_BYTES, ROWS, version_at_hand
 from voa_core.updating import UpdatePolicy, nearest
 
 _BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
 _GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
 _LARGEST_ERROR = 1e-6  # of a value, from weights that are left out
+_FLOAT64, _FLOAT32 = np.dtype(np.float64), np.dtype(np.float32)
+_TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: np.float32(1e-6)}
+_LEAST_NORM = {_FLOAT64: 1e-200, _FLOAT32: 1e-20}  # normalisers below which weights that count may have been lost
 
 
 class LookWeights(Protocol):
@@ -32,11 +40,11 @@ class LookWeights(Protocol):
 
     @property
     def matrix(self) -> Array | None:
-        """All weights, (n * samples, n), where they are kept."""
+        """All weights, (n * samples, n), where they are kept scan by scan."""
 
     @property
-    def rough(self) -> Array | None:
-        """The kept weights in float32, made when first needed; None where they are not kept in both types."""
+    def panels(self) -> Panels | None:
+        """All weights where they are kept in panels."""
 
     @property
     def samples(self) -> int:
@@ -98,23 +106,35 @@ class Chooser:
         at one pose does: with `sure`, choices that the precision of the weights leaves open are repeated in logarithms.
         So are scans, which count with `shares` (k,), of which so much may be left out that a value could change by
         1e-6.
-
-        One matrix product per block: with B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for
-        every grasp, and its last entry the normaliser.
         """
-        factor, k = self._factor(look), len(rows)
+        factor = self._factor(look)
+        choices = self._by_products(look, factor, rows)
+        doubtful = choices.norms < _LEAST_NORM[look.dtype]
+        left_out = look.most_left_out(rows, factor.columns, factor.masses)
+        if left_out is not None:
+            doubtful |= shares * left_out > 0.5 * _LARGEST_ERROR / len(rows) * choices.norms
+        if sure:
+            doubtful |= choices.undecided
+        if doubtful.any():
+            self._repeat_in_logarithms(look, rows, np.flatnonzero(doubtful), choices.chosen, choices.scores)
+        return choices.chosen, choices.scores
+
+    def _by_products(self, look: LookWeights, factor: "_Factor", rows: NDArray[np.intp]) -> "Choices":
+        """Choose a grasp after each of the scans `rows`, in the precision of the weights."""
+        k, is_of_all = len(rows), len(factor.columns) == len(self.belief.p)
+        if look.panels is not None and is_of_all:
+            self.check()
+            choices = choices_after(look.panels, factor.blocks, factor.grasps)
+            return choices if k == look.panels.scans else choices.part(rows)
         at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
-        if look.matrix is not None and len(factor.columns) == len(self.belief.p) and k == len(look.matrix):
+        if look.matrix is not None and is_of_all and k == len(look.matrix):
             at_once = k  # the kept matrix itself: nothing is copied
         blocks = []
         for start in range(0, k, at_once):
             self.check()
-            some = slice(start, start + at_once)
-            blocks.append(_chosen_of_block(look, factor, rows[some], shares[some], _LARGEST_ERROR / k, sure=sure))
-        chosen, scores, doubtful = blocks[0] if len(blocks) == 1 else map(np.concatenate, zip(*blocks, strict=True))
-        if doubtful.any():
-            self._repeat_in_logarithms(look, rows, np.flatnonzero(doubtful), chosen, scores)
-        return chosen, scores
+            weights = look.weights(rows[start : start + at_once], factor.columns)
+            blocks.append(choices_after(weights, factor.blocks, factor.grasps))
+        return blocks[0] if len(blocks) == 1 else Choices(*map(np.concatenate, zip(*blocks, strict=True)))
 
     def _repeat_in_logarithms(
         self,
@@ -136,9 +156,10 @@ class Chooser:
 
     def _factor(self, look: LookWeights) -> "_Factor":
         """Factor by which the weights of a look are multiplied; made once, for it does not depend on the look."""
-        key = look.dtype, look.matrix is not None
+        kept = look.matrix is not None or look.panels is not None
+        key = look.dtype, kept
         if key not in self._factors:
-            self._factors[key] = _Factor.of(self.belief.p, self.table, look.dtype, kept=look.matrix is not None)
+            self._factors[key] = _Factor.of(self.belief.p, self.table, look.dtype, kept=kept)
         return self._factors[key]
 
 
@@ -149,14 +170,14 @@ class _Factor:
     Attributes:
         columns: (c,) poses that take part.
         masses: (c,) their probabilities before the scan.
-        weighted_scores: (m + 1, c) probability times score of each grasp, and the probabilities last.
-        rough_scores: (m + 1, c) the weighted scores in float32, where they screen the grasps, else None.
+        blocks: (g, c, ROWS) probability times score of grasp g ROWS + i, and the probabilities after the last grasp.
+        grasps: number m of grasps.
     """
 
     columns: NDArray[np.intp]
     masses: Floats
-    weighted_scores: Array
-    rough_scores: Array | None
+    blocks: Array
+    grasps: int
 
     @classmethod
     def of(cls, belief: Floats, table: GraspTable, dtype: np.dtype[Any], *, kept: bool) -> "_Factor":
@@ -165,10 +186,12 @@ class _Factor:
         if kept and len(columns) >= _GATHER_BELOW * len(belief):
             columns = np.arange(len(belief))
         masses = belief[columns]
-        weighted = np.zeros((len(table.scores) + 1, len(columns)), dtype=dtype)
-        weighted[:-1] = masses * (table.scores if len(columns) == len(belief) else table.scores[:, columns])
-        weighted[-1] = masses
-        return cls(columns, masses, weighted, rough_scores(weighted))
+        m = len(table.scores)
+        weighted = np.zeros((m // ROWS + 1, ROWS, len(columns)), dtype=dtype)
+        flat = weighted.reshape(-1, len(columns))
+        flat[:m] = masses * (table.scores if len(columns) == len(belief) else table.scores[:, columns])
+        flat[m] = masses
+        return cls(columns, masses, np.ascontiguousarray(weighted.transpose(0, 2, 1)), m)
 
 
 def scans_of(poses: NDArray[np.intp], samples: int) -> NDArray[np.intp]:
@@ -184,30 +207,49 @@ def scores_at(table: GraspTable, grasps: NDArray[np.intp], poses: NDArray[np.int
     return np.where(grasps < 0, 0.0, table.scores[np.maximum(grasps, 0), poses])
 
 
-def _chosen_of_block(
-    look: LookWeights,
-    factor: _Factor,
-    rows: NDArray[np.intp],
-    shares: Floats,
-    largest_error: float,
-    *,
-    sure: bool,
-) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """Choose a grasp after each of the scans `rows`, (k,).
+class Choices(NamedTuple):
+    """Grasps that are best after k scans.
 
-    Returns:
-        Index of the chosen grasp (-1: none), its expected score, and flags of those to repeat in logarithms, (k,).
+    Attributes:
+        chosen: (k,) index of the first listed that is as good as the best; -1 where the best scores 0.
+        scores: (k,) expected score of the best, 0 where nothing is left of the normaliser.
+        norms: (k,) normaliser, sum_p w[p] b[p].
+        undecided: (k,) True where rounding or underflow may have decided: no score is left, or in float32 the best
+            score does not differ from the next.
     """
-    weights = look.weights(rows, factor.columns)
-    rounded = look.rough if weights is look.matrix and factor.rough_scores is not None else None
-    chosen, scores, norms, undecided = choices_after(weights, factor.weighted_scores, factor.rough_scores, rounded)
-    left_out = look.most_left_out(rows, factor.columns, factor.masses)
-    doubtful = norms < LEAST_NORM[look.dtype]
-    if left_out is not None:
-        doubtful |= shares * left_out > 0.5 * largest_error * norms
-    if sure:
-        doubtful |= undecided
-    return chosen, scores, doubtful
+
+    chosen: NDArray[np.intp]
+    scores: Floats
+    norms: Array
+    undecided: NDArray[np.bool_]
+
+    def part(self, scans: NDArray[np.intp] | slice) -> "Choices":
+        """Choices after some of the scans."""
+        return Choices(self.chosen[scans], self.scores[scans], self.norms[scans], self.undecided[scans])
+
+
+def choices_after(weights: Panels | Array, blocks: Array, grasps: int) -> Choices:
+    """Choose the best grasp after each of k scans.
+
+    Args:
+        weights: of c poses after each scan, in panels or scan by scan (k, c); float64 or float32.
+        blocks: (g, c, ROWS) weighted scores of the grasps, see `choice_kernels`; of the same type.
+        grasps: number of grasps.
+    """
+    k = weights.scans if isinstance(weights, Panels) else len(weights)
+    width = PANEL_BYTES // blocks.itemsize
+    filled = (k + width - 1) // width * width
+    choices = Choices(
+        np.zeros(filled, np.intp), np.zeros(filled), np.zeros(filled, blocks.dtype), np.zeros(filled, np.bool_)
+    )
+    close, tie, version = np.zeros(filled, np.bool_), _TIE[blocks.dtype], version_at_hand()
+    if isinstance(weights, Panels):
+        choose_after_panels(weights.numbers, blocks, grasps, tie, version, *choices, close)
+    else:
+        choose_after_rows(np.ascontiguousarray(weights), blocks, grasps, tie, version, *choices, close)
+    if blocks.dtype == _FLOAT32:
+        choices.undecided[close] = True
+    return choices.part(slice(k))
 
 
 def belief_after(belief: Belief, log_weights: Floats, policy: UpdatePolicy, distances: Callable[[], Floats]) -> Belief:

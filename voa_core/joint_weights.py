@@ -31,12 +31,12 @@ class JointWeights:
 
     @property
     def matrix(self) -> None:
-        """None: the products of weights are not kept."""
+        """None, as `panels`."""
         return None
 
     @property
-    def rough(self) -> None:
-        """None, as `matrix`."""
+    def panels(self) -> None:
+        """None: the products of weights are not kept."""
         return None
 
     @property

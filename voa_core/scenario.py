@@ -114,7 +114,6 @@ class Scenario:
         dtype: type[np.floating],
         *,
         keep: bool,
-        rounded: bool = True,
         check: Callable[[], None] = wanted,
     ) -> Weigher:
         """Compute the weights between the scans that the poses predict at `sensor`.
@@ -123,7 +122,6 @@ class Scenario:
             sensor: a sensor configuration.
             dtype: float64 or float32, of the weights.
             keep: True to compute all weights now and to keep them.
-            rounded: True if weights of float64 may be kept in float32 too, see `Weigher`.
             check: called between prediction and weights; an error that it raises ends the computation.
 
         Raises:
@@ -132,7 +130,7 @@ class Scenario:
         prediction = self.predictor.predict(sensor, listed=self.lists(sensor))
         check()
         compared = restricted(prediction, sensor, None, self.lidar, self.workspace)
-        return Weigher.of(self.rule, compared, dtype, keep=keep, rounded=rounded, check=check)
+        return Weigher.of(self.rule, compared, dtype, keep=keep, check=check)
 
     def rank(
         self,

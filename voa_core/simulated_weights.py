@@ -120,8 +120,8 @@ class SimulatedWeights:
         return replace(computed, copies=model.copies(sensor, displacements, listed=listed, keep=False))
 
     @property
-    def rough(self) -> None:
-        """None: the weights are not kept in float32 too."""
+    def panels(self) -> None:
+        """None: the weights are kept scan by scan."""
         return None
 
     @property

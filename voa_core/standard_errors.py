@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from voa_core.checks import Floats
 from voa_core.grasps import GraspTable
+from voa_core.jit import kernel
 
 
 def standard_error(shares: Floats, gains: Floats) -> float:
@@ -46,14 +47,33 @@ def score_standard_error(
     Args:
         table: the grasps; None is returned where its scores are given probabilities.
         chosen, kept: (k,) grasp after each scan with the look and without it; -1 for none.
-        poses: (k,) pose that gives the scan.
+        poses: (k,) pose that gives the scan; the scans of a pose are neighbours.
         shares: (k,) probability of the scan.
     """
     variances = table.score_variances
     if variances is None:
         return None
-    difference = np.zeros_like(variances)
-    for grasps, sign in ((chosen, 1.0), (kept, -1.0)):
-        some = grasps >= 0
-        np.add.at(difference, (grasps[some], poses[some]), sign * shares[some])
-    return float(np.sqrt(np.sum(difference**2 * variances)))
+    return float(np.sqrt(variance_of_gain(chosen, kept, poses, shares, variances)))
+
+
+@kernel
+def variance_of_gain(
+    chosen: NDArray[np.intp], kept: NDArray[np.intp], poses: NDArray[np.intp], shares: Floats, variances: Floats
+) -> float:
+    """Variance of the gain of a look, from the variances (m, n) of the scores; see `score_standard_error`."""
+    oftener, total, first = np.zeros(len(variances)), 0.0, 0
+    while first < len(poses):
+        last = first
+        while last < len(poses) and poses[last] == poses[first]:
+            if chosen[last] >= 0:
+                oftener[chosen[last]] += shares[last]
+            if kept[last] >= 0:
+                oftener[kept[last]] -= shares[last]
+            last += 1
+        for scan in range(first, last):
+            for grasp in (chosen[scan], kept[scan]):
+                if grasp >= 0:
+                    total += oftener[grasp] ** 2 * variances[grasp, poses[first]]
+                    oftener[grasp] = 0.0
+        first = last
+    return total

@@ -45,8 +45,7 @@ def warm_up() -> None:
     prediction = predictor.predict(sensor)
     predictor.predict(SensorConfiguration("inside", 0.02, 0.02, 0.0))
     scan = Scan(prediction.dense()[0], lidar.grid)
-    table = GraspTable.of_probabilities(["g"], [[0.5, 0.6]], 2)
-    many = GraspTable.of_probabilities([f"g{x}" for x in range(64)], [[0.5, 0.6]] * 64, 2)  # so many are screened first
+    table = GraspTable.of_successes(["g"], [[5, 6]], 10, 2)
     Surface(object_).holds(corners, 1e-4)
     possible = np.ones(len(poses), dtype=bool)
     sampling, spread = Sampling("warm-up", 1), Spread(0.005, 0.05)
@@ -65,10 +64,11 @@ def warm_up() -> None:
         SimulatedWeights.of(model, sensor, sampling, looks=2, log_sums=earlier)
         evidence_of_scan(scan, sensor, predictor, rule).sight.misses_object(possible)
         for dtype in (np.float32, np.float64):
+            rule.statistic_among(prediction.ranges.astype(dtype))  # as a rule of another package may
             for keep in (False, True):
                 weigher = Weigher.of(rule, prediction, dtype, keep=keep)
-                for grasps in (table, many):
-                    rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), grasps, UpdatePolicy())
+                weigher.weights(np.arange(2), np.arange(2))
+                rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), table, UpdatePolicy())
 
 
 def load_scan_kernels() -> None:

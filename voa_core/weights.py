@@ -6,8 +6,8 @@ depend on the belief, so callers keep it for each sensor configuration.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import Any, Literal
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,10 @@ from voa_core.checks import Floats
 from voa_core.choices import belief_after
 from voa_core.filtering import Belief
 from voa_core.kernels import Array
+from voa_core.panels import Panels
 from voa_core.prediction import Prediction
-from voa_core.rules.distances import DistanceRule, mirrored, squared_distance
+from voa_core.rules.distances import DistanceRule, squared_distance
 from voa_core.rules.protocol import UpdateRule
-from voa_core.screening import rough_weights
 from voa_core.updating import UpdatePolicy
 from voa_core.vector_math import take_exponentials
 
@@ -40,17 +40,14 @@ class Weigher:
         ranges: (n, c) predicted ranges, metres, on the beams on which some pose returns.
         beams: number of beams of a scan; all of them are compared, for predictions have no missing beams.
         dtype: float64 or float32, of the weights.
-        rounded: True to keep weights of float64 in float32 too, once a ranking has screened grasps by them.
-        matrix: (n, n) all weights where they are kept, else None. In float32 they lie column by column in memory: a
-            ranking multiplies their transpose, which OpenBLAS does a third faster then; in float64 it does not.
+        panels: all weights where they are kept, else None.
     """
 
     rule: UpdateRule
     ranges: Floats
     beams: int
     dtype: np.dtype[Any]
-    rounded: bool = True
-    matrix: Array | None = None
+    panels: Panels | None = None
 
     @classmethod
     def of(
@@ -60,7 +57,6 @@ class Weigher:
         dtype: type[np.floating],
         *,
         keep: bool,
-        rounded: bool = True,
         check: Callable[[], None] = wanted,
     ) -> "Weigher":
         """Make the weights of a prediction.
@@ -69,34 +65,28 @@ class Weigher:
             rule: the update rule.
             prediction: of all poses at one sensor configuration, limited as it is compared (`evidence.restricted`).
             dtype: float64 or float32, of the weights.
-            keep: True to compute the whole matrix now, and to keep it.
-            rounded: True if a matrix of float64 may be kept in float32 too, which takes half as much memory again.
-            check: called before each part of the matrix; an error that it raises ends the computation.
+            keep: True to compute all weights now, and to keep them.
+            check: called before each part of the weights; an error that it raises ends the computation.
         """
-        weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype), rounded)
+        weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype))
         if not keep:
             return weigher
         n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
-        order: Literal["F", "C"] = "F" if weigher.dtype == np.float32 else "C"
         if n <= _POSES_AT_ONCE:
             check()
-            return replace(weigher, matrix=np.asarray(_weights_among(rule, ranges, weigher.beams), order=order))
-        weights = np.zeros((n, n), dtype=weigher.dtype, order=order)
+            return replace(weigher, panels=_panels_among(rule, ranges, weigher.beams))
+        panels = Panels.empty(n, n, weigher.dtype)
         rows = max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()
             part = rule.statistic(ranges[start : start + rows], ranges)
-            weights[start : start + rows] = scale_rows(rule.log_weights(part, weigher.beams))
-        return replace(weigher, matrix=weights)
-
-    @cached_property
-    def rough(self) -> Array | None:
-        """The kept weights in float32, made when first needed; None where they are not kept so."""
-        return rough_weights(self.matrix) if self._is_rounded and self.matrix is not None else None
+            panels.write(start, scale_rows(rule.log_weights(part, weigher.beams)))
+        return replace(weigher, panels=panels)
 
     @property
-    def _is_rounded(self) -> bool:
-        return self.rounded and self.dtype == np.float64
+    def matrix(self) -> None:
+        """None: the weights are kept in panels."""
+        return None
 
     @property
     def samples(self) -> int:
@@ -110,17 +100,13 @@ class Weigher:
 
     @property
     def nbytes(self) -> int:
-        """Memory held, in bytes, with that of the rounded weights, which may come later."""
-        of_matrix = 0 if self.matrix is None else self.matrix.nbytes
-        return self.ranges.nbytes + of_matrix + (of_matrix // 2 if self._is_rounded else 0)
+        """Memory held, in bytes."""
+        return self.ranges.nbytes + (0 if self.panels is None else self.panels.nbytes)
 
     def weights(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
         """Weights W[rows, columns], each row scaled by a positive number of its own."""
-        n = len(self.ranges)
-        if self.matrix is not None:
-            if len(rows) == len(columns) == n:
-                return self.matrix
-            return self.matrix[rows] if len(columns) == n else self.matrix[np.ix_(rows, columns)]
+        if self.panels is not None:
+            return self.panels.read(rows, columns)
         observed, predicted = (self.ranges[index].astype(self.dtype) for index in (rows, columns))
         return scale_rows(self.rule.log_weights(self.rule.statistic(observed, predicted), self.beams))
 
@@ -152,24 +138,23 @@ class Weigher:
         return distances
 
 
-def _weights_among(rule: UpdateRule, ranges: Array, beams: int) -> Array:
+def _panels_among(rule: UpdateRule, ranges: Array, beams: int) -> Panels:
     """Weights (n, n) between the scans (n, c), each row scaled.
 
     As many pairs are weighed at a time as fit into a cache of the processor, and in the place of their statistics: more
     large arrays take longer to come from the system than to fill.
     """
     if isinstance(rule, DistanceRule):
-        return _weights_of_pairs(rule, ranges, beams)
-    weights = rule.statistic_among(ranges)
-    rows = max(1, _PAIRS_AT_ONCE // len(weights))
-    for first in range(0, len(weights), rows):
-        some = weights[first : first + rows]
-        some[:] = scale_rows(rule.log_weights(some, beams))
-    return weights
+        return Panels.of_pairs(_weights_of_pairs(rule, ranges, beams), len(ranges))
+    n, statistic = len(ranges), rule.statistic_among(ranges)
+    panels, rows = Panels.empty(n, n, ranges.dtype), max(1, _PAIRS_AT_ONCE // n)
+    for first in range(0, n, rows):
+        panels.write(first, scale_rows(rule.log_weights(statistic[first : first + rows], beams)))
+    return panels
 
 
 def _weights_of_pairs(rule: DistanceRule, ranges: Array, beams: int) -> Array:
-    """Weights (n, n) between the scans (n, c), all scaled alike, of a rule of distances.
+    """Weights (n (n + 1) / 2,) between each two of the scans (n, c), all scaled alike, of a rule of distances.
 
     It weighs two scans alike in both orders, and each scan itself the most: each pair is weighed once.
     """
@@ -181,8 +166,7 @@ def _weights_of_pairs(rule: DistanceRule, ranges: Array, beams: int) -> Array:
         if highest[0] != 0.0:
             log_weights -= highest
         some[:] = _exponentials(log_weights)
-    weights = mirrored(pairs, len(ranges))
-    return weights.T if weights.dtype == np.float32 else weights  # columns in a row, as they are kept
+    return pairs
 
 
 def scale_rows(log_weights: Array) -> Array:

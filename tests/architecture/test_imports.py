@@ -44,7 +44,11 @@ PACKAGES = {
         STDLIB,
         "numpy",
         "scipy",
-        only_in={"filterpy": "filtering.py", "numba": "jit.py"},
+        only_in={
+            "filterpy": "filtering.py",
+            "numba": "jit.py register_products.py",
+            "llvmlite": "register_products.py",
+        },
     ),
     "voa_msgs": _package("clients/voa_msgs", STDLIB, *PYDANTIC),
     "voa_ros": _package("clients/voa_ros", STDLIB, *PYDANTIC, "voa_msgs", "voa_scene", only_in={"zenoh": "latched.py"}),

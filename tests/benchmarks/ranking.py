@@ -47,7 +47,7 @@ def run() -> list[Result]:
 def _ranking(weighers: dict[SensorConfiguration, Weigher], grasps: int, dtype: type[np.floating]) -> list[Result]:
     belief = Belief.of(scene.belief(_POSES))
     table = GraspTable.of_probabilities([f"G{x}" for x in range(grasps)], scene.scores(grasps, _POSES), _POSES)
-    kept = [_matrix(weigher) for weigher in weighers.values()]
+    kept = [_dense(weigher) for weigher in weighers.values()]
     b, q = belief.p.astype(dtype), table.scores.astype(dtype)
 
     voas = {look.sensor: look.assistance.voa for look in _ours(weighers, belief, table).looks}
@@ -76,9 +76,11 @@ def _ours(weighers: dict[SensorConfiguration, Weigher], belief: Belief, table: G
     return rank(list(weighers), weighers.__getitem__, belief, table, UpdatePolicy())
 
 
-def _matrix(weigher: Weigher) -> Array:
-    assert weigher.matrix is not None
-    return weigher.matrix
+def _dense(weigher: Weigher) -> Array:
+    """Kept weights (n, n) in the order in which numpy multiplies them the fastest: in float32 column by column."""
+    every = np.arange(_POSES)
+    weights = weigher.weights(every, every)
+    return np.asfortranarray(weights) if weigher.dtype == np.float32 else weights
 
 
 def _by_numpy(kept: list[Array], b: Array, q: Array) -> Floats:

@@ -27,6 +27,7 @@ from voa_core.weights import Weigher
 
 _POSES, _SENSORS = 500, 64
 _SHARE_SENSORS, _SHARE_ROWS = 2, 50
+_EVERY = np.arange(_POSES)
 _TOLERANCE: dict[type[np.floating], float] = {np.float64: 1e-12, np.float32: 1e-5}
 
 
@@ -41,8 +42,7 @@ def _exponential(predictions: list[Prediction]) -> list[Result]:
     whole = [np.minimum(prediction.dense(), scene.LIDAR.range_max) for prediction in predictions]
     results = []
     for dtype, tolerance in _TOLERANCE.items():
-        weights = Weigher.of(rule, predictions[0], dtype, keep=True).matrix
-        assert weights is not None
+        weights = Weigher.of(rule, predictions[0], dtype, keep=True).weights(_EVERY, _EVERY)
         require(np.abs(weights - _by_cdist(whole[0])).max() <= tolerance, "weights differ from cdist's")
         ours, peer = interleaved(
             [partial(_ours, rule, predictions, dtype), lambda: [_by_cdist(ranges) for ranges in whole]], rounds=3
@@ -58,8 +58,7 @@ def _beam(predictions: list[Prediction]) -> list[Result]:
     scale = (_SENSORS / _SHARE_SENSORS) * (_POSES / _SHARE_ROWS)
     results = []
     for dtype, tolerance in _TOLERANCE.items():
-        weights = Weigher.of(rule, predictions[0], dtype, keep=True).matrix
-        assert weights is not None
+        weights = Weigher.of(rule, predictions[0], dtype, keep=True).weights(_EVERY, _EVERY)
         off = np.abs(weights[:_SHARE_ROWS] - _by_numpy(rule, share[0])).max()
         require(off <= tolerance, f"beam weights differ from numpy's by {off}")
         ours, peer = interleaved(

@@ -111,15 +111,15 @@ MUTANTS = (
     Mutant(
         name="weights are kept whatever the precision",
         file="service/voa_service/mapping/models.py",
-        old='("weigher", id_, sensor, precision, keep != "nothing")',
-        new='("weigher", id_, sensor, keep != "nothing")',
+        old='("weigher", id_, sensor, precision, keep)',
+        new='("weigher", id_, sensor, keep)',
         tests="tests/voa_service/mapping/test_models.py",
     ),
     Mutant(
         name="weights are kept whatever the scenario",
         file="service/voa_service/mapping/models.py",
-        old='("weigher", id_, sensor, precision, keep != "nothing")',
-        new='("weigher", sensor, precision, keep != "nothing")',
+        old='("weigher", id_, sensor, precision, keep)',
+        new='("weigher", sensor, precision, keep)',
         tests="tests/voa_service/mapping/test_models.py",
     ),
     Mutant(

@@ -31,7 +31,7 @@ def test_weights_of_looks_multiply() -> None:
     np.testing.assert_allclose(Looks(EXACT).together(HERE, HERE).weights(ALL, ALL), here**2)
     assert isinstance(together, JointWeights)
     assert together.dtype == np.float64
-    assert (together.matrix, together.rough, together.samples, together.simulated) == (None, None, 1, False)
+    assert (together.matrix, together.panels, together.samples, together.simulated) == (None, None, 1, False)
 
 
 def test_pending_looks_come_first_and_places_are_those_that_the_caller_joins() -> None:

@@ -148,6 +148,6 @@ def test_what_is_compared_in_a_ranking_lies_in_the_workspace() -> None:
 
 def test_weighers_have_the_requested_precision() -> None:
     kept = scenario_of(MESH).weigher(Q1, np.float32, keep=True)
-    assert kept.matrix is not None
+    assert kept.panels is not None
     assert kept.dtype == np.float32
-    assert scenario_of(MESH).weigher(Q1, np.float64, keep=False).matrix is None
+    assert scenario_of(MESH).weigher(Q1, np.float64, keep=False).panels is None

@@ -172,7 +172,7 @@ def test_weights_that_are_too_many_are_not_kept(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(simulated_weights, "_MOST_KEPT", 10)
     computed = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING, np.float32)
     assert kept.matrix is not None
-    assert kept.rough is None
+    assert kept.panels is None
     assert computed.matrix is None
     assert computed.dtype == np.float32
     assert computed.nbytes < kept.nbytes

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from voa_core.grasps import GraspTable
-from voa_core.standard_errors import standard_error
+from voa_core.standard_errors import score_standard_error, standard_error
 
 
 def test_variances_of_scores_are_those_of_a_beta_distribution() -> None:
@@ -36,3 +36,26 @@ def test_scans_that_agree_leave_an_error_of_the_order_of_one_scan() -> None:
     assert 0.5 / 256 < error < 2 * 0.5 / 256
     assert standard_error(shares, np.full((8, 32), 0.1)) == pytest.approx(error / 5)
     assert standard_error(shares, np.zeros((8, 32))) == 0.0
+
+
+@pytest.mark.parametrize("samples", [1, 4])
+def test_errors_from_attempts_are_those_of_the_difference_in_each_cell(samples: int) -> None:
+    """Each grasp and pose counts by how much oftener the grasp is chosen there with the look, or after no look."""
+    random = np.random.default_rng(samples)
+    table = GraspTable.of_successes(["a", "b", "c"], random.integers(0, 11, (3, 6)), 10, 6)
+    assert table.score_variances is not None
+    for _ in range(20):
+        poses = np.repeat(random.permutation(6)[:5], samples)
+        chosen, kept = random.integers(-1, 3, (2, len(poses)))  # -1: no grasp
+        shares = random.random(len(poses))
+        difference = np.zeros((3, 6))
+        for grasps, sign in ((chosen, 1.0), (kept, -1.0)):
+            for grasp, pose, share in zip(grasps, poses, shares, strict=True):
+                difference[grasp, pose] += sign * share if grasp >= 0 else 0.0
+        expected = np.sqrt(np.sum(difference**2 * table.score_variances))
+        assert score_standard_error(table, chosen, kept, poses, shares) == pytest.approx(expected, rel=1e-12)
+
+
+def test_given_probabilities_have_no_error_from_attempts() -> None:
+    none = np.zeros(0, dtype=np.intp)
+    assert score_standard_error(GraspTable.of_probabilities(["a"], [[0.5]], 1), none, none, none, np.zeros(0)) is None

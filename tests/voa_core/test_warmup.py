@@ -10,10 +10,14 @@ WEIGHING = {
     "squared_distances": "rules.distances",
     "squared_distances_among": "rules.distances",
     "mirror": "rules.distances",
+    "mirror_in_panels": "panels",
+    "read_panels": "panels",
+    "choose_after_panels": "choices",
+    "choose_after_rows": "choices",
     "disagreements": "rules.margin",
     "write_log_likelihoods": "mixture_pairs",
 }
-"""Kernels that weigh scans, for rankings in either precision, and the modules that call them."""
+"""Kernels that weigh scans and choose grasps, for rankings in either precision, and the modules that call them."""
 COMPARING = {"_fit_poses": "fits", "_fit_copies": "fits", "_count_returns": "sight", "_see": "sight"}
 """Kernels that compare a measured scan, and the modules that call them."""
 

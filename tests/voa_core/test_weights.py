@@ -60,10 +60,14 @@ def test_parts_of_the_matrix_are_those_parts(name: str, keep: bool, rows: list[i
     np.testing.assert_allclose(normalised(weights), normalised(whole), rtol=0, atol=1e-12)
 
 
-def test_a_kept_matrix_is_not_computed_again() -> None:
-    kept = weigher("exponential", keep=True)
-    assert kept.weights(ALL, ALL) is kept.matrix
-    assert weigher("exponential", keep=False).matrix is None
+def test_kept_weights_are_not_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, streamed = weigher("exponential", keep=True), weigher("exponential", keep=False)
+    assert streamed.panels is None
+    assert kept.matrix is None
+    monkeypatch.setattr(weights, "scale_rows", None)
+    kept.weights(ALL, ALL)
+    with pytest.raises(TypeError):
+        streamed.weights(ALL, ALL)
 
 
 def test_a_row_without_any_weight_stays_0() -> None:
@@ -93,21 +97,8 @@ def test_distances_are_between_predicted_scans() -> None:
 def test_memory_is_counted() -> None:
     ranges = 3 * 5 * 8
     assert weigher("gaussian", keep=False).nbytes == ranges
-    assert weigher("gaussian", np.float32, keep=True).nbytes == ranges + 3 * 3 * 4
-    assert weigher("gaussian", keep=True).nbytes == ranges + 3 * 3 * (8 + 4), "and in float32, to screen by"
-
-
-def test_kept_weights_are_rounded_once_and_only_where_that_is_wanted() -> None:
-    kept = weigher("gaussian", keep=True)
-    assert kept.matrix is not None
-    assert kept.rough is not None
-    np.testing.assert_array_equal(kept.rough, kept.matrix.astype(np.float32))
-    assert kept.rough is kept.rough
-    assert weigher("gaussian", np.float32, keep=True).rough is None
-    assert weigher("gaussian", keep=False).rough is None
-    bare = Weigher.of(rule_of("gaussian", LIDAR), PREDICTION, np.float64, keep=True, rounded=False)
-    assert bare.rough is None
-    assert bare.nbytes == 3 * 5 * 8 + 3 * 3 * 8
+    for dtype in (np.float32, np.float64):
+        assert weigher("gaussian", dtype, keep=True).nbytes == ranges + 3 * 256, "a panel of three poses"
 
 
 @pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-14), (np.float32, 2e-6)])
@@ -126,7 +117,7 @@ def test_weights_of_all_pairs_are_those_of_each(
     ranges[n // 2 :] = ranges[: n - n // 2] + 1e-4  # so near that `inverse_rmsd` and `margin` weigh them as equal
     own = Weigher.of(rule_of(name, LIDAR), Prediction.of_dense(LIDAR.grid, ranges), dtype, keep=True)
     rows = np.arange(n)
-    expected = replace(own, matrix=None).weights(rows, rows)
+    expected = replace(own, panels=None).weights(rows, rows)
     np.testing.assert_allclose(own.weights(rows, rows), expected, rtol=0, atol=tolerance)
 
 
@@ -143,15 +134,13 @@ def test_a_place_from_which_nothing_is_ever_seen_distinguishes_no_poses(name: st
 def test_a_large_matrix_is_computed_in_parts_and_a_check_before_each_can_end_it(
     monkeypatch: pytest.MonkeyPatch, name: str, numbers: int
 ) -> None:
-    whole = weigher(name, keep=True).matrix
+    whole = weigher(name, keep=True).weights(ALL, ALL)
     monkeypatch.setattr("voa_core.weights._POSES_AT_ONCE", numbers)
     checks: list[None] = []
     rule = rule_of(name, LIDAR)
     parts = Weigher.of(rule, PREDICTION, np.float64, keep=True, check=lambda: checks.append(None))
     assert len(checks) == {1: 3, 2: 3, 3: 1}[numbers]
-    assert whole is not None
-    assert parts.matrix is not None
-    np.testing.assert_allclose(parts.matrix, whole, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(parts.weights(ALL, ALL), whole, rtol=0, atol=1e-12)
 
     def unwanted() -> None:
         raise InterruptedError

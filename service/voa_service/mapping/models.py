@@ -15,6 +15,7 @@ from voa_core.mistakes.heights import Mesh
 from voa_core.mistakes.mistake import Mistake
 from voa_core.mistakes.scenarios import mistakes_of_scenario
 from voa_core.objects import Object
+from voa_core.panels import size_in_panels
 from voa_core.poses import PoseSet
 from voa_core.scenario import Scenario
 from voa_core.simulated_weights import SimulatedWeights
@@ -32,10 +33,8 @@ from voa_service.runtime.queues import Check
 from voa_service.settings import MOST_FLOAT64_WEIGHTS, PrecisionSetting
 
 Precision = Literal["float64", "float32"]
-Keep = Literal["nothing", "weights", "rounded"]
-"""Part of a ranking's weights that is kept; `rounded`: weights of float64 in float32 too, see `voa_core.screening`."""
 
-_BYTES: dict[Precision, int] = {"float64": 8, "float32": 4}
+_TYPES: dict[Precision, type[np.floating]] = {"float64": np.float64, "float32": np.float32}
 
 _WARNINGS_BYTES = 8 * 2**20
 _SHARE_FOR_WEIGHTS = 0.9  # of the cache; a ranking that filled it completely would evict its own weights
@@ -52,7 +51,7 @@ class Model:
         scenario: the mathematics.
         mesh: the object; None where all predictions are data.
         weigher: returns the weights between the predictions of a sensor configuration. Its arguments are the sensor
-            configuration, the precision, what is kept of the weights in the cache, and a check that ends the
+            configuration, the precision, whether the weights are kept in the cache, and a check that ends the
             computation by an exception.
         kept: returns the weights of simulated scans of a key, computed by the function beside it where the cache does
             not hold them.
@@ -60,7 +59,7 @@ class Model:
 
     scenario: Scenario
     mesh: Mesh | None
-    weigher: Callable[[SensorConfiguration, Precision, Keep, Check], Weigher]
+    weigher: Callable[[SensorConfiguration, Precision, bool, Check], Weigher]
     kept: Callable[[Hashable, Callable[[], SimulatedWeights], Check], SimulatedWeights]
 
     @property
@@ -148,12 +147,11 @@ class Models:
 
         scenario = replace(scenario_of(request, contours_at, remember, self._installed), seed=id_)
 
-        def weigher(sensor: SensorConfiguration, precision: Precision, keep: Keep, check: Check) -> Weigher:
+        def weigher(sensor: SensorConfiguration, precision: Precision, keep: bool, check: Check) -> Weigher:
             def make() -> Weigher:
-                dtype = np.float64 if precision == "float64" else np.float32
-                return scenario.weigher(sensor, dtype, keep=keep != "nothing", rounded=keep == "rounded", check=check)
+                return scenario.weigher(sensor, _TYPES[precision], keep=keep, check=check)
 
-            return self._cache.get(("weigher", id_, sensor, precision, keep != "nothing"), make, check)
+            return self._cache.get(("weigher", id_, sensor, precision, keep), make, check)
 
         def kept(key: Hashable, make: Callable[[], SimulatedWeights], check: Check) -> SimulatedWeights:
             return self._cache.get(("simulated", id_, key), make, check)
@@ -196,24 +194,20 @@ class Models:
 
         return contours_at
 
-    def precision(self, weights: int, listed: int) -> tuple[Precision, Keep]:
-        """Choose the precision of a ranking's weights, and what of them is kept because it fits into the cache.
+    def precision(self, weights: int) -> Precision:
+        """Choose the precision of a ranking, from its number of weights; never from the machine's memory."""
+        if self._precision != "auto":
+            return self._precision
+        return "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
 
-        The precision depends on the settings and the number of weights, never on the machine's memory. Rankings of some
-        of a scenario's sensor configurations keep for each what a ranking of all keeps.
+    def keeps_weights(self, places: int, scans: int, poses: int, precision: Precision) -> bool:
+        """True if the weights of all places of a ranking fit into the cache together.
 
         Args:
-            weights: number of weights of all sensor configurations of the ranking together.
-            listed: the same of all sensor configurations that the scenario lists.
+            places: number of sensor configurations.
+            scans: number of scans that a look from each may give.
+            poses: number of poses.
+            precision: of the weights.
         """
-        precision: Precision
-        if self._precision == "auto":
-            precision = "float64" if weights <= MOST_FLOAT64_WEIGHTS else "float32"
-        else:
-            precision = self._precision
-        room = _SHARE_FOR_WEIGHTS * self._cache.budget
-        if weights * _BYTES[precision] > room:
-            return precision, "nothing"
-        if precision == "float32" or max(weights, listed) * (_BYTES["float64"] + _BYTES["float32"]) > room:
-            return precision, "weights"
-        return precision, "rounded"
+        held = places * size_in_panels(scans, poses, np.dtype(_TYPES[precision]))
+        return held <= _SHARE_FOR_WEIGHTS * self._cache.budget

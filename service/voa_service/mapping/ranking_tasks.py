@@ -101,9 +101,14 @@ class RankingTask:
         return int(np.count_nonzero(self.outer.p))
 
     @property
+    def scans_of_place(self) -> int:
+        """Number of scans that a look from one place may give."""
+        return (self.samples or 1) * len(self.scenario.poses)
+
+    @property
     def weights_of_place(self) -> int:
         """Number of weights of one place: one for each pose after each of its scans."""
-        return (self.samples or 1) * len(self.scenario.poses) ** 2
+        return self.scans_of_place * len(self.scenario.poses)
 
     def viewpoints(self, sensor: SensorConfiguration) -> list[Viewpoint]:
         """Return the viewpoints that a look from a sensor configuration may have.

@@ -13,7 +13,7 @@ from voa_core.scan_model import ScanModel
 from voa_core.simulated_weights import SimulatedWeights
 from voa_core.simulation import Sampling, name_of_place
 from voa_core.weights import Weigher
-from voa_service.mapping.models import Keep, Precision
+from voa_service.mapping.models import Precision
 from voa_service.mapping.ranking_tasks import RankingTask
 from voa_service.runtime.queues import Check
 
@@ -24,12 +24,12 @@ class Weighing:
 
     Attributes:
         precision: of the weights.
-        keep: what is kept of them for the next ranking.
+        keep: True to keep them for the next ranking.
         check: called often; an exception that it raises ends the ranking.
     """
 
     precision: Precision
-    keep: Keep
+    keep: bool
     check: Check
 
     @property
@@ -93,7 +93,7 @@ def _simulated(
             check=weighing.check,
         )
 
-    if weighing.keep == "nothing":
+    if not weighing.keep:
         return make()
     place = name_of_place(sensor, listed=listed)
     return task.model.kept((place, scans, model.std, sampling, weighing.precision, taken), make, weighing.check)

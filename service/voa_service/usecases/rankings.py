@@ -156,8 +156,9 @@ class Rankings:
         if question.request.outcomes:
             self._check_outcomes(task)
         _check_scans(task)
-        weights, listed = (task.weights_of_place * len(each) for each in (task.sensors, model.scenario.sensors))
-        precision, keep = self.models.precision(weights, listed)
+        places = len(task.sensors)
+        precision = self.models.precision(places * task.weights_of_place)
+        keep = self.models.keeps_weights(places, task.scans_of_place, len(model.scenario.poses), precision)
         ranking = ranking_message(task, Weighing(precision, keep, check), self.parallel_map)
         return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
 

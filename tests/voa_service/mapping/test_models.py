@@ -13,7 +13,7 @@ from voa_core.assistance import value_of_assistance
 from voa_core.lidars import SensorConfiguration
 from voa_core.weights import wanted
 from voa_service.bootstrap import services
-from voa_service.mapping.models import Keep, Models, Precision
+from voa_service.mapping.models import Models, Precision
 from voa_service.runtime.cache import Cache
 from voa_service.settings import PrecisionSetting, Settings
 
@@ -56,61 +56,54 @@ def test_weights_that_are_streamed_agree_with_weights_that_are_kept(tmp_path: Pa
         assert model is not None
         sensor = model.scenario.sensors[0]
         scenario = model.scenario
-        kinds: list[tuple[Precision, Keep]] = [(p, keep) for p in get_args(Precision) for keep in get_args(Keep)]
+        kinds: list[tuple[Precision, bool]] = [(p, keep) for p in get_args(Precision) for keep in (False, True)]
         values = [
             value_of_assistance(
                 model.weigher(sensor, precision, keep, wanted), scenario.prior, scenario.table, scenario.policy
             )
             for precision, keep in kinds
         ]
-    for other in values[1:3]:
+    for other in values[1:2]:
         assert other.voa == pytest.approx(values[0].voa, abs=1e-12)
-    for other in values[3:]:
+    for other in values[2:]:
         assert other.voa == pytest.approx(values[0].voa, abs=1e-5)
 
 
 @pytest.mark.parametrize(
-    ("setting", "sensors", "poses", "expected", "kept_in_one_mebibyte"),
+    ("setting", "sensors", "poses", "expected", "is_kept_in_one_mebibyte"),
     [
-        ("auto", 7, 100, "float64", "rounded"),
-        ("auto", 8, 100, "float64", "weights"),
-        ("auto", 11, 100, "float64", "weights"),
-        ("auto", 12, 100, "float64", "nothing"),
-        ("float32", 23, 100, "float32", "weights"),
-        ("float32", 24, 100, "float32", "nothing"),
-        ("auto", 24, 3_162, "float64", "nothing"),
-        ("auto", 24, 3_163, "float32", "nothing"),
-        ("auto", 1, 20_000, "float32", "nothing"),
-        ("float64", 1, 20_000, "float64", "nothing"),
-        ("float64", 0, 100, "float64", "rounded"),
+        ("auto", 9, 100, "float64", True),
+        ("auto", 10, 100, "float64", False),
+        ("float32", 18, 100, "float32", True),
+        ("float32", 19, 100, "float32", False),
+        ("auto", 24, 3_162, "float64", False),
+        ("auto", 24, 3_163, "float32", False),
+        ("auto", 1, 20_000, "float32", False),
+        ("float64", 1, 20_000, "float64", False),
+        ("float64", 0, 100, "float64", True),
     ],
 )
 def test_the_setting_decides_on_the_precision_and_memory_on_what_is_kept(
-    tmp_path: Path, setting: PrecisionSetting, sensors: int, poses: int, expected: str, kept_in_one_mebibyte: Keep
+    tmp_path: Path, setting: PrecisionSetting, sensors: int, poses: int, expected: str, is_kept_in_one_mebibyte: bool
 ) -> None:
     with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
         small, large = (Models(inside.health.store, Cache(size * MEBIBYTE), setting) for size in (1, 2**20))
-        assert small.precision(sensors * poses**2, poses**2) == (expected, kept_in_one_mebibyte)
-        assert large.precision(sensors * poses**2, poses**2) == (
-            expected,
-            "rounded" if expected == "float64" else "weights",
-        )
+        precision = small.precision(sensors * poses**2)
+        assert precision == large.precision(sensors * poses**2) == expected
+        assert small.keeps_weights(sensors, poses, poses, precision) == is_kept_in_one_mebibyte
+        assert large.keeps_weights(sensors, poses, poses, precision)
 
 
-def test_rankings_of_some_sensors_keep_what_rankings_of_all_keep(tmp_path: Path) -> None:
-    with services(Settings(database_url=f"sqlite:///{tmp_path}/voa.db")) as inside:
-        models = Models(inside.health.store, Cache(MEBIBYTE), "float64")
-        assert models.precision(7 * 100**2, 7 * 100**2) == ("float64", "rounded")
-        assert [models.precision(each * 100**2, 11 * 100**2) for each in (1, 11)] == [("float64", "weights")] * 2
-
-
-def test_weights_that_are_kept_serve_whatever_else_of_them_is_kept(tmp_path: Path) -> None:
+@pytest.mark.parametrize("precision", get_args(Precision))
+def test_weights_that_are_said_to_fit_into_the_cache_do(tmp_path: Path, precision: Precision) -> None:
     with serving(tmp_path) as service:
         model = service.inside.sessions.models.get(service.create(large()))
         assert model is not None
-        sensor = model.scenario.sensors[0]
-        kept = model.weigher(sensor, "float64", "rounded", wanted)
-        assert model.weigher(sensor, "float64", "weights", wanted) is kept
+        weigher = model.weigher(model.scenario.sensors[0], precision, True, wanted)
+        assert weigher.panels is not None
+        poses, held = len(model.scenario.poses), weigher.panels.nbytes
+        for budget, fits in ((10 * held, True), (9 * held, False)):
+            assert Models(service.inside.health.store, Cache(budget)).keeps_weights(9, poses, poses, precision) == fits
 
 
 def test_a_model_is_rebuilt_from_the_store_when_the_cache_has_no_room(tmp_path: Path) -> None:
@@ -139,8 +132,9 @@ def test_nothing_that_is_kept_of_one_scenario_height_or_precision_serves_another
                 assert fresh is not None
                 for sensor in [*model.scenario.sensors, *([above] if body["name"] == "mesh" else [])]:
                     for precision in get_args(Precision):
-                        kept, rebuilt = (each.weigher(sensor, precision, "rounded", wanted) for each in (model, fresh))
-                        assert kept.matrix is not None
+                        kept, rebuilt = (each.weigher(sensor, precision, True, wanted) for each in (model, fresh))
+                        assert kept.panels is not None
+                        assert rebuilt.panels is not None
                         assert kept.dtype == precision
-                        np.testing.assert_array_equal(kept.matrix, rebuilt.matrix)
+                        np.testing.assert_array_equal(kept.panels.numbers, rebuilt.panels.numbers)
                         np.testing.assert_array_equal(kept.ranges, rebuilt.ranges)

@@ -20,7 +20,7 @@ from voa_service.mapping.ranking_tasks import RankingTask, SessionLooks, ranking
 from voa_service.mapping.ranking_weights import Weighing, looks_of
 
 EAST = Viewpoint("E", 0.3, 0.0, 3.141592653589793, 0.02)
-KEEP, STREAM = Weighing("float64", "rounded", wanted), Weighing("float64", "nothing", wanted)
+KEEP, STREAM = Weighing("float64", True, wanted), Weighing("float64", False, wanted)
 SUMS: Floats = np.random.default_rng(1).normal(size=(2, 64))
 
 
@@ -79,7 +79,7 @@ def test_weights_with_other_looks_inside_are_other_weights(model: Model, other: 
 def test_weights_of_other_scans_are_other_weights(model: Model, request_: dict[str, Any]) -> None:
     assert weights(task(model)) is not weights(task(model, **request_))
     assert weights(task(model)) is not weights(task(model), scans=2)
-    assert weights(task(model)) is not weights(task(model), Weighing("float32", "weights", wanted))
+    assert weights(task(model)) is not weights(task(model), Weighing("float32", True, wanted))
 
 
 def test_earlier_looks_have_as_many_copies_as_the_next_look(model: Model) -> None:

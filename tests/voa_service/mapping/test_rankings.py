@@ -27,7 +27,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def ranked(task: RankingTask) -> Ranking:
-    return ranking_message(task, Weighing("float64", "rounded", wanted), map)
+    return ranking_message(task, Weighing("float64", True, wanted), map)
 
 
 def test_looks_are_ranked_by_net_value_and_the_first_is_recommended(model: Model) -> None:
