@@ -175,10 +175,13 @@ def _serve(
 
 
 def _rehearse(services: Services) -> None:
-    """Update the newest session for nothing; whatever is wrong with that session, the others are served."""
+    """Update the newest session for nothing; whatever is wrong with that session, the others are served.
+
+    The thread that does it is the one that the first write will run in.
+    """
     try:
         with guarded():
-            services.updates.rehearse()
+            services.writes.submit(services.updates.rehearse).result()
     except Failure as failure:
         structlog.get_logger("voa").warning("an update of the newest session failed", error=str(failure))
 

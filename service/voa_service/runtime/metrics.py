@@ -45,13 +45,13 @@ class Metrics:
             registry=self._registry,
         )
         self._routes: dict[tuple[str, str, int], tuple[Counter, Histogram]] = {}
-        self._results: dict[tuple[str, str], Counter] = {}
         self._observations = Counter(
             "voa_observations",
             "Scans and grasp outcomes, by result: accepted, or the reason why not.",
             ["kind", "result"],
             registry=self._registry,
         )
+        self._results = {("scan", "accepted"): self._observations.labels("scan", "accepted")}  # the first need not wait
 
         self._rpc = Counter(
             "voa_rpc_requests",

@@ -121,6 +121,7 @@ class Updates:
         newest = self.sessions.store.newest_session()
         if newest is None or len(newest.belief.p) > _MOST_REHEARSED:
             return
+        self.places.keep_state(newest)
         state = replace(newest, looks=None)  # earlier looks would be compared again, however many they are
         model = self.sessions.model_of(state)
         scenario = model.scenario

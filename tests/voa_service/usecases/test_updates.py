@@ -181,7 +181,8 @@ def test_a_rehearsal_changes_nothing_and_reads_what_the_next_scan_needs(
             after.inside.updates.rehearse()
         assert after.stored() == rows
         assert observations(after) == counted
-        monkeypatch.setattr(after.inside.sessions.store, "get_scenario", lambda id_: pytest.fail(f"read {id_} again"))
+        for read in ("get_scenario", "get_session"):
+            monkeypatch.setattr(after.inside.sessions.store, read, lambda id_: pytest.fail(f"read {id_} again"))
         assert after.inside.updates.apply_scan(session, GOOD, write()).version == 1
 
 
