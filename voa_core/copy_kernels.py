@@ -174,12 +174,12 @@ def add_inverse_roots(squares: Floats, per_beam: Floats, floor_m: float, sums: F
 
 
 @sum_kernel
-def log_sums_of_exp(exponents: Floats, out: Floats, bits: NDArray[np.int64]) -> None:
+def log_sums_of_exp(exponents: Floats, highest: Floats, bits: NDArray[np.int64], out: Floats) -> None:
     """Logarithm of the sum of exp(`exponents`) (J, N) over the copies, (N,); -inf where all are -inf.
 
-    `bits` is scratch of N numbers.
+    `highest` and `bits` are scratch of N numbers.
     """
-    highest = np.full(len(out), -np.inf)
+    highest[:] = -np.inf
     for j in range(len(exponents)):
         row = exponents[j]
         for i in range(len(out)):

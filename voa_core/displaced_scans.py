@@ -59,6 +59,11 @@ class DisplacedScans:
         return self.start.nbytes + self.beams.nbytes + self.ranges.nbytes
 
     @cached_property
+    def nearest(self) -> float:
+        """Smallest range that a copy of any pose predicts, metres; inf where none returns."""
+        return float(self.ranges.min(initial=np.inf))
+
+    @cached_property
     def _extremes(self) -> tuple[Floats, Floats]:
         """Largest range of each row, (h,), -inf where there is none, and the returns of each copy, (n, J)."""
         farthest, returns = _extremes(self.start, self.ranges)

@@ -55,19 +55,40 @@ def mixture_of_copies(
         mixture: of the rule.
         out: (k, N) written: -inf where every copy is left out.
     """
-    scans, copies, most = measured.ranges.shape[1], predicted.shape[1], 0
+    most = 0
     for pose in range(len(start) - 1):
         most = max(most, start[pose + 1] - start[pose])
-    tables, scratch = empty_tables(most, copies), _scratch(scans, most, cluster)
-    windows = np.zeros((len(measured.ranges), 2), dtype=np.intp)
-    rests, some = np.zeros(scans), np.zeros(_whole_registers(scans), dtype=np.uint64)
+    tables = empty_tables(most, predicted.shape[1])
+    scratch = _scratch(measured.ranges.shape[0], measured.ranges.shape[1], most, len(order), cluster)
+    _weigh(measured, own, least, first_pose, start, beams, predicted, order, cluster, mixture, tables, scratch, out)
+
+
+@frugal_kernel
+def _weigh(
+    measured: MeasuredScans,
+    own: NDArray[np.intp],
+    least: Floats,
+    first_pose: int,
+    start: NDArray[np.int64],
+    beams: Ints,
+    predicted: Floats,
+    order: NDArray[np.intp],
+    cluster: int,
+    mixture: Mixture,
+    tables: tuple[Floats, Floats, Floats, Floats],
+    scratch: "_Scratch",
+    out: Floats,
+) -> None:
+    """`mixture_of_copies`, with arrays for the numbers in use."""
+    scans, rests, some = measured.ranges.shape[1], scratch.rests, scratch.some
     for beam in range(len(measured.ranges)):
-        write_window(measured.ranges[beam], windows[beam])
+        write_window(measured.ranges[beam], scratch.all_windows[beam])
     for pose in range(len(start) - 1):
         seen, ranges = beams[start[pose] : start[pose + 1]], predicted[start[pose] : start[pose + 1]]
-        rests[:] = measured.silent
+        for i in range(scans):
+            rests[i] = measured.silent[i]
         write_intervals(ranges, order, scratch.intervals)
-        _bound_all(measured, windows, seen, mixture, scratch, rests)
+        _bound_all(measured, seen, mixture, scratch)
         n = 0
         for i in range(scans):  # without a branch, which a processor could not predict
             some[n] = i
@@ -77,54 +98,70 @@ def mixture_of_copies(
             continue
         for row in range(len(seen)):
             tabulate(ranges[row], mixture, tables[0][row], tables[1][row], tables[2][row], tables[3][row])
-        limits = np.full(n, -np.inf)  # what the log-likelihood on the beams of the pose must reach
+        limits = scratch.limits[:n]  # what the log-likelihood on the beams of the pose must reach
         for i in range(n):
-            if own[some[i]] != first_pose + pose:
-                limits[i] = least[some[i]] / mixture.temper - rests[some[i]]
-        sums = _sum_over_copies(measured, some, seen, ranges, limits, order, cluster, tables, mixture, scratch)
+            is_own = own[some[i]] == first_pose + pose
+            limits[i] = -np.inf if is_own else least[some[i]] / mixture.temper - rests[some[i]]
+        _sum_over_copies(measured, seen, ranges, limits, order, cluster, tables, mixture, scratch)
         for i in range(n):
-            out[pose, some[i]] = sums[i] + mixture.temper * rests[some[i]]
+            out[pose, some[i]] = scratch.totals[i] + mixture.temper * rests[some[i]]
 
 
 class _Scratch(NamedTuple):
-    """Numbers in use, for at most N scans, rounded up to whole vector registers, on r beams under c copies.
+    """Numbers in use, for at most N scans, rounded up to whole vector registers, on r beams under c copies of J.
 
     Attributes:
         product, bits, logs: (c N,).
-        sums, highest, few: (N,).
+        rests: (scans,) log-likelihood of each scan on the beams that a pose does not meet.
+        some, few: (N,) scans that a pose, and a cluster of its copies, may explain.
+        limits, sums, totals, highest: (N,).
+        parts: (J / c N,).
         of_pose, of_cluster: (3 r N,).
         intervals: (r, 4).
         windows, fewer: (r, 2).
+        all_windows: (beams, 2).
     """
 
     product: Floats
     bits: NDArray[np.int64]
     logs: Floats
-    sums: Floats
-    highest: Floats
+    rests: Floats
+    some: NDArray[np.uint64]
     few: NDArray[np.uint64]
+    limits: Floats
+    sums: Floats
+    totals: Floats
+    highest: Floats
+    parts: Floats
     of_pose: Floats
     of_cluster: Floats
     intervals: Floats
     windows: NDArray[np.intp]
     fewer: NDArray[np.intp]
+    all_windows: NDArray[np.intp]
 
 
 @kernel
-def _scratch(scans: int, rows: int, copies: int) -> _Scratch:
+def _scratch(beams: int, scans: int, rows: int, copies: int, cluster: int) -> _Scratch:
     size = _whole_registers(scans)
     return _Scratch(
-        np.ones(copies * size),
-        np.zeros(copies * size, dtype=np.int64),
-        np.zeros(copies * size),
-        np.zeros(size),
-        np.zeros(size),
+        np.ones(cluster * size),
+        np.zeros(cluster * size, dtype=np.int64),
+        np.zeros(cluster * size),
+        np.zeros(scans),
         np.zeros(size, dtype=np.uint64),
+        np.zeros(size, dtype=np.uint64),
+        np.zeros(size),
+        np.zeros(size),
+        np.zeros(size),
+        np.zeros(size),
+        np.zeros(copies // cluster * size),
         np.zeros(3 * rows * size),
         np.zeros(3 * rows * size),
         np.zeros((rows, 4)),
         np.zeros((rows, 2), dtype=np.intp),
         np.zeros((rows, 2), dtype=np.intp),
+        np.zeros((beams, 2), dtype=np.intp),
     )
 
 
@@ -135,16 +172,10 @@ def _whole_registers(numbers: int) -> int:
 
 
 @frugal_kernel
-def _bound_all(
-    measured: MeasuredScans,
-    windows: NDArray[np.intp],
-    beams: Ints,
-    mixture: Mixture,
-    scratch: _Scratch,
-    rests: Floats,
-) -> None:
-    """Write upper bounds of the log-likelihood of all scans on some beams to the sums; take these beams off `rests`."""
-    n, bits = len(rests), scratch.bits
+def _bound_all(measured: MeasuredScans, beams: Ints, mixture: Mixture, scratch: _Scratch) -> None:
+    """Write upper bounds of the log-likelihood of all scans on some beams to the sums; take them off the rests."""
+    rests, bits = scratch.rests, scratch.bits
+    n = len(rests)
     product, sums = scratch.product[:n], scratch.sums[:n]
     sums[:] = 0.0
     factors = 0
@@ -155,7 +186,7 @@ def _bound_all(
             measured.ranges[beam],
             measured.decay[beam],
             measured.none[beam],
-            windows[beam],
+            scratch.all_windows[beam],
             scratch.intervals[row],
             mixture,
             product,
@@ -168,10 +199,9 @@ def _bound_all(
     flush(product, bits, sums)
 
 
-@kernel
+@frugal_kernel
 def _sum_over_copies(
     measured: MeasuredScans,
-    some: NDArray[np.uint64],
     beams: Ints,
     ranges: Floats,
     limits: Floats,
@@ -180,25 +210,24 @@ def _sum_over_copies(
     tables: tuple[Floats, Floats, Floats, Floats],
     mixture: Mixture,
     scratch: _Scratch,
-) -> Floats:
-    """Logarithm of the sum of weights over the copies of a pose, (n,), for the first n scans of `some`.
+) -> None:
+    """Write the logarithm of the sum of weights over the copies of a pose to the first n totals, of n scans of `some`.
 
     The weights are those of the beams (rows,) of the pose; clusters whose log-likelihood stays below `limits` (n,) are
     left out.
     """
-    rows, n, size, few = len(beams), len(limits), _whole_registers(len(limits)), scratch.few
-    numbers, sums, intervals = (
-        scratch.of_pose[: 3 * rows * size].reshape(rows, 3, size),
-        scratch.sums,
-        scratch.intervals,
-    )
+    rows, n, size = len(beams), len(limits), _whole_registers(len(limits))
+    some, few, sums, intervals = scratch.some, scratch.few, scratch.sums, scratch.intervals
+    numbers = scratch.of_pose[: 3 * rows * size].reshape(rows, 3, size)
     for row in range(rows):
         _pick(measured.ranges[beams[row]], some[:size], numbers[row, 0])
         _pick(measured.decay[beams[row]], some[:size], numbers[row, 1])
         _pick(measured.none[beams[row]], some[:size], numbers[row, 2])
         write_window(numbers[row, 0], scratch.windows[row])
-    parts = np.full((len(order) // cluster, size), -np.inf)
-    for c in range(len(parts)):
+    clusters = len(order) // cluster
+    parts = scratch.parts[: clusters * size].reshape(clusters, size)
+    parts[:] = -np.inf
+    for c in range(clusters):
         members = order[c * cluster : (c + 1) * cluster]
         write_intervals(ranges, members, intervals)
         likelihood_bound(
@@ -218,12 +247,10 @@ def _sum_over_copies(
             _sum_over_cluster(fewer, scratch.fewer, members, tables, mixture, scratch, sums[:fit])
             for i in range(m):
                 parts[c, few[i]] = sums[i]
-    total = np.zeros(size)
-    log_sums_of_exp(parts, total, scratch.bits)
-    return total
+    log_sums_of_exp(parts, scratch.highest[:size], scratch.bits, scratch.totals[:size])
 
 
-@kernel
+@frugal_kernel
 def _sum_over_cluster(
     numbers: Floats,
     windows: NDArray[np.intp],

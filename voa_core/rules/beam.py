@@ -131,7 +131,7 @@ class Beam:
         lowest = min(mixture.random, mixture.lost)
         if lowest < _LEAST_SHARE:
             return None
-        nearest = min(max(float(copies.ranges.min(initial=self.range_max)), 1e-9), self.range_max)
+        nearest = min(max(copies.nearest, 1e-9), self.range_max)
         short = mixture.short / -math.expm1(-nearest * mixture.decay_per_m)
         hit, behind = mixture.hit_peak / mixture.sigma_m, (mixture.nothing - mixture.lost) / self.range_max
         highest = max(mixture.random + short + max(hit, behind), 1.0)

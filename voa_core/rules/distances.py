@@ -101,7 +101,8 @@ class DistanceRule(ABC):
     def log_means(self, statistic: Floats, _beams: NDArray[np.intp]) -> Floats:
         """Logarithms (N,) of the mean weight of J copies, from statistics (J, N) of a rule that ignores `beams`."""
         exponents: Floats = np.asarray(self.log_weights(statistic, 1), dtype=np.float64)
-        means, bits = np.zeros(statistic.shape[1]), np.zeros(statistic.shape[1], dtype=np.int64)
-        log_sums_of_exp(exponents, means, bits)
+        n = statistic.shape[1]
+        means = np.zeros(n)
+        log_sums_of_exp(exponents, np.zeros(n), np.zeros(n, dtype=np.int64), means)
         means -= np.log(len(statistic))
         return means

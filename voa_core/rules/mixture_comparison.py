@@ -66,7 +66,8 @@ class MixtureComparison:
                 self._mixture,
                 means[first : first + _POSES_AT_ONCE],
             )
-        means[:, order] = means + (self._constant - np.log(copies.copies))
+        means = np.take(means, np.argsort(order), axis=1)  # back to the order of the scans
+        means += self._constant - np.log(copies.copies)
         return means
 
     def _neighbours_together(self) -> NDArray[np.intp]:
