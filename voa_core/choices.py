@@ -46,6 +46,13 @@ class LookWeights(Protocol):
     def panels(self) -> Panels | None:
         """All weights where they are kept in panels."""
 
+    def all_weights(self, check: Callable[[], None]) -> Panels | None:
+        """Compute all weights at once; None: there are too many, or the scans are simulated.
+
+        Args:
+            check: called before; an error that it raises ends the computation.
+        """
+
     @property
     def samples(self) -> int:
         """Number of scans of each pose."""
@@ -122,10 +129,13 @@ class Chooser:
     def _by_products(self, look: LookWeights, factor: "_Factor", rows: NDArray[np.intp]) -> "Choices":
         """Choose a grasp after each of the scans `rows`, in the precision of the weights."""
         k, is_of_all = len(rows), len(factor.columns) == len(self.belief.p)
-        if look.panels is not None and is_of_all:
+        panels = look.panels
+        if panels is None and is_of_all and k == look.samples * len(self.belief.p):
+            panels = look.all_weights(self.check)
+        if panels is not None and is_of_all:
             self.check()
-            choices = choices_after(look.panels, factor.blocks, factor.grasps)
-            return choices if k == look.panels.scans else choices.part(rows)
+            choices = choices_after(panels, factor.blocks, factor.grasps)
+            return choices if k == panels.scans else choices.part(rows)
         at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
         if look.matrix is not None and is_of_all and k == len(look.matrix):
             at_once = k  # the kept matrix itself: nothing is copied

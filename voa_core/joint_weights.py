@@ -1,6 +1,6 @@
 """Weights after several looks together: the products of the weights of each."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,6 +38,9 @@ class JointWeights:
     def panels(self) -> None:
         """None: the products of weights are not kept."""
         return None
+
+    def all_weights(self, _check: Callable[[], None]) -> None:
+        """None: products are computed for some scans at a time."""
 
     @property
     def samples(self) -> int:

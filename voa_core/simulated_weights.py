@@ -124,6 +124,9 @@ class SimulatedWeights:
         """None: the weights are kept scan by scan."""
         return None
 
+    def all_weights(self, _check: Callable[[], None]) -> None:
+        """None: the weights of a look are kept scan by scan, or computed for some scans at a time."""
+
     @property
     def simulated(self) -> bool:
         """True: the scans are drawn from the sensor model."""

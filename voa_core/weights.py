@@ -71,17 +71,23 @@ class Weigher:
         weigher = cls(rule, prediction.ranges, prediction.grid.beams, np.dtype(dtype))
         if not keep:
             return weigher
+        panels = weigher.all_weights(check)
+        if panels is not None:
+            return replace(weigher, panels=panels)
         n, ranges = len(weigher.ranges), weigher.ranges.astype(weigher.dtype)
-        if n <= _POSES_AT_ONCE:
-            check()
-            return replace(weigher, panels=_panels_among(rule, ranges, weigher.beams))
-        panels = Panels.empty(n, n, weigher.dtype)
-        rows = max(1, _POSES_AT_ONCE**2 // n)
+        panels, rows = Panels.empty(n, n, weigher.dtype), max(1, _POSES_AT_ONCE**2 // n)
         for start in range(0, n, rows):
             check()
             part = rule.statistic(ranges[start : start + rows], ranges)
             panels.write(start, scale_rows(rule.log_weights(part, weigher.beams)))
         return replace(weigher, panels=panels)
+
+    def all_weights(self, check: Callable[[], None]) -> Panels | None:
+        """Compute all weights at once, which takes half as long as row by row; None: there are too many."""
+        if len(self.ranges) > _POSES_AT_ONCE:
+            return None
+        check()
+        return _panels_among(self.rule, self.ranges.astype(self.dtype), self.beams)
 
     @property
     def matrix(self) -> None:

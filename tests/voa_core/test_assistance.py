@@ -226,4 +226,6 @@ def test_values_by_weights_that_are_kept_are_those_by_weights_that_are_computed(
     rule, policy = rule_of("exponential", LIDAR), UpdatePolicy()
     both = (Weigher.of(rule, prediction, np.float64, keep=keep) for keep in (True, False))
     values = [value_of_assistance(each, belief, table, policy, definition=definition).voa for each in both]
+    if excluded == 0:
+        assert values[0] == values[1], "all weights are computed at once, in the same way"
     assert values[0] == pytest.approx(values[1], abs=1e-14)

@@ -10,7 +10,7 @@ from voa_core import weights
 from voa_core.kernels import Array
 from voa_core.prediction import Prediction
 from voa_core.rules.registry import rule_of
-from voa_core.weights import Weigher
+from voa_core.weights import Weigher, wanted
 
 INF = math.inf
 LIDAR = lidar_of(6, range_max=2.0)
@@ -68,6 +68,16 @@ def test_kept_weights_are_not_computed_again(monkeypatch: pytest.MonkeyPatch) ->
     kept.weights(ALL, ALL)
     with pytest.raises(TypeError):
         streamed.weights(ALL, ALL)
+
+
+def test_all_weights_are_computed_at_once_unless_they_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    streamed = weigher("exponential", keep=False)
+    panels = streamed.all_weights(wanted)
+    assert panels is not None
+    np.testing.assert_array_equal(panels.read(ALL, ALL), weigher("exponential", keep=True).weights(ALL, ALL))
+    assert streamed.panels is None
+    monkeypatch.setattr(weights, "_POSES_AT_ONCE", 2)
+    assert streamed.all_weights(wanted) is None
 
 
 def test_a_row_without_any_weight_stays_0() -> None:

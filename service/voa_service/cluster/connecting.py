@@ -17,7 +17,16 @@ _CONFIGURATION = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # a scene is sent as a part of the graph
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
-    "distributed.worker.profile.enabled": False,  # else each worker looks at its threads 100 times a second
+    # What a scheduler and workers do at intervals, for a dashboard that is not there, takes as long as the ranking's
+    # own messages; and chunks wait at the scheduler until a worker is free, so that none has to be stolen.
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.scheduler.work-stealing-interval": "1s",
+    "distributed.scheduler.active-memory-manager.start": False,
+    # Without dask's threshold of malloc, by which a worker gives all freed memory back to the system: the next place
+    # would have to wait for as much again.
+    "distributed.nanny.pre-spawn-environ": {"OMP_NUM_THREADS": 1, "MKL_NUM_THREADS": 1, "OPENBLAS_NUM_THREADS": 1},
 }
 
 

@@ -111,7 +111,7 @@ def ranked(built: Services, document: Document, distribute: Distribute, check: C
     id_, warnings = stored(built, document)
     request = message(RankingRequest, document.ranking | {"scenario": id_}, UNLIMITED)
     parallel_map = distribute(built.rankings.parallel_map, _parts(built, request, check))
-    rankings = replace(built.rankings, parallel_map=parallel_map)
+    rankings = replace(built.rankings, parallel_map=parallel_map, is_repeated=False)
     question = rankings.once(request)
     return LocalRanking(warnings, rankings.answer(question, check).to(question))
 

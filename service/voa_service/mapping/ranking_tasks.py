@@ -14,6 +14,7 @@ from voa_core.grasps import GraspTable
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.looks import Driving
 from voa_core.places import Viewpoint
+from voa_core.recommendation import MOST_PLACES_IN_PAIRS
 from voa_core.scenario import Scenario
 from voa_core.simulation import samples_per_pose
 from voa_msgs.geometry import PoseUncertainty
@@ -109,6 +110,11 @@ class RankingTask:
     def weights_of_place(self) -> int:
         """Number of weights of one place: one for each pose after each of its scans."""
         return self.scans_of_place * len(self.scenario.poses)
+
+    @property
+    def may_rank_pairs(self) -> bool:
+        """True if pairs of looks may be valued, for which the weights of each place are needed many times."""
+        return self.request.lookahead > 1 and len(self.sensors) <= MOST_PLACES_IN_PAIRS
 
     def viewpoints(self, sensor: SensorConfiguration) -> list[Viewpoint]:
         """Return the viewpoints that a look from a sensor configuration may have.

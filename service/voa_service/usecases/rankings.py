@@ -99,6 +99,7 @@ class Rankings:
         parallel_map: spreads the looks of a ranking over threads.
         kept: cache of answers by question.
         limits: of requests and responses.
+        is_repeated: False where a process makes one ranking, for which no weights need to be kept.
     """
 
     sessions: Sessions
@@ -107,6 +108,7 @@ class Rankings:
     parallel_map: ParallelMap
     kept: Cache
     limits: Limits
+    is_repeated: bool = True
 
     def of_session(self, id_: str, request: VoaRequest) -> Question:
         """Build the question that ranks looks under a session's current belief.
@@ -158,7 +160,10 @@ class Rankings:
         _check_scans(task)
         places = len(task.sensors)
         precision = self.models.precision(places * task.weights_of_place)
-        keep = self.models.keeps_weights(places, task.scans_of_place, len(model.scenario.poses), precision)
+        is_used_again = self.is_repeated or task.may_rank_pairs
+        keep = is_used_again and self.models.keeps_weights(
+            places, task.scans_of_place, len(model.scenario.poses), precision
+        )
         ranking = ranking_message(task, Weighing(precision, keep, check), self.parallel_map)
         return Answer(ranking.model_dump_json(exclude={"version"}, exclude_unset=True))
 

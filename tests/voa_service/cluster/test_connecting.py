@@ -1,5 +1,6 @@
 """Connections to clusters, and addresses that lead to none."""
 
+import os
 import socket
 from contextlib import nullcontext
 
@@ -89,3 +90,14 @@ def test_an_error_of_the_work_on_a_cluster_stays_what_it_is(monkeypatch: pytest.
     monkeypatch.setattr(connecting, "Client", lambda *_, **__: nullcontext())
     with pytest.raises(TimeoutError, match="of the work"), cluster_at("local:1"):
         raise TimeoutError("of the work")
+
+
+def test_workers_on_this_machine_keep_the_memory_that_one_place_frees_for_the_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Dask's own environment for them lets malloc give everything back, which takes as long as the computation."""
+    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)  # another test's workers may have left it
+    with cluster_at("local:1") as cluster:
+        (environment,) = cluster.client.run(lambda: dict(os.environ)).values()
+    assert "MALLOC_TRIM_THRESHOLD_" not in environment
+    assert environment["OPENBLAS_NUM_THREADS"] == "1"

@@ -10,6 +10,8 @@ import pytest
 from tests.voa_service.local.documents import data_document, local, mesh_document, nothing
 from voa_client import Client
 from voa_core.errors import VoaError
+from voa_core.scenario import Scenario
+from voa_core.weights import Weigher
 from voa_msgs.scenarios import ScenarioRequest
 from voa_service.failures import InvalidMesh, InvalidRequest, UnknownReference
 from voa_service.local.document import read_document
@@ -55,6 +57,22 @@ def test_a_ranking_of_a_mesh_is_the_response_of_the_service_byte_for_byte(
 ) -> None:
     document = mesh_document(tmp_path, {"belief": [0.4, 0.6]} | options)
     assert ranking(document).body == over_http(process, document)
+
+
+@pytest.mark.parametrize(("lookahead", "keeps"), [(1, False), (2, True)])
+def test_weights_are_kept_only_where_pairs_of_looks_may_be_valued(
+    lookahead: int, keeps: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[bool] = []
+    plain = Scenario.weigher
+
+    def spying(self: Scenario, *arguments: Any, keep: bool, **options: Any) -> Weigher:
+        kept.append(keep)
+        return plain(self, *arguments, keep=keep, **options)
+
+    monkeypatch.setattr(Scenario, "weigher", spying)
+    ranking(data_document({"belief": [0.2, 0.3, 0.5], "lookahead": lookahead}))
+    assert set(kept) == {keeps}
 
 
 def test_warnings_are_about_the_mesh_file_and_the_scenario(tmp_path: Path) -> None:

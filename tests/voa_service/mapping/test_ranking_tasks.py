@@ -92,6 +92,13 @@ def test_samples_are_those_of_the_request(models: dict[str, Model]) -> None:
     assert task(models["spread"], scans="exact").weights_of_place == 4
 
 
+def test_pairs_may_be_valued_of_few_places(models: dict[str, Model], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert task(models["mesh"], lookahead=2).may_rank_pairs
+    assert not task(models["mesh"], lookahead=1).may_rank_pairs
+    monkeypatch.setattr("voa_service.mapping.ranking_tasks.MOST_PLACES_IN_PAIRS", 0)
+    assert not task(models["mesh"], lookahead=2).may_rank_pairs
+
+
 def test_announced_looks_are_pending_unless_the_request_says_otherwise(models: dict[str, Model]) -> None:
     free = {"x": 0.5, "y": 0.1, "yaw_rad": 3.0, "std": STD}
     places: list[Json] = [{"sensor": "E"}, {"sensor_pose": free}, {"sensor": "E"}]
