@@ -134,11 +134,10 @@ class Chooser:
             panels = look.all_weights(self.check)
         if panels is not None and is_of_all:
             self.check()
-            choices = choices_after(panels, factor.blocks, factor.grasps)
-            return choices if k == panels.scans else choices.part(rows)
+            return choices_after(panels, factor.blocks, factor.grasps).part(rows)
         at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
         if look.matrix is not None and is_of_all and k == len(look.matrix):
-            at_once = k  # the kept matrix itself: nothing is copied
+            at_once = k  # the kept matrix itself, unless the scans are in another order: nothing is copied
         blocks = []
         for start in range(0, k, at_once):
             self.check()

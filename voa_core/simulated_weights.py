@@ -165,10 +165,10 @@ class SimulatedWeights:
         if self.matrix is None:
             blocks = np.array_split(rows, math.ceil(len(rows) * len(self.model.poses) / _MOST_KEPT))
             return np.concatenate([self._scaled(block)[0][:, columns] for block in blocks])
-        samples, n = self.matrix.shape
-        if len(columns) == n:
-            return self.matrix if len(rows) == samples else self.matrix[rows]
-        return self.matrix[np.ix_(rows, columns)]
+        every_scan, every_pose = map(np.arange, self.matrix.shape)
+        if not np.array_equal(columns, every_pose):
+            return self.matrix[np.ix_(rows, columns)]
+        return self.matrix if np.array_equal(rows, every_scan) else self.matrix[rows]
 
     def most_left_out(self, rows: NDArray[np.intp], _columns: NDArray[np.intp], _masses: Floats) -> Floats:
         """Most, (k,), that is left out of the weight of any pose after the samples `rows`, as they are scaled."""

@@ -7,10 +7,11 @@ import pytest
 from tests.support import twin
 from tests.voa_core.worlds import RULE_NAMES, as_lists, lidar_of, random_belief
 from voa_core import choices
-from voa_core.assistance import Assistance, executed_value, value_of_assistance
+from voa_core.assistance import Assistance, Valuation, executed_value, value_of_assistance
 from voa_core.errors import InvalidInput
 from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
+from voa_core.pose_samples import PoseSample
 from voa_core.prediction import Prediction
 from voa_core.rules.registry import rule_of
 from voa_core.updating import UpdatePolicy
@@ -229,3 +230,20 @@ def test_values_by_weights_that_are_kept_are_those_by_weights_that_are_computed(
     if excluded == 0:
         assert values[0] == values[1], "all weights are computed at once, in the same way"
     assert values[0] == pytest.approx(values[1], abs=1e-14)
+
+
+@pytest.mark.parametrize("definition", ["posterior", "executed"])
+@pytest.mark.parametrize("keep", [True, False])
+def test_a_sample_of_all_poses_in_any_order_gives_the_value_over_all_poses(keep: bool, definition: Any) -> None:
+    random = np.random.default_rng(0)
+    prediction = Prediction.of_dense(LIDAR.grid, random.uniform(0.3, 1.9, (15, 6)))
+    table = GraspTable.of_probabilities([f"g{each}" for each in range(5)], random.random((5, 15)), 15)
+    belief = Belief.of(random.dirichlet(np.ones(15)))
+    look = Weigher.of(rule_of("gaussian", LIDAR), prediction, np.float64, keep=keep)
+    every = PoseSample.of(belief.p, random.permutation(15), 20, "any")
+    assert every.poses.tolist() != sorted(every.poses)
+    values = [
+        Valuation(belief, table, UpdatePolicy(), definition, sample=sample).value(look).voa for sample in (None, every)
+    ]
+    assert values[0] > 0.01
+    assert values[1] == pytest.approx(values[0], abs=1e-14)

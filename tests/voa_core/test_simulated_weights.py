@@ -167,6 +167,13 @@ def test_float32_and_blocks_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> No
     assert 0 < blocks.nbytes < 1e6
 
 
+def test_weights_come_in_the_order_in_which_scans_and_poses_are_named() -> None:
+    look = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING)
+    assert look.matrix is not None
+    for rows, columns in ((np.arange(15)[::-1], np.arange(5)), (np.arange(15), np.arange(5)[::-1])):
+        np.testing.assert_array_equal(look.weights(rows, columns), look.matrix[np.ix_(rows, columns)])
+
+
 def test_weights_that_are_too_many_are_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     kept = SimulatedWeights.of(CASES[0].model, NEAR, SAMPLING)
     monkeypatch.setattr(simulated_weights, "_MOST_KEPT", 10)
