@@ -3,7 +3,7 @@
 With B = [b * Q^T | b], column q of B^T W^T holds sum_p W[q, p] b[p] Q[x, p] for every grasp x, and the normaliser last.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -21,7 +21,7 @@ from voa_core.register_products import PANEL_BYTES, ROWS, version_at_hand
 from voa_core.updating import UpdatePolicy, nearest
 
 _BLOCK_BYTES = 16 * 2**20  # with what it is worked out from, four times as much
-_GATHER_BELOW = 0.4  # share of poses with mass below which picking them out of a kept matrix pays
+_GATHER_BELOW = 0.4  # share of poses, or of scans, below which picking them out of kept weights pays
 _LARGEST_ERROR = 1e-6  # of a value, from weights that are left out
 _FLOAT64, _FLOAT32 = np.dtype(np.float64), np.dtype(np.float32)
 _TIE: dict[np.dtype[Any], np.floating] = {_FLOAT64: np.float64(TIE), _FLOAT32: np.float32(1e-6)}
@@ -117,9 +117,10 @@ class Chooser:
         factor = self._factor(look)
         choices = self._by_products(look, factor, rows)
         doubtful = choices.norms < _LEAST_NORM[look.dtype]
-        left_out = look.most_left_out(rows, factor.columns, factor.masses)
-        if left_out is not None:
-            doubtful |= shares * left_out > 0.5 * _LARGEST_ERROR / len(rows) * choices.norms
+        for some in self._blocks(look, factor, rows):
+            left_out = look.most_left_out(rows[some], factor.columns, factor.masses)
+            if left_out is not None:
+                doubtful[some] |= shares[some] * left_out > 0.5 * _LARGEST_ERROR / len(rows) * choices.norms[some]
         if sure:
             doubtful |= choices.undecided
         if doubtful.any():
@@ -132,18 +133,23 @@ class Chooser:
         panels = look.panels
         if panels is None and is_of_all and k == look.samples * len(self.belief.p):
             panels = look.all_weights(self.check)
-        if panels is not None and is_of_all:
+        if panels is not None and is_of_all and k >= _GATHER_BELOW * panels.scans:
             self.check()
             return choices_after(panels, factor.blocks, factor.grasps).part(rows)
-        at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
-        if look.matrix is not None and is_of_all and k == len(look.matrix):
-            at_once = k  # the kept matrix itself, unless the scans are in another order: nothing is copied
-        blocks = []
-        for start in range(0, k, at_once):
-            self.check()
-            weights = look.weights(rows[start : start + at_once], factor.columns)
-            blocks.append(choices_after(weights, factor.blocks, factor.grasps))
+        blocks = [
+            choices_after(look.weights(rows[some], factor.columns), factor.blocks, factor.grasps)
+            for some in self._blocks(look, factor, rows)
+        ]
         return blocks[0] if len(blocks) == 1 else Choices(*map(np.concatenate, zip(*blocks, strict=True)))
+
+    def _blocks(self, look: LookWeights, factor: "_Factor", rows: NDArray[np.intp]) -> Iterator[slice]:
+        """Slices of the scans `rows` whose weights fit into memory together; `check` is called before each."""
+        at_once = max(1, _BLOCK_BYTES // (look.dtype.itemsize * len(factor.columns)))
+        if look.matrix is not None and len(factor.columns) == len(self.belief.p) and len(rows) == len(look.matrix):
+            at_once = len(rows)  # the kept matrix itself, unless the scans are in another order: nothing is copied
+        for start in range(0, len(rows), at_once):
+            self.check()
+            yield slice(start, start + at_once)
 
     def _repeat_in_logarithms(
         self,

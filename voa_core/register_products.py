@@ -4,6 +4,8 @@ A block of sums, six grasps by as many scans as four (or two) registers hold, is
 a block are added to it: each weight that is loaded serves six grasps. A compiler does not find this in a loop over
 arrays, so the instructions are written here. They are written for every size of registers that processors of the kind
 have, and the processor at hand takes those for its own, also from kernels that were compiled for any of them.
+
+numba compiles a kernel again when the kernel's own file changes: after a change of this file, touch `choice_kernels`.
 """
 
 from collections.abc import Callable
@@ -30,17 +32,23 @@ class Registers(NamedTuple):
 
     Attributes:
         features: that such a processor has beyond those that the kernels are compiled for, by LLVM's names.
+        without: features of newer ones, which it may lack whatever its name says.
         size: of each register, in bytes.
         across: how many hold one row of a block; six rows of them, and the numbers they are multiplied by, fit.
     """
 
     features: tuple[str, ...]
+    without: tuple[str, ...]
     size: int
     across: int
 
 
-_OF_X86 = (Registers((), 16, 2), Registers(("avx2", "fma"), 32, 2), Registers(("avx512f",), 64, 4))
-_OF_OTHERS = (Registers((), 16, 4),)
+_OF_X86 = (
+    Registers((), (), 16, 2),
+    Registers(("avx2", "fma"), ("avx512f",), 32, 2),
+    Registers(("avx512f",), (), 64, 4),
+)
+_OF_OTHERS = (Registers((), (), 16, 4),)
 
 
 def versions_of(triple: str) -> tuple[Registers, ...]:
@@ -115,7 +123,7 @@ def _function(module: ir.Module, number: ir.Type, registers: Registers) -> ir.Fu
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [array, array, array, *3 * [_INDEX]]), name)
     function.linkage = "internal"
     if registers.features:  # llvmlite has no way to an attribute with a value
-        wanted = ",".join(f"+{feature}" for feature in registers.features)
+        wanted = ",".join([*(f"+{each}" for each in registers.features), *(f"-{each}" for each in registers.without)])
         set.add(function.attributes, f'"target-features"="{wanted}"')
     builder = ir.IRBuilder(function.append_basic_block())
     _Writer(builder, number, registers).write(*function.args)

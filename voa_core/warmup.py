@@ -68,7 +68,8 @@ def warm_up() -> None:
             for keep in (False, True):
                 weigher = Weigher.of(rule, prediction, dtype, keep=keep)
                 weigher.weights(np.arange(2), np.arange(2))
-                rank([sensor], {sensor: weigher}.__getitem__, Belief.uniform(2), table, UpdatePolicy())
+                for belief in (Belief.uniform(2), Belief.of([1.0, 0.0])):  # all weights, and those of some poses
+                    rank([sensor], {sensor: weigher}.__getitem__, belief, table, UpdatePolicy())
 
 
 def load_scan_kernels() -> None:

@@ -98,13 +98,14 @@ def test_each_version_works_on_whole_registers_of_its_size() -> None:
     for version, registers in enumerate(versions_of(binding.get_process_triple())):
         code = compiled(np.float32, version).library.get_llvm_str()
         assert f"fadd contract <{registers.size // 4} x float>" in code
-        assert all(f"+{feature}" in code for feature in registers.features)
+        signed = [*(f"+{each}" for each in registers.features), *(f"-{each}" for each in registers.without)]
+        assert not signed or f'"target-features"="{",".join(signed)}"' in code
 
 
 def test_versions_are_those_of_the_kind_of_processor() -> None:
     assert [each.size for each in versions_of(X86)] == [16, 32, 64]
     assert versions_of("i686-pc-linux-gnu") == versions_of(X86)
-    assert versions_of(OTHER) == (Registers((), 16, 4),)
+    assert versions_of(OTHER) == (Registers((), (), 16, 4),)
 
 
 @pytest.mark.parametrize(
