@@ -1,7 +1,7 @@
 """Section of the places: a map on which they are dragged along their circle, and fields that do so by keyboard."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from nicegui import events, ui
 
@@ -101,17 +101,18 @@ class PlacesSection:
             self._map.set_content(content)
 
     def _pointed(self, event: events.GenericEventArguments) -> None:
-        """Move the place under the pointer while its button is down."""
+        """Move the place under the pointer while its button is down, and to where it is released."""
         draft, point = self._bench.draft, _point(event.args)
         if draft is None or point is None:
             return
-        x, y, is_down = point
-        if is_down and self._moved is None:
-            self._moved = place_at(x, y, bearings_of(draft))
+        if point.is_down and self._moved is None:
+            self._moved = place_at(point.x, point.y, bearings_of(draft))
         if self._moved is None:
             return
-        if is_down:
-            self._dragged = with_bearing(draft, self._moved, bearing_at(x, y), self._radius_now(draft))
+        if point.is_down or point.is_released:  # the last move before a release may have been too quick to be sent
+            bearing = bearing_at(point.x, point.y)
+            self._dragged = with_bearing(draft, self._moved, bearing, self._radius_now(draft))
+        if point.is_down and self._dragged is not None:
             self._draw(self._dragged)
             return
         dragged, self._dragged, self._moved = self._dragged, None, None
@@ -162,9 +163,19 @@ def _place(bearing_deg: float, radius_m: float) -> PlannedPlace:
     )
 
 
-def _point(arguments: Any) -> tuple[float, float, bool] | None:
-    """Return x, y on the map, and whether a button is down; None: the event has none of them."""
+class _Pointer(NamedTuple):
+    """Position of the pointer on the map, whether its button is down, and whether it is released just now."""
+
+    x: float
+    y: float
+    is_down: bool
+    is_released: bool
+
+
+def _point(arguments: Any) -> _Pointer | None:
+    """Return what an event says of the pointer; None: it does not say where it is."""
     try:
-        return float(arguments["image_x"]), float(arguments["image_y"]), bool(int(arguments["buttons"]) & 1)
+        x, y, is_down = float(arguments["image_x"]), float(arguments["image_y"]), bool(int(arguments["buttons"]) & 1)
     except (KeyError, TypeError, ValueError):
         return None
+    return _Pointer(x, y, is_down, arguments.get("mouse_event_type") == "pointerup")
