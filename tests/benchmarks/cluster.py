@@ -31,7 +31,7 @@ from voa_service.services import Services
 from voa_service.settings import Settings
 from voa_service.versions import versions
 
-_POSES, _PLACES, _GRASPS = 2_000, 192, 20  # four seconds of one worker
+_POSES, _PLACES, _GRASPS = 2_100, 96, 20  # so many poses are weighed row by row, as 20 000 are
 _ROUNDS = 3
 _FIRST_PLACES = 16  # of a ranking by which the workers load their kernels
 _TASKS = 400
