@@ -1,5 +1,6 @@
 """Checks of the values that callers give: shapes, finiteness, signs, names."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -49,16 +50,17 @@ def number(
 ) -> float:
     """Convert a value to a finite float within the limits; raises InvalidInput otherwise."""
     value = float(value)
-    limits = [
-        (above is None or value > above, f"a number above {above}"),
-        (at_least is None or value >= at_least, f"a number of at least {at_least}"),
-        (below is None or value < below, f"a number below {below}"),
-        (np.isfinite(value), "a finite number"),
-    ]
-    for holds, expected in limits:
-        if not holds:
-            raise InvalidInput(field, expected, repr(value))
-    return value
+    if above is not None and not value > above:
+        expected = f"a number above {above}"
+    elif at_least is not None and not value >= at_least:
+        expected = f"a number of at least {at_least}"
+    elif below is not None and not value < below:
+        expected = f"a number below {below}"
+    elif not math.isfinite(value):
+        expected = "a finite number"
+    else:
+        return value
+    raise InvalidInput(field, expected, repr(value))
 
 
 def unique_names(what: str, names: Sequence[str]) -> tuple[str, ...]:

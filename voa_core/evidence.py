@@ -168,7 +168,7 @@ def evidence_of_beams(
         fits.hit_rmsds,
         compared,
         sight_of(beams, prediction, np.inf if has_workspace else BEHIND_M),
-        _log_absent(beams, rule),
+        _log_absent(beams, compared, rule),
         viewpoint,
     )
 
@@ -193,7 +193,7 @@ def _evidence_of_copies(
         np.concatenate([each.hit_rmsds for each in fits]),
         compared,
         joined(sights),
-        _log_absent(beams, rule),
+        _log_absent(beams, compared, rule),
         viewpoint,
     )
 
@@ -264,17 +264,17 @@ def _log_weights_of_poses(beams: Floats, prediction: Prediction, rule: UpdateRul
     return rule.log_weights(statistic, compared)[:, None]
 
 
-def _log_absent(beams: Floats, rule: UpdateRule) -> float:
-    """Logarithm of the weight of a prediction without any return, for classified beams (r,)."""
-    compared = beams[~np.isnan(beams)]
-    if len(compared) == 0:
+def _log_absent(beams: Floats, compared: int, rule: UpdateRule) -> float:
+    """Logarithm of the weight of a prediction without any return, for classified beams (r,), of which some compare."""
+    if compared == 0:
         return 0.0
     if _is_of_squares(rule):
-        off = compared[compared < rule.no_return_m] - rule.no_return_m
+        off = beams[beams < rule.no_return_m] - rule.no_return_m
         statistic = np.array([off @ off])
     else:
-        statistic = rule.statistic(compared[None, :], np.full((1, len(compared)), NO_RETURN))[0]
-    return float(rule.log_weights(statistic, len(compared))[0])
+        known = beams[~np.isnan(beams)]
+        statistic = rule.statistic(known[None, :], np.full((1, compared), NO_RETURN))[0]
+    return float(rule.log_weights(statistic, compared)[0])
 
 
 def _is_of_squares(rule: UpdateRule) -> bool:

@@ -34,7 +34,7 @@ def _filterpys_update() -> Callable[[Floats, Floats], Floats]:
     file = Path(package.origin).parent / "discrete_bayes" / "discrete_bayes.py"
     module = ast.parse(file.read_text(encoding="utf-8"), str(file))
     module.body = [each for each in module.body if getattr(each, "name", None) in ("normalize", "update")]
-    names: dict[str, Any] = {"np": np}
+    names: dict[str, Any] = {"np": np, "sum": np.sum}  # Python's own sum takes thirteen times as long over an array
     exec(compile(module, str(file), "exec"), names)  # noqa: S102 - the source of an installed package, as an import runs it
     return cast(Callable[[Floats, Floats], Floats], names["update"])
 

@@ -90,14 +90,11 @@ def classify(scan: Scan, lidar: LidarModel, crossing: Crossing | None) -> Floats
     """
     low, high = scan.limits(lidar)
     raw = scan.ranges
-    declared = np.zeros(raw.shape, dtype=bool)
-    declared[list(scan.no_return)] = True
-    lost = np.isnan(raw) | (raw == -np.inf)
-    zero = raw == 0.0
-    zero_lost = zero if lidar.zero == "missing" else np.zeros_like(zero)
-    short = ~zero & (raw < low)
-    nothing = declared | ((raw > high) & ~short) | (zero & ~zero_lost)
-    beams = np.where(nothing, NO_RETURN, np.where(lost | zero_lost | short, MISSING, raw))
+    beams = np.where(raw > high, NO_RETURN, raw)
+    np.putmask(beams, raw < low, MISSING)  # -inf among them
+    np.putmask(beams, raw == 0.0, MISSING if lidar.zero == "missing" else NO_RETURN)
+    if scan.no_return:
+        beams[list(scan.no_return)] = NO_RETURN
     if crossing is None:
         return beams
     returned = np.isfinite(beams)

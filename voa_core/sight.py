@@ -73,8 +73,7 @@ class Sight:
         With m the fewest returns that a copy of a possible pose predicts, the scan misses the object if m >= 3 and
         fewer than m / 3 of the beams on which such a copy returns see it. Two returns or fewer decide nothing.
         """
-        fewest, seen = _see(self.beams, possible, *self.returns, self.behind_m, self.fewest)
-        return bool(fewest >= _FEWEST_RETURNS and 3 * seen < fewest)
+        return bool(_miss(self.beams, possible, *self.returns, self.behind_m, self.fewest))
 
 
 def sight_of(beams: Floats, prediction: Prediction, behind_m: float) -> Sight:
@@ -130,7 +129,7 @@ def _count_returns(ranges: Floats, compared: NDArray[np.bool_], fewest: NDArray[
 
 
 @kernel
-def _see(
+def _miss(
     measured: Floats,
     possible: NDArray[np.bool_],
     start: NDArray[np.int64],
@@ -139,22 +138,26 @@ def _see(
     farthest: Floats,
     behind_m: float,
     fewest: NDArray[np.intp],
-) -> tuple[int, int]:
-    """Return the fewest returns that one of the possible poses predicts, and the number of beams that see the object.
+) -> bool:
+    """True if a scan misses the object (`Sight.misses_object`); the arguments are those of `Sight` and `Returns`.
 
-    The arguments are those of `Sight` and `Returns`.
+    The loop ends as soon as enough beams see the object: for most scans, after the first few poses.
     """
-    least, reach = np.iinfo(np.int64).max, np.full(len(measured), -np.inf)
+    least = np.iinfo(np.int64).max
     for pose in range(len(possible)):
         if possible[pose]:
             least = min(least, fewest[pose])
-            for row in range(start[pose], start[pose + 1]):
-                if farthest[row] < np.inf:
-                    beam = beams[first[pose] + row - start[pose]]
-                    reach[beam] = max(reach[beam], farthest[row])
-    seen = 0
-    for beam in range(len(measured)):
-        seen += (
-            reach[beam] > -np.inf and measured[beam] < np.inf and measured[beam] <= reach[beam] + behind_m + _SLACK_M
-        )
-    return least, seen
+    if least < _FEWEST_RETURNS:
+        return False
+    sees, count = np.zeros(len(measured), dtype=np.bool_), 0
+    for pose in range(len(possible)):
+        if not possible[pose]:
+            continue
+        for row in range(start[pose], start[pose + 1]):
+            beam, far = beams[first[pose] + row - start[pose]], farthest[row]
+            if far < np.inf and measured[beam] < np.inf and measured[beam] <= far + behind_m + _SLACK_M:
+                count += not sees[beam]
+                sees[beam] = True
+        if 3 * count >= least:
+            return False
+    return True

@@ -73,7 +73,7 @@ def written(
 
 def blob(belief: Belief) -> bytes:
     """Convert a belief over n poses and its logarithms to bytes: 2 x n little-endian float64."""
-    return np.stack([belief.p, belief.log_p]).astype("<f8").tobytes()
+    return b"".join(part.astype("<f8", copy=False).tobytes() for part in (belief.p, belief.log_p))
 
 
 def _belief(stored: bytes) -> Belief:

@@ -74,6 +74,7 @@ def put_spans(spans: Spans) -> None:
     for owner, name in (
         (updates, "scan_observation"),
         (updates, "next_version"),
+        (updates, "belief_summary"),
         (estimates, "belief_summary"),
         (LookedFrom, "prepared"),
         (LookedFrom, "updated"),

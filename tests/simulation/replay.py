@@ -8,6 +8,7 @@ from tests.simulation.replica import UseCases
 from voa_core.filtering import Belief
 from voa_core.places import Place
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest
+from voa_service.mapping.estimates import absent_of, belief_summary
 from voa_service.mapping.models import Model
 from voa_service.mapping.observations import ScanObservation, outcome_observation, scan_observation
 from voa_service.mapping.updates import Updated, next_version, replaced_belief, updated_by_outcome, updated_by_scan
@@ -20,7 +21,9 @@ def replayed(inside: UseCases, entries: Sequence[HistoryEntry]) -> list[Belief]:
     model = inside.sessions.model_of(state)
     beliefs = [state.belief]
     for entry in entries[1:]:
-        state = next_version(model, state, _updated(model, state, entry), entry.state.updated_at)
+        updated = _updated(model, state, entry)
+        summary = belief_summary(model.scenario, updated.belief, absent_of(updated.record))
+        state = next_version(state, updated, summary, entry.state.updated_at)
         beliefs.append(state.belief)
     return beliefs
 

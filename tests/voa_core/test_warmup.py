@@ -18,7 +18,7 @@ WEIGHING = {
     "write_log_likelihoods": "mixture_pairs",
 }
 """Kernels that weigh scans and choose grasps, for rankings in either precision, and the modules that call them."""
-COMPARING = {"_fit_poses": "fits", "_fit_copies": "fits", "_count_returns": "sight", "_see": "sight"}
+COMPARING = {"_fit_poses": "fits", "_fit_copies": "fits", "_count_returns": "sight", "_miss": "sight"}
 """Kernels that compare a measured scan, and the modules that call them."""
 
 
@@ -49,7 +49,7 @@ def test_warming_up_runs_every_kernel_in_the_float_types_that_it_is_used_with(me
 
 def test_the_kernels_of_scans_are_loaded_with_the_type_of_scans(met: Met) -> None:
     warmup.load_scan_kernels()
-    names = {"_fit_poses", "_count_returns", "_see", "disagreements", "write_log_likelihoods"}
+    names = {"_fit_poses", "_count_returns", "_miss", "disagreements", "write_log_likelihoods"}
     assert met == {(name, "float64") for name in names}
 
 

@@ -107,7 +107,7 @@ class _Fit:
         square = np.maximum(lidar.noise_m, lidar.noise_ratio * ranges) ** 2
         if uncertainty is not None:
             square = square + uncertainty.xy_m**2 + (ranges * uncertainty.yaw_rad) ** 2
-        expected = max(_LEAST_NOISE_M, float(np.sqrt(square.mean())) if len(ranges) else lidar.noise_m)
+        expected = max(_LEAST_NOISE_M, math.sqrt(float(square.sum()) / len(ranges)) if len(ranges) else lidar.noise_m)
         rmsd = evidence.fit_hit_rmsd_mm or 0.0
         return cls(pose, len(ranges), int(evidence.sight.fewest[pose]), rmsd, 1e3 * expected)
 

@@ -18,12 +18,15 @@ from voa_service.mapping.looks import LookRecord, place_messages, record_of
 from voa_service.mapping.under_way import announced_looks
 from voa_store.records import SessionState
 
+Summary = dict[str, Any]
+"""The fields of a message that summarise an estimate: best grasp, its expected score, entropy, absence."""
+
 ABSENT = 0.5
 """Probability of absence above which a warning says that the object is probably not there."""
 
 
-def belief_summary(scenario: Scenario, belief: Belief, absent: float | None) -> dict[str, Any]:
-    """Return the fields of a message that summarise an estimate: best grasp, its expected score, entropy, absence."""
+def belief_summary(scenario: Scenario, belief: Belief, absent: float | None) -> Summary:
+    """Summarise an estimate."""
     choice = best_grasp(scenario.table, belief.p)
     return {
         "best_grasp": None if choice.index is None else scenario.table.names[choice.index],
@@ -58,8 +61,11 @@ def absence_warnings(absent: float | None) -> list[ProbableMistake]:
 
 def estimate_fields(scenario: Scenario, belief: Belief, absent: float | None) -> dict[str, Any]:
     """Return the fields of `voa_msgs.sessions.Estimate` that follow from a belief over n poses, and from absence."""
-    beliefs = {"poses": list(scenario.poses.names), "belief": belief.p.tolist()}
-    return beliefs | belief_summary(scenario, belief, absent)
+    return _belief_fields(scenario, belief) | belief_summary(scenario, belief, absent)
+
+
+def _belief_fields(scenario: Scenario, belief: Belief) -> dict[str, Any]:
+    return {"poses": list(scenario.poses.names), "belief": belief.p.tolist()}
 
 
 def session_message(
@@ -68,6 +74,7 @@ def session_message(
     warnings: Sequence[ProbableMistake],
     now: datetime,
     report: UpdateReport | None = None,
+    summary: Summary | None = None,
 ) -> Session:
     """Convert a session's state to a message.
 
@@ -77,20 +84,26 @@ def session_message(
         warnings: about the scenario and the scan.
         now: announced looks that have expired by then are left out.
         report: of the observation that the message answers; None: it answers another request.
+        summary: of the session's estimate; None: it is computed.
     """
     record = record_of(state.looks)
     absent = absent_of(record)
-    fields = estimate_fields(scenario, state.belief, absent) | {
-        "id": state.id,
-        "scenario": state.scenario,
-        "version": state.version,
-        "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
-        "created_at": state.created_at,
-        "updated_at": state.updated_at,
-        "places": place_messages(record.places),
-        "under_way": announced_looks(state.under_way, now),
-        "warnings": [*warnings, *absence_warnings(absent)],
-    }
+    summary = belief_summary(scenario, state.belief, absent) if summary is None else summary
+    fields = (
+        _belief_fields(scenario, state.belief)
+        | summary
+        | {
+            "id": state.id,
+            "scenario": state.scenario,
+            "version": state.version,
+            "last_fit_rmsd_mm": state.last_fit_rmsd_mm,
+            "created_at": state.created_at,
+            "updated_at": state.updated_at,
+            "places": place_messages(record.places),
+            "under_way": announced_looks(state.under_way, now),
+            "warnings": [*warnings, *absence_warnings(absent)],
+        }
+    )
     return Session(**fields) if report is None else UpdatedSession(**fields, update=report)
 
 

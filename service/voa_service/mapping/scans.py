@@ -42,11 +42,13 @@ def _grid(scan: sessions.Scan, own: BeamGrid) -> BeamGrid:
             f"{own.angle_increment:g} rad), got {len(scan.ranges)} ranges: a scan with other beams must say both "
             "angle_min and angle_increment"
         )
-    grid = BeamGrid(
-        len(scan.ranges),
-        own.angle_min if scan.angle_min is None else scan.angle_min,
-        own.angle_increment if scan.angle_increment is None else scan.angle_increment,
-    )
+    grid = own
+    if scan.angle_min is not None or scan.angle_increment is not None:
+        grid = BeamGrid(
+            len(scan.ranges),
+            own.angle_min if scan.angle_min is None else scan.angle_min,
+            own.angle_increment if scan.angle_increment is None else scan.angle_increment,
+        )
     if grid.beams * abs(grid.angle_increment) > _FULL_TURN + 1.5 * abs(grid.angle_increment):
         turns = grid.beams * abs(grid.angle_increment) / _FULL_TURN
         raise BeamGridMismatch(

@@ -1,5 +1,6 @@
 """Updates of a session's estimate by observations: from its stored state to the next belief, record and report."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -13,7 +14,7 @@ from voa_core.updating import Update, update_estimate, update_estimate_by_outcom
 from voa_msgs.sessions import BeliefRequest, UpdatedEstimate, UpdateReport, UpdateRequest
 from voa_msgs.warnings import ProbableMistake
 from voa_service.mapping.beliefs import belief_of, estimate_of
-from voa_service.mapping.estimates import absence_warnings, absent_of, estimate_fields, summary_of, update_report
+from voa_service.mapping.estimates import Summary, absence_warnings, absent_of, estimate_fields, update_report
 from voa_service.mapping.looks import LookRecord, record_of
 from voa_service.mapping.models import Model
 from voa_service.mapping.observations import OutcomeObservation, ScanObservation, scan_observation
@@ -50,15 +51,22 @@ class Updated:
         return self.report is None or self.report.accepted
 
 
-def next_version(model: Model, state: SessionState, updated: Updated, now: datetime) -> SessionState:
-    """Return the next version of a session, from the result of an accepted observation or of a replaced belief."""
+def next_version(state: SessionState, updated: Updated, summary: Summary, now: datetime) -> SessionState:
+    """Return the next version of a session.
+
+    Args:
+        state: of the session before.
+        updated: by an accepted observation, or by another belief.
+        summary: of the estimate after it.
+        now: time of the new version.
+    """
     return replace(
         state,
         version=state.version + 1,
         updated_at=now,
         belief=updated.belief,
         looks=updated.record.text(),
-        summary=summary_of(model.scenario, updated.belief, updated.record),
+        summary=json.dumps(summary),
         last_fit_rmsd_mm=updated.fit_rmsd_mm,
     )
 

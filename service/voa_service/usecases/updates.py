@@ -6,11 +6,15 @@ from functools import partial
 from typing import Protocol
 
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, UpdatedEstimate, UpdateRequest
-from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import not_found
-from voa_service.mapping.estimates import session_message
+from voa_service.mapping.estimates import absent_of, belief_summary, session_message
 from voa_service.mapping.models import Model
-from voa_service.mapping.observations import ScanObservation, outcome_observation, scan_observation
+from voa_service.mapping.observations import (
+    ScanObservation,
+    is_compared_quickly,
+    outcome_observation,
+    scan_observation,
+)
 from voa_service.mapping.under_way import without_announcement
 from voa_service.mapping.updates import Updated, next_version, replaced_belief, updated_by_outcome, updated_once
 from voa_service.usecases.places import LookedFrom
@@ -33,8 +37,11 @@ class AttemptCounter(Protocol):
 class Updates:
     """Use cases that change the belief of a session.
 
-    An observation is compared with every pose before the transaction begins, because that does not depend on the
-    belief: writers on one session wait for each other only while the result is applied.
+    A scan is compared with every pose before the transaction begins, because that does not depend on the belief:
+    writers on one session wait for each other only while the result is applied. A scan that is compared in a moment is
+    compared within the transaction instead: one thread does that for all writers of a group, while the others sleep.
+    Many threads that compute at once would pass the interpreter's lock from one to the next for about as long as the
+    work itself takes.
 
     Attributes:
         sessions: use cases about whole sessions.
@@ -60,9 +67,15 @@ class Updates:
         if state is None:
             return self._response_of_deleted(id_, write)
         model = self.sessions.model_of(state)
-        scan = self.places.prepared(state, scan_observation(model.scenario, request))
+        observe = partial(scan_observation, model.scenario, request)
+        prepared = None if is_compared_quickly(model.scenario, request) else self.places.prepared(state, observe())
+
+        def update(before: SessionState) -> tuple[Updated, ScanObservation]:
+            scan = observe() if prepared is None else prepared
+            return self.places.updated(before, scan), scan
+
         try:
-            response, updated = self._change(state, model, write, partial(self.places.updated, scan=scan), scan)
+            response, updated = self._change(state, model, write, update)
         except SessionMissing:  # since this process saw it
             return self._response_of_deleted(id_, write)
         if updated is not None:
@@ -82,7 +95,9 @@ class Updates:
             return self._response_of_deleted(id_, write)
         model = self.sessions.model_of(state)
         outcome = outcome_observation(model.scenario, request)
-        response, updated = self._change(state, model, write, partial(updated_by_outcome, outcome=outcome))
+        response, updated = self._change(
+            state, model, write, lambda before: (updated_by_outcome(before, outcome), None)
+        )
         if updated is not None:
             self.attempted(outcome.promised(state.belief), success=outcome.success)
         return response
@@ -100,7 +115,7 @@ class Updates:
             return self._response_of_deleted(id_, write)
         model = self.sessions.model_of(state)
         replaced_belief(state, model, request)  # a wrong belief is refused before the transaction
-        return self._change(state, model, write, partial(replaced_belief, model=model, request=request))[0]
+        return self._change(state, model, write, lambda before: (replaced_belief(before, model, request), None))[0]
 
     def update_once(self, request: UpdateRequest) -> UpdatedEstimate:
         """Update the belief in the request, or the scenario's prior where that is null, by a raw scan; stores nothing.
@@ -129,16 +144,14 @@ class Updates:
         ranges: list[float | None] = [0.5 * (lidar.range_min + lidar.range_max)] * lidar.grid.beams
         request = ScanRequest(sensor=scenario.sensors[0].name, scan=Scan(ranges=ranges))
         scan = self.places.prepared(state, scan_observation(scenario, request))
-        updated, warnings = self.places.updated(state, scan), self._warnings(state, scan)
-        self._answer(SessionChange(state), model, state, updated, scan, warnings)
+        self._answer(SessionChange(state), model, state, self.places.updated(state, scan), scan)
 
     def _change(
         self,
         state: SessionState,
         model: Model,
         write: Write,
-        update: Callable[[SessionState], Updated],
-        scan: ScanObservation | None = None,
+        update: Callable[[SessionState], tuple[Updated, ScanObservation | None]],
     ) -> tuple[StoredResponse, Updated | None]:
         """Change a session's estimate; the session gets a new version if the change is accepted.
 
@@ -146,27 +159,23 @@ class Updates:
             state: of the session, as it was read before the transaction.
             model: of its scenario.
             write: the request.
-            update: computes the result from the state within the transaction.
-            scan: that changes the estimate; None: it is an outcome, or another belief.
+            update: computes the result from the state within the transaction; returns it with the scan that changes the
+                estimate, or None where it is an outcome or another belief.
 
         Returns:
             The response to the write, and the result; None: the write was answered before.
         """
-        updated, warnings = None, self._warnings(state, scan)
+        updated: Updated | None = None
 
         def step(change: SessionChange, before: SessionState) -> None:
             nonlocal updated
-            updated = update(before)
-            self._answer(change, model, before, updated, scan, warnings)
+            updated, scan = update(before)
+            self._answer(change, model, before, updated, scan)
 
         change = self.sessions.store.change(state.id, write, step)
         if updated is not None and updated.report is not None:
             self.observed(write.kind, updated.report.reason or "accepted")
         return self._committed(state.id, change), updated
-
-    def _warnings(self, state: SessionState, scan: ScanObservation | None) -> list[ProbableMistake]:
-        """Return probable mistakes in a session's scenario and in a scan."""
-        return [*self.sessions.models.warnings(state.scenario), *([] if scan is None else scan.warnings)]
 
     def _answer(
         self,
@@ -175,15 +184,16 @@ class Updates:
         before: SessionState,
         updated: Updated,
         scan: ScanObservation | None,
-        warnings: list[ProbableMistake],
     ) -> None:
         """Respond to a change with the state that its result makes of the state before."""
-        now = self.sessions.now()
-        after = next_version(model, before, updated, now) if updated.accepted else before
+        now, report = self.sessions.now(), updated.report
+        summary = belief_summary(model.scenario, updated.belief, absent_of(updated.record))
+        after = next_version(before, updated, summary, now) if updated.accepted else before
+        warnings = [*self.sessions.models.warnings(before.scenario)]
         if scan is not None:
+            warnings += scan.warnings
             after = without_announcement(after, scan, now)
-        report = updated.report
-        body = session_message(model.scenario, after, warnings, now, report).model_dump_json()
+        body = session_message(model.scenario, after, warnings, now, report, summary).model_dump_json()
         text = None if report is None else report.model_dump_json()
         change.respond(StoredResponse(body, after.version), None if after is before else after, text)
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -9,12 +10,19 @@ import pytest
 
 from tests.support.scenarios import core_scenario
 from tests.support.serving import PREDICTIONS, as_scan
+from voa_core.displacements import Spread
 from voa_core.errors import BeamGridMismatch, UnknownName
 from voa_core.filtering import Belief
 from voa_core.places import Viewpoint
 from voa_msgs.looks import AtPlace
 from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
-from voa_service.mapping.observations import accepted_scan, outcome_observation, scan_observation, viewpoint_of
+from voa_service.mapping.observations import (
+    accepted_scan,
+    is_compared_quickly,
+    outcome_observation,
+    scan_observation,
+    viewpoint_of,
+)
 from voa_store.records import HistoryEntry, HistoryKind, SessionState
 
 NOON = datetime(2026, 1, 2, 12, tzinfo=UTC)
@@ -42,6 +50,17 @@ def test_copies_that_are_all_alike_are_not_compared_again() -> None:
 def test_a_scan_with_other_beams_is_refused() -> None:
     with pytest.raises(BeamGridMismatch, match="got 3 ranges"):
         scan_observation(core_scenario(), ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.5] * 3}}))
+
+
+def test_only_few_ranges_at_a_listed_sensor_without_spread_are_compared_quickly() -> None:
+    scenario, posed = core_scenario(), {"sensor_pose": {"x": 0.1, "y": 0.2, "yaw_rad": 0.3}}
+    assert is_compared_quickly(scenario, scan("P2"))
+    assert not is_compared_quickly(replace(scenario, spread=Spread(0.01, 0.0)), scan("P2"))
+    assert not is_compared_quickly(scenario, ScanRequest.model_validate(posed | {"scan": as_scan([0.5] * 4)}))
+    few = 2**18 // len(scenario.poses)
+    for beams, quickly in ((few, True), (few + 1, False)):
+        long = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.5] * beams}})
+        assert is_compared_quickly(scenario, long) is quickly
 
 
 def test_a_viewpoint_has_the_name_of_a_listed_sensor_or_the_pose_of_the_request() -> None:

@@ -1,6 +1,9 @@
 """Updates of a belief: what each writes, publishes and counts, and what leaves the session as it was."""
 
 import json
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -8,14 +11,18 @@ from typing import Any
 import pytest
 
 from tests.support.serving import PREDICTIONS, Service, as_scan, box_obj, data_scenario, mesh_scenario, scan_of, serving
-from voa_core.errors import InvalidInput, UnknownName
+from tests.support.waiting import SECONDS, wait_for
+from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
+from voa_core.scenario import Scenario
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
 from voa_service.failures import NotFound, UnknownReference
+from voa_service.mapping.observations import ScanObservation, scan_observation
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.updates import Updates
-from voa_store.records import SessionState, Write
+from voa_store.records import SessionChange, SessionState, StoredResponse, Write
 
 GOOD = ScanRequest.model_validate({"sensor": "Q1", "scan": as_scan(PREDICTIONS["Q1"]["P2"])})
+UNFIT = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.5] * 3}})
 EMPTY = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [None] * 4}})
 
 
@@ -168,6 +175,59 @@ def test_a_stated_belief_has_no_fit_where_no_pose_explains_the_scan(updates: Upd
     assert (refused.update.accepted, refused.update.reason) == (False, "no_match")
     assert (refused.belief, refused.last_fit_rmsd_mm) == (belief, None)
     assert refused.update.fit_rmsd_mm is not None
+
+
+@contextmanager
+def held(store: Any, session: str) -> Iterator[None]:
+    """Hold up all writes of a store within the step of one."""
+    entered, let_go = threading.Event(), threading.Event()
+
+    def hold(change: SessionChange, state: SessionState) -> None:
+        entered.set()
+        assert let_go.wait(SECONDS)
+        change.respond(StoredResponse("", state.version))
+
+    with ThreadPoolExecutor(1) as pool:
+        holding = pool.submit(store.change, session, write("outcome"), hold)
+        try:
+            assert entered.wait(SECONDS)
+            yield
+        finally:
+            let_go.set()
+            holding.result(SECONDS)
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_scans_that_are_compared_in_a_moment_are_compared_by_the_thread_that_commits_them(
+    quick: bool, updates: Updates, service: Service, data_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("voa_service.mapping.observations._FEW_RANGES", 2**18 if quick else 0)
+    threads: list[int] = []
+
+    def compare(scenario: Scenario, request: ScanRequest) -> ScanObservation:
+        threads.append(threading.get_ident())
+        return scan_observation(scenario, request)
+
+    monkeypatch.setattr("voa_service.usecases.updates.scan_observation", compare)
+    store: Any = service.inside.sessions.store
+    other, *sessions = [service.open(data_id) for _ in range(5)]
+
+    def wait_together() -> bool:
+        return len(store._session_writer._groups._waiting) == (4 if quick else 3)
+
+    with ThreadPoolExecutor(4) as pool:
+        with held(store, other):
+            scans = [
+                pool.submit(updates.apply_scan, session, request, write())
+                for session, request in zip(sessions, [GOOD, GOOD, UNFIT, EMPTY], strict=True)
+            ]
+            wait_for(wait_together, "the scans to wait for the transaction")
+            assert len(threads) == (0 if quick else 4)
+        with pytest.raises(BeamGridMismatch):
+            scans.pop(2).result(SECONDS)
+        assert [scan.result(SECONDS).version for scan in scans] == [1, 1, 0]
+    assert len(threads) == 4
+    assert not quick or len(set(threads)) == 1
 
 
 def test_a_rehearsal_changes_nothing_and_reads_what_the_next_scan_needs(
