@@ -370,15 +370,15 @@ MUTANTS = (
     Mutant(
         name="a range of range_max is none",
         file="voa_core/scans.py",
-        old="((raw > high) & ~short)",
-        new="((raw >= high) & ~short)",
+        old="np.where(raw > high, NO_RETURN, raw)",
+        new="np.where(raw >= high, NO_RETURN, raw)",
         tests="tests/voa_core/test_scans.py",
     ),
     Mutant(
         name="a range of range_min is missing",
         file="voa_core/scans.py",
-        old="~zero & (raw < low)",
-        new="~zero & (raw <= low)",
+        old="np.putmask(beams, raw < low, MISSING)",
+        new="np.putmask(beams, raw <= low, MISSING)",
         tests="tests/voa_core/test_scans.py",
     ),
     Mutant(
