@@ -66,6 +66,7 @@ class Metrics:
             buckets=_SECONDS,
             registry=self._registry,
         )
+        self._methods: dict[tuple[str, int], tuple[Counter, Histogram]] = {}
         self._zenoh = Counter(
             "voa_zenoh_samples",
             "Events on Zenoh: scans received, refused or dropped; beliefs published or dropped; links made and lost.",
@@ -102,8 +103,12 @@ class Metrics:
 
     def rpc(self, method: str, status: int, seconds: float) -> None:
         """Count a remote call that was answered, with its duration."""
-        self._rpc.labels(method, str(status)).inc()
-        self._rpc_seconds.labels(method).observe(seconds)
+        counted = self._methods.get((method, status))
+        if counted is None:
+            counted = self._rpc.labels(method, str(status)), self._rpc_seconds.labels(method)
+            self._methods[method, status] = counted
+        counted[0].inc()
+        counted[1].observe(seconds)
 
     def zenoh(self, event: str) -> None:
         """Count an event on Zenoh, by its name."""
