@@ -4,8 +4,12 @@ Without HTTP: the use case against the bare transaction of the same rows in the 
 time of one update; then how many updates 16 threads make in a second on 16 sessions, against as many bare transactions
 by 16 threads with a connection each, taken in turn; and on one session. The echo beside is in `service`. PostgreSQL's
 own processes are not in the CPU time. Its tests run without fsync; this does not.
+
+The time of one sync of the disk is printed first: it decides what the updates are compared with. A bare transaction
+waits for one of its own, while some eight updates share one.
 """
 
+import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -36,13 +40,26 @@ Call = Callable[[], None]
 def run() -> list[Result]:
     """SQLite, then PostgreSQL."""
     logs.configure("WARNING")
-    results = []
     with tempfile.TemporaryDirectory(prefix="voa-bench-") as folder, postgres.server(durable=True) as server:
         place = Path(folder)
+        results = [Result("sync of 4 KiB to the disk", None, _sync_ms(place / "synced"), None, "ms wall")]
         file, url = place / "voa.db", server.new_database()
         results += _of("SQLite", f"sqlite:///{file}", place, bare.sqlite(str(file)))
         results += _of("PostgreSQL", url, place, bare.postgres(url))
     return results
+
+
+def _sync_ms(file: Path) -> float:
+    """Median wall milliseconds of a write of 4 KiB, and its sync, in a file that has its length already."""
+    block, taken = os.urandom(4096), []
+    with file.open("wb", buffering=0) as opened:
+        opened.write(block)
+        for _ in range(_ROUNDS * _UPDATES):
+            began = time.perf_counter()
+            os.pwrite(opened.fileno(), block, 0)
+            os.fdatasync(opened.fileno())
+            taken.append(1e3 * (time.perf_counter() - began))
+    return median(taken)
 
 
 def _of(name: str, url: str, place: Path, dialect: bare.Dialect) -> list[Result]:

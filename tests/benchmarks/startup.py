@@ -42,7 +42,7 @@ def run() -> list[Result]:
 
 
 def _starts(place: Path) -> list[tuple[float, float, float, float]]:
-    """CPU seconds after each start: of the first update, of the tenth, of the tenth without pauses; and of the start."""
+    """CPU seconds after each start: of the first and tenth update, of the tenth without pauses, and of the start."""
     options = ["--database-url", f"sqlite:///{place / 'start.db'}", "--log-level", "WARNING"]
     with running("voa_service", options, place / "log") as service, httpx2.Client(base_url=service.url) as http:
         scenario = post(http, "/v1/scenarios", data_scenario())
