@@ -17,6 +17,7 @@ from typing import Any
 
 from voa_service import serve
 from voa_service.mapping import estimates
+from voa_service.mapping.observations import ReceivedScan
 from voa_service.usecases import updates
 from voa_service.usecases.places import LookedFrom
 from voa_store.records import SessionChange, Step, Write
@@ -72,7 +73,9 @@ class Spans:
 def put_spans(spans: Spans) -> None:
     """Put spans around numerics and store of a scan update; raises AttributeError where a function has another name."""
     for owner, name in (
-        (updates, "scan_observation"),
+        (updates, "received_scan"),
+        (ReceivedScan, "predict"),
+        (ReceivedScan, "observation"),
         (updates, "next_version"),
         (updates, "belief_summary"),
         (estimates, "belief_summary"),

@@ -1,7 +1,7 @@
 """Mistakes in a scan that no pose explains well: a clockwise driver, a wrong yaw, ranges in millimetres."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from voa_core.prediction import Prediction
 from voa_core.rasterising import rasterise
 from voa_core.scans import Scan, classify
 from voa_core.scenario import Scenario
+from voa_core.weights import wanted
 
 _SIGMAS = 5.0
 _FEWEST_BEAMS = 3
@@ -33,6 +34,7 @@ def mistakes_of_scan(
     sensor: SensorConfiguration,
     uncertainty: SensorUncertainty | None,
     evidence: Evidence,
+    check: Callable[[], None] = wanted,
 ) -> tuple[Mistake, ...]:
     """Find probable reasons why a scan fits badly; if it fits well, only mistakes in the numbers of the sensor pose.
 
@@ -44,6 +46,8 @@ def mistakes_of_scan(
         sensor: configuration from which the scan was taken, as stated.
         uncertainty: of the sensor pose; None: it is exact.
         evidence: of the scan.
+        check: called before the scan is compared with every pose again, in other readings of its beams; an error that
+            it raises ends the search.
     """
     mistakes = [] if scenario.lists(sensor) else _sensor_pose(sensor, evidence)
     fit = _Fit.of(evidence, scenario, uncertainty)
@@ -57,7 +61,8 @@ def mistakes_of_scan(
             "sensor stand where the scan says?"
         )
         mistakes.append(Mistake("poor-fit", detail, (pose,)))
-    return tuple(mistakes + _millimetres(scenario, scan) + _another_reading(scenario, scan, sensor, uncertainty, fit))
+    mistakes += _millimetres(scenario, scan)
+    return tuple(mistakes + _another_reading(scenario, scan, sensor, uncertainty, fit, check))
 
 
 def _sensor_pose(sensor: SensorConfiguration, evidence: Evidence) -> list[Mistake]:
@@ -162,12 +167,18 @@ def _readings(scan: Scan, sensor: SensorConfiguration) -> Iterator[_Reading]:
 
 
 def _another_reading(
-    scenario: Scenario, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None, fit: _Fit
+    scenario: Scenario,
+    scan: Scan,
+    sensor: SensorConfiguration,
+    uncertainty: SensorUncertainty | None,
+    fit: _Fit,
+    check: Callable[[], None],
 ) -> list[Mistake]:
     """Find the reading of the beams under which the scan fits best, if it fits much better than as measured."""
     height = scenario.lidar.height_m if sensor.height_m is None else sensor.height_m
     if scenario.predictor.contours_at is None or height is None:
         return []
+    check()
     cuts = scenario.predictor.contours_at(height)
     index = evenly(len(scenario.poses), _MOST_POSES)
     cuts = replace(cuts, cut_of_pose=cuts.cut_of_pose[index], placement=cuts.placement[index])

@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 from voa_core.errors import UnknownName
 from voa_core.evidence import Evidence
 from voa_core.filtering import Belief
-from voa_core.lidars import SensorUncertainty
+from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.places import Viewpoint
+from voa_core.scans import Scan
 from voa_core.scenario import Scenario
+from voa_core.weights import wanted
 from voa_msgs.looks import AtPlace
 from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
 from voa_msgs.warnings import ProbableMistake
@@ -20,62 +22,113 @@ from voa_store.records import HistoryEntry
 _FEW_RANGES = 2**18  # compared in a tenth of a millisecond
 
 
+class TakesLong(Exception):
+    """A scan was not compared, because that would take long, and the caller wanted it only if it took a moment."""
+
+
+def _refuse_to_search() -> None:
+    raise TakesLong
+
+
+@dataclass(frozen=True, eq=False)
+class ReceivedScan:
+    """A raw scan, and where it was taken, before it is compared with the poses.
+
+    Attributes:
+        scenario: with whose poses it is to be compared.
+        scan: as measured.
+        sensor: configuration from which it was taken, as stated.
+        std: of the sensor pose; None: that is exact.
+        listed: True if it was taken from a sensor configuration of the scenario, by name.
+    """
+
+    scenario: Scenario
+    scan: Scan
+    sensor: SensorConfiguration
+    std: SensorUncertainty | None
+    listed: bool
+
+    @property
+    def is_quick(self) -> bool:
+        """True if the comparison takes a moment once the scan of each pose is predicted: one copy, and few ranges.
+
+        A sensor pose without `std` is left out too: it may share the place of earlier looks that had one.
+        """
+        ranges = len(self.scenario.poses) * self.scan.grid.beams
+        return self.listed and self.scenario.spread is None and ranges <= _FEW_RANGES
+
+    def predict(self) -> None:
+        """Predict the scan of each pose, unless the scenario's predictor remembers it; `observation` finds it there.
+
+        Raises:
+            VoaError: no prediction can be made.
+        """
+        self.scenario.predictor.predict(self.sensor, self.scan.grid, listed=self.scenario.lists(self.sensor))
+
+    def evidence(self, copies: int = 1) -> Evidence:
+        """Compare the scan with at least so many displaced copies of every pose; raises VoaError as `predict` does."""
+        return self.scenario.evidence(self.scan, self.sensor, self.std, copies)
+
+    def observation(self, *, quickly: bool = False) -> "ScanObservation":
+        """Compare the scan with every pose, and search for probable mistakes in it.
+
+        Args:
+            quickly: True to give up before a long search for a mistake that would explain why no pose fits.
+
+        Raises:
+            VoaError: no prediction can be made.
+            TakesLong: the search would be long.
+        """
+        evidence = self.evidence()
+        check = _refuse_to_search if quickly else wanted
+        mistakes = mistakes_of_scan(self.scenario, self.scan, self.sensor, self.std, evidence, check)
+        return ScanObservation(self, evidence, warning_messages(mistakes))
+
+
 @dataclass(frozen=True, eq=False)
 class ScanObservation:
     """A scan that was compared with every displaced copy of every pose; to apply it to an estimate is quick.
 
     Attributes:
-        scenario: with whose poses it was compared.
-        request: with the scan.
+        received: the scan.
         evidence: result of the comparison.
-        std: of the sensor pose; None: that is exact.
         warnings: probable mistakes in the scan.
     """
 
-    scenario: Scenario
-    request: ScanRequest
+    received: ReceivedScan
     evidence: Evidence
-    std: SensorUncertainty | None
     warnings: list[ProbableMistake]
 
     @property
-    def listed(self) -> bool:
-        """True if the scan was taken from a sensor configuration of the scenario, by name."""
-        return self.request.sensor is not None
+    def scenario(self) -> Scenario:
+        """Scenario with whose poses the scan was compared."""
+        return self.received.scenario
 
     def with_copies(self, copies: int) -> "ScanObservation":
         """Return the observation compared with at least so many copies of each pose, unless all copies are alike."""
         if not 1 < self.evidence.copies < copies:
             return self
-        return replace(self, evidence=scan_evidence(self.scenario, self.request, copies))
+        return replace(self, evidence=self.received.evidence(copies))
+
+
+def received_scan(scenario: Scenario, request: ScanRequest) -> ReceivedScan:
+    """Read a raw scan from a request.
+
+    Raises:
+        VoaError: the scan does not fit the scenario's lidar.
+    """
+    sensor, std = place_of(scenario, request)
+    return ReceivedScan(scenario, scan_of(request.scan, scenario.lidar), sensor, std, request.sensor is not None)
 
 
 def scan_observation(scenario: Scenario, request: ScanRequest) -> ScanObservation:
-    """Compare a raw scan with the predictions of every pose, and search for probable mistakes in it.
-
-    Raises:
-        VoaError: the scan does not fit the scenario's lidar, or no prediction can be made.
-    """
-    sensor, std = place_of(scenario, request)
-    scan = scan_of(request.scan, scenario.lidar)
-    evidence = scenario.evidence(scan, sensor, std)
-    warnings = warning_messages(mistakes_of_scan(scenario, scan, sensor, std, evidence))
-    return ScanObservation(scenario, request, evidence, std, warnings)
-
-
-def is_compared_quickly(scenario: Scenario, request: ScanRequest) -> bool:
-    """True if `scan_observation` takes a moment: few ranges are predicted, once, for a listed sensor configuration."""
-    return (
-        request.sensor_pose is None
-        and scenario.spread is None
-        and len(scenario.poses) * len(request.scan.ranges) <= _FEW_RANGES
-    )
+    """Read a raw scan, and compare it with the predictions of every pose; see `ReceivedScan.observation`."""
+    return received_scan(scenario, request).observation()
 
 
 def scan_evidence(scenario: Scenario, request: ScanRequest, copies: int) -> Evidence:
     """Compare a raw scan with at least so many displaced copies of every pose."""
-    sensor, std = place_of(scenario, request)
-    return scenario.evidence(scan_of(request.scan, scenario.lidar), sensor, std, copies)
+    return received_scan(scenario, request).evidence(copies)
 
 
 def viewpoint_of(scenario: Scenario, request: AtPlace) -> Viewpoint:

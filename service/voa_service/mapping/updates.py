@@ -88,7 +88,7 @@ def updated_by_scan(state: SessionState, scan: ScanObservation, place_of: PlaceO
     if not result.accepted:
         return Updated(state.belief, record, report, state.last_fit_rmsd_mm)
     fit, log_odds = scan.evidence.fit_rmsd_mm, result.estimate.log_odds_absent
-    record = replace(record, std=record.std if scan.listed else scan.std)
+    record = replace(record, std=record.std if scan.received.listed else scan.received.std)
     if result.reason == "nearest":
         return Updated(result.belief, record.restarted(version, log_odds), report, fit)
     if result.reason is not None:  # the scan moves the odds of absence alone

@@ -1,6 +1,7 @@
 """Updates of a session's belief: by a scan, by the outcome of a grasp, or by a stated belief."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
@@ -11,8 +12,9 @@ from voa_service.mapping.estimates import absent_of, belief_summary, session_mes
 from voa_service.mapping.models import Model
 from voa_service.mapping.observations import (
     ScanObservation,
-    is_compared_quickly,
+    TakesLong,
     outcome_observation,
+    received_scan,
     scan_observation,
 )
 from voa_service.mapping.under_way import without_announcement
@@ -39,9 +41,9 @@ class Updates:
 
     A scan is compared with every pose before the transaction begins, because that does not depend on the belief:
     writers on one session wait for each other only while the result is applied. A scan that is compared in a moment is
-    compared within the transaction instead: one thread does that for all writers of a group, while the others sleep.
-    Many threads that compute at once would pass the interpreter's lock from one to the next for about as long as the
-    work itself takes.
+    compared within the transaction instead, once the scans of the poses are predicted: one thread does that for all
+    writers of a group, while the others sleep. Many threads that compute at once would pass the interpreter's lock from
+    one to the next for about as long as the work itself takes.
 
     Attributes:
         sessions: use cases about whole sessions.
@@ -67,19 +69,29 @@ class Updates:
         if state is None:
             return self._response_of_deleted(id_, write)
         model = self.sessions.model_of(state)
-        observe = partial(scan_observation, model.scenario, request)
-        prepared = None if is_compared_quickly(model.scenario, request) else self.places.prepared(state, observe())
-
-        def update(before: SessionState) -> tuple[Updated, ScanObservation]:
-            scan = observe() if prepared is None else prepared
-            return self.places.updated(before, scan), scan
-
+        received = received_scan(model.scenario, request)
         try:
-            response, updated = self._change(state, model, write, update)
+            if received.is_quick:
+                received.predict()
+                with suppress(TakesLong):
+                    return self._apply(state, model, write, partial(received.observation, quickly=True))
+            scan = self.places.prepared(state, received.observation())
+            return self._apply(state, model, write, lambda: scan)
         except SessionMissing:  # since this process saw it
             return self._response_of_deleted(id_, write)
+
+    def _apply(
+        self, state: SessionState, model: Model, write: Write, observe: Callable[[], ScanObservation]
+    ) -> StoredResponse:
+        """Update a session's belief by a scan, which `observe` compares with the poses within the transaction."""
+
+        def update(before: SessionState) -> tuple[Updated, ScanObservation]:
+            scan = observe()
+            return self.places.updated(before, scan), scan
+
+        response, updated = self._change(state, model, write, update)
         if updated is not None:
-            self.places.keep(id_, updated)
+            self.places.keep(state.id, updated)
         return response
 
     def report_outcome(self, id_: str, request: OutcomeRequest, write: Write) -> StoredResponse:

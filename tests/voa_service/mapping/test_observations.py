@@ -18,8 +18,8 @@ from voa_msgs.looks import AtPlace
 from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
 from voa_service.mapping.observations import (
     accepted_scan,
-    is_compared_quickly,
     outcome_observation,
+    received_scan,
     scan_observation,
     viewpoint_of,
 )
@@ -36,7 +36,8 @@ def scan(pose: str, sensor: str = "Q1") -> ScanRequest:
 def test_a_scan_like_a_prediction_favours_its_pose() -> None:
     observation = scan_observation(core_scenario(), scan("P2"))
     evidence = observation.evidence
-    assert (observation.listed, observation.std, evidence.copies, evidence.best_fit) == (True, None, 1, 1)
+    received = observation.received
+    assert (received.listed, received.std, evidence.copies, evidence.best_fit) == (True, None, 1, 1)
     assert (evidence.fit_rmsd_mm, evidence.beams_compared) == (0.0, 4)
     distance = math.hypot(0.1, 0.5)  # P1 differs by 0.1 m, and by a return of 0.5 m where 1 m stands for none
     assert evidence.log_weights[1] - evidence.log_weights[0] == pytest.approx(distance)
@@ -54,13 +55,13 @@ def test_a_scan_with_other_beams_is_refused() -> None:
 
 def test_only_few_ranges_at_a_listed_sensor_without_spread_are_compared_quickly() -> None:
     scenario, posed = core_scenario(), {"sensor_pose": {"x": 0.1, "y": 0.2, "yaw_rad": 0.3}}
-    assert is_compared_quickly(scenario, scan("P2"))
-    assert not is_compared_quickly(replace(scenario, spread=Spread(0.01, 0.0)), scan("P2"))
-    assert not is_compared_quickly(scenario, ScanRequest.model_validate(posed | {"scan": as_scan([0.5] * 4)}))
+    assert received_scan(scenario, scan("P2")).is_quick
+    assert not received_scan(replace(scenario, spread=Spread(0.01, 0.0)), scan("P2")).is_quick
+    assert not received_scan(scenario, ScanRequest.model_validate(posed | {"scan": as_scan([0.5] * 4)})).is_quick
     few = 2**18 // len(scenario.poses)
-    for beams, quickly in ((few, True), (few + 1, False)):
-        long = ScanRequest.model_validate({"sensor": "Q1", "scan": {"ranges": [0.5] * beams}})
-        assert is_compared_quickly(scenario, long) is quickly
+    for beams, quick in ((few, True), (few + 1, False)):
+        grid = {"ranges": [0.5] * beams, "angle_min": 0.0, "angle_increment": 1e-5}
+        assert received_scan(scenario, ScanRequest.model_validate({"sensor": "Q1", "scan": grid})).is_quick is quick
 
 
 def test_a_viewpoint_has_the_name_of_a_listed_sensor_or_the_pose_of_the_request() -> None:

@@ -13,10 +13,12 @@ import pytest
 from tests.support.serving import PREDICTIONS, Service, as_scan, box_obj, data_scenario, mesh_scenario, scan_of, serving
 from tests.support.waiting import SECONDS, wait_for
 from voa_core.errors import BeamGridMismatch, InvalidInput, UnknownName
+from voa_core.mistakes import scans
+from voa_core.prediction import ObservationPredictor
 from voa_core.scenario import Scenario
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
 from voa_service.failures import NotFound, UnknownReference
-from voa_service.mapping.observations import ScanObservation, scan_observation
+from voa_service.mapping.observations import ReceivedScan, ScanObservation
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.updates import Updates
 from voa_store.records import SessionChange, SessionState, StoredResponse, Write
@@ -203,17 +205,18 @@ def test_scans_that_are_compared_in_a_moment_are_compared_by_the_thread_that_com
 ) -> None:
     monkeypatch.setattr("voa_service.mapping.observations._FEW_RANGES", 2**18 if quick else 0)
     threads: list[int] = []
+    observation = ReceivedScan.observation
 
-    def compare(scenario: Scenario, request: ScanRequest) -> ScanObservation:
+    def compare(received: ReceivedScan, *, quickly: bool = False) -> ScanObservation:
         threads.append(threading.get_ident())
-        return scan_observation(scenario, request)
+        return observation(received, quickly=quickly)
 
-    monkeypatch.setattr("voa_service.usecases.updates.scan_observation", compare)
+    monkeypatch.setattr(ReceivedScan, "observation", compare)
     store: Any = service.inside.sessions.store
     other, *sessions = [service.open(data_id) for _ in range(5)]
 
     def wait_together() -> bool:
-        return len(store._session_writer._groups._waiting) == (4 if quick else 3)
+        return len(store._session_writer._groups._waiting) == 3
 
     with ThreadPoolExecutor(4) as pool:
         with held(store, other):
@@ -222,12 +225,46 @@ def test_scans_that_are_compared_in_a_moment_are_compared_by_the_thread_that_com
                 for session, request in zip(sessions, [GOOD, GOOD, UNFIT, EMPTY], strict=True)
             ]
             wait_for(wait_together, "the scans to wait for the transaction")
-            assert len(threads) == (0 if quick else 4)
+            assert len(threads) == (0 if quick else 3)
         with pytest.raises(BeamGridMismatch):
             scans.pop(2).result(SECONDS)
         assert [scan.result(SECONDS).version for scan in scans] == [1, 1, 0]
-    assert len(threads) == 4
+    assert len(threads) == 3
     assert not quick or len(set(threads)) == 1
+
+
+@pytest.mark.parametrize("fits", [True, False])
+def test_scans_are_predicted_and_searched_for_mistakes_before_the_transaction(
+    fits: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    within: list[tuple[str, bool]] = []
+
+    def noting(owner: Any, name: str) -> None:
+        own = getattr(owner, name)
+
+        def noted(*given: Any) -> Any:
+            within.append((name, groups._working))
+            return own(*given)
+
+        monkeypatch.setattr(owner, name, noted)
+
+    with serving(tmp_path) as service:
+        scenario = service.create(mesh_scenario(service.upload(box_obj())))
+        session, sensor = service.open(scenario), service.get(f"/v1/scenarios/{scenario}")["sensors"][0]["name"]
+        ranges = service.post(f"/v1/scenarios/{scenario}/predictions", {"sensors": [sensor]})["ranges"][0][0]
+    with serving(tmp_path) as service:
+        groups = service.inside.sessions.store._session_writer._groups  # type: ignore[attr-defined]  # not of the port
+        service.inside.updates.places.last_state(session)
+        noting(ObservationPredictor, "_predict")
+        noting(Scenario, "evidence")
+        noting(scans, "_readings")
+        far = [None if value is None else value if fits else 0.5 * value for value in ranges]
+        nothing = [beam for beam, value in enumerate(far) if value is None]
+        body = {"sensor": sensor, "scan": {"ranges": far, "no_return": nothing}}
+        answer = service.inside.updates.apply_scan(session, ScanRequest.model_validate(body), write())
+    alone, together = ("evidence", False), ("evidence", True)
+    assert within == [("_predict", False), together, *([] if fits else [alone, ("_readings", False)])]
+    assert any(warning["kind"] == "poor-fit" for warning in json.loads(answer.body)["warnings"]) is not fits
 
 
 def test_a_rehearsal_changes_nothing_and_reads_what_the_next_scan_needs(
@@ -265,7 +302,7 @@ def test_a_rehearsal_leaves_out_a_session_with_very_many_poses(
     updates: Updates, service: Service, session: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert service.get(f"/v1/sessions/{session}")["poses"] == ["P1", "P2", "P3"]
-    monkeypatch.setattr("voa_service.usecases.updates.scan_observation", lambda *_: pytest.fail("compared a scan"))
+    monkeypatch.setattr(ReceivedScan, "observation", lambda *_: pytest.fail("compared a scan"))
     monkeypatch.setattr("voa_service.usecases.updates._MOST_REHEARSED", 2)
     updates.rehearse()
 
