@@ -46,8 +46,8 @@ def look_from_above(page: Page) -> None:
 
 
 def on_screen(page: Page, name: str) -> tuple[float, float]:
-    """Return where the middle of a shape is in the window, pixels."""
-    point: dict[str, float] = page.evaluate(_ON_SCREEN, name)
+    """Return where the middle of a shape is in the window, pixels, once the scene has that shape."""
+    point: dict[str, float] = page.wait_for_function(_ON_SCREEN, arg=name).json_value()
     return point["x"], point["y"]
 
 
@@ -58,6 +58,7 @@ _ON_SCREEN = """(name) => {
     SCENE
     let shape;
     scene.traverse((object) => { if (object.name === name) shape = object; });
+    if (!shape) return null;
     const canvas = document.querySelector("canvas").getBoundingClientRect();
     CAMERA
     camera.updateMatrixWorld();
