@@ -155,7 +155,7 @@ def _miss(
             continue
         for row in range(start[pose], start[pose + 1]):
             beam, far = beams[first[pose] + row - start[pose]], farthest[row]
-            if far < np.inf and measured[beam] < np.inf and measured[beam] <= far + behind_m + _SLACK_M:
+            if -np.inf < far < np.inf and measured[beam] < np.inf and measured[beam] <= far + behind_m + _SLACK_M:
                 count += not sees[beam]
                 sees[beam] = True
         if 3 * count >= least:
