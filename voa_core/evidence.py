@@ -88,6 +88,7 @@ def evidence_of_scan(
     workspace: Workspace | None = None,
     displacements: Displacements | None = None,
     listed: bool = False,
+    prediction: Prediction | None = None,
 ) -> Evidence:
     """Compare a measured scan with the prediction of every displaced copy of every pose.
 
@@ -101,6 +102,8 @@ def evidence_of_scan(
         workspace: box outside which no return counts; None: there is none.
         displacements: of the copies of each pose; None: the object lies exactly at a pose.
         listed: the sensor is one of the scenario's own configurations.
+        prediction: scans of the poses on the beams of the scan; None: the predictor makes it. Copies are predicted
+            from the mesh in any case.
 
     Raises:
         NoMesh: there is no prediction for the sensor.
@@ -113,7 +116,8 @@ def evidence_of_scan(
     viewpoint = Viewpoint.of(sensor, lidar, listed=listed)
     has_workspace = workspace is not None
     if displacements is None or displacements.copies == 1:
-        alone = restricted(predictor.predict(sensor, grid, listed=listed), sensor, scan, lidar, workspace)
+        exact = predictor.predict(sensor, grid, listed=listed) if prediction is None else prediction
+        alone = restricted(exact, sensor, scan, lidar, workspace)
         return evidence_of_beams(beams, alone, rule, has_workspace=has_workspace, viewpoint=viewpoint)
     blocks = (
         restricted_copies(copies, sensor, scan, lidar, workspace)

@@ -14,7 +14,7 @@ from voa_core.filtering import Belief
 from voa_core.grasps import GraspTable
 from voa_core.lidars import LidarModel, SensorConfiguration, SensorUncertainty
 from voa_core.poses import PoseSet
-from voa_core.prediction import ObservationPredictor
+from voa_core.prediction import ObservationPredictor, Prediction
 from voa_core.ranking import MIN_GAIN, Ranking, rank
 from voa_core.rules.protocol import UpdateRule
 from voa_core.scans import Scan
@@ -78,7 +78,12 @@ class Scenario:
         return place in [(own.name, own.x, own.y, own.yaw_rad, own.height_m) for own in self.sensors]
 
     def evidence(
-        self, scan: Scan, sensor: SensorConfiguration, uncertainty: SensorUncertainty | None = None, copies: int = 1
+        self,
+        scan: Scan,
+        sensor: SensorConfiguration,
+        uncertainty: SensorUncertainty | None = None,
+        copies: int = 1,
+        prediction: Prediction | None = None,
     ) -> Evidence:
         """Compare a scan that was taken from `sensor` with every displaced copy of every pose.
 
@@ -87,6 +92,7 @@ class Scenario:
             sensor: where the lidar stood, as stated.
             uncertainty: standard deviations of the sensor pose; None: it is exact.
             copies: the fewest displaced copies of each pose, which the look's place has already.
+            prediction: scans of the poses at `sensor`, on the beams of the scan; None: the predictor makes it.
 
         Raises:
             NoMesh: there is no prediction for the sensor.
@@ -100,6 +106,7 @@ class Scenario:
             workspace=self.workspace,
             displacements=self.displacements(sensor, uncertainty, copies),
             listed=self.lists(sensor),
+            prediction=prediction,
         )
 
     def displacements(

@@ -74,7 +74,7 @@ def put_spans(spans: Spans) -> None:
     """Put spans around numerics and store of a scan update; raises AttributeError where a function has another name."""
     for owner, name in (
         (updates, "received_scan"),
-        (ReceivedScan, "predict"),
+        (ReceivedScan, "predicted"),
         (ReceivedScan, "observation"),
         (updates, "next_version"),
         (updates, "belief_summary"),

@@ -34,8 +34,8 @@ MUTANTS = (
     Mutant(
         name="impossible poses see the object",
         file="voa_core/sight.py",
-        old="        if possible[pose]:\n",
-        new="        if True:\n",
+        old="        if not possible[pose]:\n",
+        new="        if False:\n",
         tests="tests/voa_core/test_sight.py",
     ),
     Mutant(

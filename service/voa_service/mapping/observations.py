@@ -8,6 +8,8 @@ from voa_core.filtering import Belief
 from voa_core.lidars import SensorConfiguration, SensorUncertainty
 from voa_core.mistakes.scans import mistakes_of_scan
 from voa_core.places import Viewpoint
+from voa_core.prediction import Prediction
+from voa_core.rules.plugins import CheckedRule
 from voa_core.scans import Scan
 from voa_core.scenario import Scenario
 from voa_core.weights import wanted
@@ -19,7 +21,7 @@ from voa_service.mapping.sensors import place_of
 from voa_service.mapping.warnings import warning_messages
 from voa_store.records import HistoryEntry
 
-_FEW_RANGES = 2**18  # compared in a tenth of a millisecond
+_FEW_POSES, _FEW_RANGES = 1_000, 2**18  # compared in some tenths of a millisecond
 
 
 class TakesLong(Exception):
@@ -40,6 +42,7 @@ class ReceivedScan:
         sensor: configuration from which it was taken, as stated.
         std: of the sensor pose; None: that is exact.
         listed: True if it was taken from a sensor configuration of the scenario, by name.
+        prediction: scans of the poses on its beams; None: not predicted yet.
     """
 
     scenario: Scenario
@@ -47,27 +50,31 @@ class ReceivedScan:
     sensor: SensorConfiguration
     std: SensorUncertainty | None
     listed: bool
+    prediction: Prediction | None = None
 
     @property
     def is_quick(self) -> bool:
-        """True if the comparison takes a moment once the scan of each pose is predicted: one copy, and few ranges.
+        """True if the comparison takes a moment once the scan of each pose is predicted: one copy of few poses.
 
-        A sensor pose without `std` is left out too: it may share the place of earlier looks that had one.
+        A sensor pose without `std` is left out too, as it may share the place of earlier looks that had one; and so are
+        rules of other packages, which may take any time.
         """
-        ranges = len(self.scenario.poses) * self.scan.grid.beams
-        return self.listed and self.scenario.spread is None and ranges <= _FEW_RANGES
+        scenario, poses = self.scenario, len(self.scenario.poses)
+        few = poses <= _FEW_POSES and poses * self.scan.grid.beams <= _FEW_RANGES
+        return few and self.listed and scenario.spread is None and not isinstance(scenario.rule, CheckedRule)
 
-    def predict(self) -> None:
-        """Predict the scan of each pose, unless the scenario's predictor remembers it; `observation` finds it there.
+    def predicted(self) -> "ReceivedScan":
+        """Return the scan with the predicted scan of each pose, which the scenario's predictor may remember.
 
         Raises:
             VoaError: no prediction can be made.
         """
-        self.scenario.predictor.predict(self.sensor, self.scan.grid, listed=self.scenario.lists(self.sensor))
+        listed = self.scenario.lists(self.sensor)
+        return replace(self, prediction=self.scenario.predictor.predict(self.sensor, self.scan.grid, listed=listed))
 
     def evidence(self, copies: int = 1) -> Evidence:
-        """Compare the scan with at least so many displaced copies of every pose; raises VoaError as `predict` does."""
-        return self.scenario.evidence(self.scan, self.sensor, self.std, copies)
+        """Compare the scan with at least so many displaced copies of every pose; raises VoaError as `predicted`."""
+        return self.scenario.evidence(self.scan, self.sensor, self.std, copies, self.prediction)
 
     def observation(self, *, quickly: bool = False) -> "ScanObservation":
         """Compare the scan with every pose, and search for probable mistakes in it.

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Protocol
 
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, Scan, ScanRequest, UpdatedEstimate, UpdateRequest
+from voa_msgs.warnings import ProbableMistake
 from voa_service.failures import not_found
 from voa_service.mapping.estimates import absent_of, belief_summary, session_message
 from voa_service.mapping.models import Model
@@ -72,7 +73,7 @@ class Updates:
         received = received_scan(model.scenario, request)
         try:
             if received.is_quick:
-                received.predict()
+                received = received.predicted()
                 with suppress(TakesLong):
                     return self._apply(state, model, write, partial(received.observation, quickly=True))
             scan = self.places.prepared(state, received.observation())
@@ -83,7 +84,7 @@ class Updates:
     def _apply(
         self, state: SessionState, model: Model, write: Write, observe: Callable[[], ScanObservation]
     ) -> StoredResponse:
-        """Update a session's belief by a scan, which `observe` compares with the poses within the transaction."""
+        """Update a session's belief by the scan that `observe` returns within the transaction, compared by then."""
 
         def update(before: SessionState) -> tuple[Updated, ScanObservation]:
             scan = observe()
@@ -156,7 +157,8 @@ class Updates:
         ranges: list[float | None] = [0.5 * (lidar.range_min + lidar.range_max)] * lidar.grid.beams
         request = ScanRequest(sensor=scenario.sensors[0].name, scan=Scan(ranges=ranges))
         scan = self.places.prepared(state, scan_observation(scenario, request))
-        self._answer(SessionChange(state), model, state, self.places.updated(state, scan), scan)
+        known = [*self.sessions.models.warnings(state.scenario)]
+        self._answer(SessionChange(state), model, state, self.places.updated(state, scan), scan, known)
 
     def _change(
         self,
@@ -178,11 +180,12 @@ class Updates:
             The response to the write, and the result; None: the write was answered before.
         """
         updated: Updated | None = None
+        known = [*self.sessions.models.warnings(state.scenario)]  # which take long the first time
 
         def step(change: SessionChange, before: SessionState) -> None:
             nonlocal updated
             updated, scan = update(before)
-            self._answer(change, model, before, updated, scan)
+            self._answer(change, model, before, updated, scan, known)
 
         change = self.sessions.store.change(state.id, write, step)
         if updated is not None and updated.report is not None:
@@ -196,14 +199,24 @@ class Updates:
         before: SessionState,
         updated: Updated,
         scan: ScanObservation | None,
+        known: list[ProbableMistake],
     ) -> None:
-        """Respond to a change with the state that its result makes of the state before."""
+        """Respond to a change with the state that its result makes of the state before.
+
+        Args:
+            change: to respond to.
+            model: of the session's scenario.
+            before: state of the session.
+            updated: result of the change.
+            scan: that changes the estimate; None: an outcome does, or another belief.
+            known: probable mistakes in the scenario.
+        """
         now, report = self.sessions.now(), updated.report
         summary = belief_summary(model.scenario, updated.belief, absent_of(updated.record))
         after = next_version(before, updated, summary, now) if updated.accepted else before
-        warnings = [*self.sessions.models.warnings(before.scenario)]
+        warnings = known
         if scan is not None:
-            warnings += scan.warnings
+            warnings = known + scan.warnings
             after = without_announcement(after, scan, now)
         body = session_message(model.scenario, after, warnings, now, report, summary).model_dump_json()
         text = None if report is None else report.model_dump_json()

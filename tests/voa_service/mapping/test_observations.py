@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -14,6 +15,7 @@ from voa_core.displacements import Spread
 from voa_core.errors import BeamGridMismatch, UnknownName
 from voa_core.filtering import Belief
 from voa_core.places import Viewpoint
+from voa_core.rules.plugins import CheckedRule
 from voa_msgs.looks import AtPlace
 from voa_msgs.sessions import OutcomeRequest, ScanRequest, UpdateReport
 from voa_service.mapping.observations import (
@@ -58,10 +60,37 @@ def test_only_few_ranges_at_a_listed_sensor_without_spread_are_compared_quickly(
     assert received_scan(scenario, scan("P2")).is_quick
     assert not received_scan(replace(scenario, spread=Spread(0.01, 0.0)), scan("P2")).is_quick
     assert not received_scan(scenario, ScanRequest.model_validate(posed | {"scan": as_scan([0.5] * 4)})).is_quick
+    own = CheckedRule("own", scenario.rule, scenario.rule.no_return_m)
+    assert not received_scan(replace(scenario, rule=own), scan("P2")).is_quick
     few = 2**18 // len(scenario.poses)
     for beams, quick in ((few, True), (few + 1, False)):
         grid = {"ranges": [0.5] * beams, "angle_min": 0.0, "angle_increment": 1e-5}
         assert received_scan(scenario, ScanRequest.model_validate({"sensor": "Q1", "scan": grid})).is_quick is quick
+
+
+def test_a_scan_is_predicted_once_however_little_the_predictor_remembers() -> None:
+    scenario, made = core_scenario(), []
+
+    def remember(key: Any, make: Callable[[], Any]) -> Any:
+        made.append(key)
+        return make()
+
+    forgetful = replace(scenario, predictor=replace(scenario.predictor, remember=remember))
+    received = received_scan(forgetful, scan("P2")).predicted()
+    assert len(made) == 1
+    observation = received.observation(quickly=True)
+    assert len(made) == 1
+    assert (observation.evidence.log_copies == scan_observation(scenario, scan("P2")).evidence.log_copies).all()
+
+
+@pytest.mark.parametrize(("poses", "quick"), [(1_000, True), (1_001, False)])
+def test_a_scan_of_many_poses_is_not_compared_quickly(poses: int, quick: bool) -> None:
+    names = [{"name": f"P{index}"} for index in range(poses)]
+    data = {"Q1": {each["name"]: [0.5] * 4 for each in names}}
+    sensors = [{"name": "Q1", "x": 0.0, "y": 0.0, "yaw_rad": 0.0}]
+    scores = {"probabilities": [[0.5] * poses] * 2}
+    scenario = core_scenario(poses=names, predictions=data, sensors=sensors, scores=scores)
+    assert received_scan(scenario, scan("P2")).is_quick is quick
 
 
 def test_a_viewpoint_has_the_name_of_a_listed_sensor_or_the_pose_of_the_request() -> None:

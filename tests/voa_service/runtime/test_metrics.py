@@ -64,3 +64,13 @@ def test_two_services_in_a_process_count_for_themselves() -> None:
     one, other = Metrics(), Metrics()
     one.zenoh("link up")
     assert "link up" not in other.text().decode()
+
+
+def test_calls_of_one_method_are_counted_by_their_statuses() -> None:
+    metrics = Metrics()
+    for status in (200, 422, 200):
+        metrics.rpc("scan.apply", status, 0.5)
+    page = metrics.text().decode()
+    assert 'voa_rpc_requests_total{method="scan.apply",status="200"} 2.0' in page
+    assert 'voa_rpc_requests_total{method="scan.apply",status="422"} 1.0' in page
+    assert 'voa_rpc_request_seconds_count{method="scan.apply"} 3.0' in page

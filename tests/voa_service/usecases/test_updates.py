@@ -18,6 +18,7 @@ from voa_core.prediction import ObservationPredictor
 from voa_core.scenario import Scenario
 from voa_msgs.sessions import BeliefRequest, OutcomeRequest, ScanRequest, UpdateRequest
 from voa_service.failures import NotFound, UnknownReference
+from voa_service.mapping import models
 from voa_service.mapping.observations import ReceivedScan, ScanObservation
 from voa_service.requests.idempotency import idempotency_key, scope_of, write_of
 from voa_service.usecases.updates import Updates
@@ -234,7 +235,7 @@ def test_scans_that_are_compared_in_a_moment_are_compared_by_the_thread_that_com
 
 
 @pytest.mark.parametrize("fits", [True, False])
-def test_scans_are_predicted_and_searched_for_mistakes_before_the_transaction(
+def test_predictions_and_searches_for_mistakes_are_made_before_the_transaction(
     fits: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     within: list[tuple[str, bool]] = []
@@ -258,12 +259,15 @@ def test_scans_are_predicted_and_searched_for_mistakes_before_the_transaction(
         noting(ObservationPredictor, "_predict")
         noting(Scenario, "evidence")
         noting(scans, "_readings")
+        noting(models, "mistakes_of_scenario")
         far = [None if value is None else value if fits else 0.5 * value for value in ranges]
         nothing = [beam for beam, value in enumerate(far) if value is None]
         body = {"sensor": sensor, "scan": {"ranges": far, "no_return": nothing}}
         answer = service.inside.updates.apply_scan(session, ScanRequest.model_validate(body), write())
-    alone, together = ("evidence", False), ("evidence", True)
-    assert within == [("_predict", False), together, *([] if fits else [alone, ("_readings", False)])]
+    assert [inside for name, inside in within if name == "evidence"] == ([True] if fits else [True, False])
+    others = {(name, inside) for name, inside in within if name != "evidence"}
+    search = {("_predict", False), ("mistakes_of_scenario", False)}
+    assert others == (search if fits else search | {("_readings", False)})
     assert any(warning["kind"] == "poor-fit" for warning in json.loads(answer.body)["warnings"]) is not fits
 
 
