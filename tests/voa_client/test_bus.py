@@ -120,3 +120,4 @@ def test_a_session_that_is_moved_quickly_is_followed_version_by_version(
         beside.delete_session(session.id)
         follower.ends()
     assert follower.versions[-41:] == list(range(first, first + 41))
+    assert follower.versions == sorted(set(follower.versions)), "a version twice, or before an older one"

@@ -255,7 +255,6 @@ def test_predictions_and_searches_for_mistakes_are_made_before_the_transaction(
         ranges = service.post(f"/v1/scenarios/{scenario}/predictions", {"sensors": [sensor]})["ranges"][0][0]
     with serving(tmp_path) as service:
         groups = service.inside.sessions.store._session_writer._groups  # type: ignore[attr-defined]  # not of the port
-        service.inside.updates.places.last_state(session)
         noting(ObservationPredictor, "_predict")
         noting(Scenario, "evidence")
         noting(scans, "_readings")
